@@ -536,7 +536,7 @@ pub const LAG_DRIFT_SAMPLES: f64 = 0.25;
 
 /// Share of the gain elsewhere below which the output does not follow the command at an end of its range: it stands at a stop.
 ///
-/// Protects: servos whose gain falls towards the end of the travel, or that have a dead band, from being told that they are stopped.
+/// Protects: servos whose gain falls towards the end of the travel, or that have a dead band, from being called stopped.
 /// Evidence: the tests of stops.
 pub const STOP_GAIN: f64 = 0.1;
 
@@ -545,7 +545,7 @@ pub const STOP_SHARE: f64 = 0.05;
 
 /// Standard deviations from which on motion before the changes of a held command is beyond chance.
 ///
-/// Protects: recordings whose command was written in time from being told that it was late. Evidence: the tests of early motion, where
+/// Protects: recordings whose command was written in time from being called late. Evidence: the tests of early motion, where
 /// it is below 3 in time, also with servos that ring or creep, and above 10 where 8 ms of motion come first.
 pub const EARLY_SIGNIFICANCE: f64 = 6.0;
 

@@ -82,7 +82,8 @@ fn commands_between_rows(data: &Dataset, found: &Identification) -> Option<Advic
     let period_s = data.record.sample_period_s();
     let share = scatter_s / period_s;
     // Errors of a servo that is not linear, and steps of a coarse sensor, scatter from stroke to stroke, too.
-    let is_plain = found.model.linear && found.explanation.resolution.is_none();
+    let has_bounds = found.model.bounds.valid().is_some();
+    let is_plain = found.model.linear && has_bounds && found.explanation.resolution.is_none();
     (is_plain && data.about.commands_at_rows && BETWEEN_ROWS.contains(&share)).then(|| {
         Advice::new(
             Check::CommandEdges,

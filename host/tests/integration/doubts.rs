@@ -261,3 +261,51 @@ fn commands_that_change_between_rows_are_suspected_and_corrected() {
     // A quarter of a row: the changes of this command do not lie evenly between rows.
     assert!((value - truth).abs() < 0.005, "{value}");
 }
+
+/// What a rig file leaves open, or gets wrong, is said where the servo was captured or identified.
+#[test]
+fn the_scale_the_direction_and_the_place_of_a_servo_are_doubted() {
+    let dir = tempfile::tempdir().unwrap();
+    let [against, narrow, recording] =
+        ["against.toml", "narrow.toml", "r.csv"].map(|name| dir.path().join(name));
+    let init = |file: &std::path::Path, option: &str| {
+        run(&[
+            "init",
+            "-q",
+            "--yes",
+            "--port",
+            "sim:linear",
+            option,
+            "-o",
+            arg(file),
+        ]);
+    };
+    init(&against, "--us-per-degree=-10");
+    init(&narrow, "--pulse-type=narrow");
+    let capture = |rig: &std::path::Path| {
+        run(&[
+            "capture",
+            "-q",
+            "--rig",
+            arg(rig),
+            "--port",
+            "sim:linear",
+            "--force",
+            "-o",
+            arg(&recording),
+        ])
+    };
+    assert!(!capture(&against).contains("warning"));
+    let said = run(&["identify", "-q", arg(&recording)]);
+    assert!(
+        said.contains("The position goes against the command"),
+        "{said}"
+    );
+    // A rig file that was not calibrated.
+    assert!(
+        said.contains("The scale of the sensor is known to ±12.9 % only"),
+        "{said}"
+    );
+    let said = capture(&narrow);
+    assert!(said.contains("warning: the position lies"), "{said}");
+}

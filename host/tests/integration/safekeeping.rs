@@ -304,3 +304,58 @@ fn a_rig_with_a_run_under_way_is_left_alone() {
     assert!(!file.exists());
     assert_eq!(bridge.join().unwrap(), 0, "not a byte was said to the rig");
 }
+
+/// Not even --force: it may be the only copy.
+#[test]
+fn a_result_never_replaces_what_the_command_reads() {
+    let dir = tempfile::tempdir().unwrap();
+    let [recording, model, rig] = ["r.csv", "m.json", "rig.toml"].map(|name| dir.path().join(name));
+    run(&["simulate", "-q", "--servo", "linear", "-o", arg(&recording)]);
+    run(&["identify", "-q", arg(&recording), "-o", arg(&model)]);
+    run(&[
+        "init",
+        "-q",
+        "--yes",
+        "--port",
+        "sim:bench",
+        "-o",
+        arg(&rig),
+    ]);
+    let link = dir.path().join("link.csv");
+    std::os::unix::fs::symlink(&recording, &link).unwrap();
+    let before = [&recording, &model, &rig].map(|file| std::fs::read(file).unwrap());
+    let [r, m, t] = [&recording, &model, &rig].map(|file| arg(file));
+    let commands: [&[&str]; 7] = [
+        &["identify", r, "-o", r],
+        &["identify", r, "-o", arg(&link)],
+        &["report", r, "-o", r],
+        &["validate", m, r, "-o", m],
+        &["export", m, "-o", m],
+        &["plan", "--model", m, "--rig", t, "-o", t],
+        &["capture", "--rig", t, "-o", t],
+    ];
+    for command in commands {
+        let said = refusal(&[command, &["--force"]].concat());
+        assert!(
+            said.contains("is what the command reads"),
+            "{command:?}: {said}"
+        );
+    }
+    let after = [&recording, &model, &rig].map(|file| std::fs::read(file).unwrap());
+    assert_eq!(before, after);
+    // A rig file that is made anew is kept.
+    run(&[
+        "init",
+        "-q",
+        "--yes",
+        "--port",
+        "sim:linear",
+        "-o",
+        t,
+        "--force",
+    ]);
+    assert_eq!(
+        std::fs::read(dir.path().join("rig-1.toml")).unwrap(),
+        before[2]
+    );
+}

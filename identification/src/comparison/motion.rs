@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::data::{Record, Run, usual_hold};
 use crate::thresholds::{EQUALLY_LARGE, EQUALLY_LONG, HELD_WITHIN};
 
-/// More levels than this are not told apart.
+/// More levels than this are many.
 const MOST_LEVELS: usize = 25;
 
 /// A hold has at least so many samples.

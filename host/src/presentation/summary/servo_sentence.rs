@@ -4,7 +4,7 @@ use super::layout::listed_words;
 use super::servo_model::{OF_LIMIT, digits, four_digits, seconds_per_60_degrees, turn_time_s};
 use crate::data::units::Units;
 use servoid_identification::results::{Bounds, Reason};
-use servoid_identification::servo_model::{LoadKind, Quantity, ServoModel};
+use servoid_identification::servo_model::{LinearKind, LoadKind, Quantity, ServoModel};
 use servoid_identification::thresholds::POOR_PREDICTION_PERCENT;
 
 /// What kind of servo this is, in a sentence or two; and that the linear model is the one to use, where it predicts better.
@@ -120,11 +120,25 @@ fn speed_in_words(model: &ServoModel, (speed, figure): (f64, String), units: Uni
 fn kind(model: &ServoModel) -> &'static str {
     match model.covariance {
         _ if model.terms.limit && shows_limit(model) => "is limited in its drive",
+        // Terms of the drive stand for what a linear servo of higher order has, too.
+        _ if model.terms.limit && linear_is_as_good(model) => "is much like a linear one",
         // Friction comes with a limit that the record may not reach.
         _ if model.terms.limit => "is not linear",
         Bounds::Valid(_) => "is linear",
         Bounds::Withdrawn(_) => "is much like a linear one",
     }
+}
+
+/// Whether the linear model beside it predicts unseen parts as well.
+fn linear_is_as_good(model: &ServoModel) -> bool {
+    let linear = model.linear_models.as_ref();
+    let percent = linear.and_then(|found| {
+        Some((
+            found.percent_of(LinearKind::Linear)?,
+            found.servo_model_percent,
+        ))
+    });
+    percent.is_some_and(|(linear, servo)| linear >= servo)
 }
 
 /// Whether the record determines anything that a limit of the drive brings about.

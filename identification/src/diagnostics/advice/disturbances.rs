@@ -30,15 +30,14 @@ pub(super) fn outliers(evidence: &Evidence<'_>) -> Option<Advice> {
     } else {
         ""
     };
-    let samples = if count == 1 {
-        "sample was"
-    } else {
-        "samples were"
+    let (were, are) = match count {
+        1 => ("was", "it is"),
+        _ => ("were", "they are"),
     };
     Some(Advice::new(
         Check::Outliers,
         format!(
-            "{count} of {} {samples} left out, because they are farther than {OUTLYING} standard deviations from what the others \
+            "{count} of {} samples {were} left out, because {are} farther than {OUTLYING} standard deviations from what the others \
              predict: at {}{more}.",
             evidence.samples,
             places.join(", ")
