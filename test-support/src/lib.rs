@@ -14,6 +14,7 @@
 //! - `hello` (feature `rig`): the answer of a rig that has just been started.
 //! - `trials` (feature `rig`): captures over bad lines, killed captures, recordings of simulated rigs and
 //!   whether they are what the board sampled.
+//! - `stepped` (feature `board`): a processor with something done around each of its steps.
 //! - `virtual_board` (feature `board`): the flash image on the virtual board, as a port.
 
 pub mod arguments;
@@ -31,6 +32,8 @@ pub mod oracle;
 pub mod plants;
 pub mod servo_means;
 pub mod servos;
+#[cfg(feature = "board")]
+pub mod stepped;
 pub mod tools;
 #[cfg(feature = "rig")]
 pub mod trials;

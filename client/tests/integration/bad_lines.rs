@@ -57,7 +57,13 @@ fn five_messages_in_a_hundred_cost_nothing() {
 
 #[test]
 fn a_hopeless_line_is_never_silently_wrong() {
-    whole(0..100, 0.3);
+    whole(0..15, 0.3);
+}
+
+#[test]
+#[ignore = "many seeds: cargo test -p servoid-client -- --ignored"]
+fn hopeless_lines_are_never_silently_wrong() {
+    whole(15..100, 0.3);
 }
 
 #[test]

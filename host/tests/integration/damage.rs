@@ -220,7 +220,7 @@ fn lost_samples_beyond_any_run_are_refused() {
 fn a_file_of_nothing_but_bad_rows_takes_no_square_of_its_length() {
     let header = std::fs::read_to_string(data("recording-format-2.csv")).unwrap();
     let header = &header[..header.find("\n0,").unwrap() + 1];
-    let lines = 1_000_000;
+    let lines = 200_000;
     for bad in [" \n", "x\n", "1,2,3\n"] {
         let started = std::time::Instant::now();
         let text = format!("{header}{}", bad.repeat(lines));
@@ -228,7 +228,7 @@ fn a_file_of_nothing_but_bad_rows_takes_no_square_of_its_length() {
         assert!(Recording::parse(text.as_bytes(), path).is_err());
         assert!(recover(text.as_bytes(), path).is_err());
         assert!(
-            started.elapsed() < Duration::from_secs(60),
+            started.elapsed() < Duration::from_secs(20),
             "{:?}",
             started.elapsed()
         );

@@ -1,6 +1,6 @@
 //! Results that stand on nothing: exchanged columns, loops, models that do not predict, times that cannot be.
 
-use crate::support::{arg, data, refusal, run, servoid};
+use crate::support::{arg, data, json, refusal, run, servoid};
 use serde_json::Value;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ fn part(dir: &Path, file: &str, rows: std::ops::Range<usize>) -> PathBuf {
     path
 }
 
-/// The text of an identification, its document, and what an export of its servo model says on standard error.
+/// The text of an identification, and its document.
 fn identified(file: &Path, columns: [&str; 2], more: &[&str]) -> (String, Value) {
     let [input, output] = columns;
     let args = [
@@ -28,9 +28,10 @@ fn identified(file: &Path, columns: [&str; 2], more: &[&str]) -> (String, Value)
         "--output",
         output,
     ];
-    let text = run(&[&args[..], more].concat());
-    let document = run(&[&args[..], more, &["--json"]].concat());
-    (text, serde_json::from_str(&document).unwrap())
+    let model = file.with_extension("json");
+    let kept = ["--force", "-o", arg(&model)];
+    let text = run(&[&args[..], more, &kept].concat());
+    (text, json(&model))
 }
 
 fn checks(document: &Value) -> Vec<&str> {

@@ -212,7 +212,11 @@ fn a_port_that_never_answers_and_one_that_talks_nonsense() {
         while stream.read(&mut nobody_reads).is_ok_and(|n| n > 0) {}
     });
     assert!(refusal(&["info", "--port", &silent]).contains("answers"));
-    let noisy = listener(|mut stream| while stream.write_all(b"U\x00junk\x03\x00").is_ok() {});
+    let noisy = listener(|mut stream| {
+        while stream.write_all(b"U\x00junk\x03\x00").is_ok() {
+            std::thread::sleep(std::time::Duration::from_millis(1));
+        }
+    });
     assert!(refusal(&["info", "--port", &noisy]).contains("baud"));
     let gone = listener(drop);
     assert!(refusal(&["info", "--port", &gone]).contains("connection"));

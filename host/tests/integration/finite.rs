@@ -157,9 +157,10 @@ fn require_usable(name: &str, recording: &Path, columns: &[&str], folder: &Path)
     true
 }
 
-#[test]
-fn no_result_has_a_number_that_is_none_and_every_model_is_accepted() {
-    let kinds = kinds();
+/// Of the kinds whose names are `wanted`; returns how many of them have a model.
+fn usable(wanted: impl Fn(&str) -> bool) -> usize {
+    let mut kinds = kinds();
+    kinds.retain(|(name, ..)| wanted(name));
     let next = std::sync::atomic::AtomicUsize::new(0);
     let work = || {
         let mut models = 0;
@@ -173,11 +174,25 @@ fn no_result_has_a_number_that_is_none_and_every_model_is_accepted() {
         }
         models
     };
-    let models: usize = std::thread::scope(|scope| {
+    std::thread::scope(|scope| {
         let workers = [scope.spawn(work), scope.spawn(work)];
         workers.map(|worker| worker.join().unwrap()).iter().sum()
-    });
-    assert!(models >= 10, "{models}");
+    })
+}
+
+/// A usual one, the least that may be known of a motion, and one that has gaps.
+const FEW: [&str; 4] = ["plain", "without noise", "frozen", "holes"];
+
+#[test]
+fn no_result_has_a_number_that_is_none_and_every_model_is_accepted() {
+    assert!(usable(|name| FEW.contains(&name)) >= 3);
+}
+
+#[test]
+#[ignore = "ten seconds: cargo test -p servoid --test integration -- --ignored no_result_of_any_kind"]
+fn no_result_of_any_kind_of_recording_has_a_number_that_is_none() {
+    let models = usable(|name| !FEW.contains(&name));
+    assert!(models >= 7, "{models}");
 }
 
 #[test]

@@ -105,8 +105,15 @@ fn the_model_has_every_field_and_finite_numbers() {
     assert_eq!(std::fs::read_dir(&plots).unwrap().count(), 4);
 }
 
+/// The rows that an identification with these arguments uses.
+fn used(args: &[&str]) -> u64 {
+    let model: serde_json::Value =
+        serde_json::from_str(&run(&[args, &["--json"]].concat())).unwrap();
+    model["fit"]["samples_used"].as_u64().unwrap()
+}
+
 #[test]
-fn several_files_and_a_run_column_are_separate_runs() {
+fn several_files_are_separate_runs() {
     let dir = tempfile::tempdir().unwrap();
     let files: Vec<PathBuf> = (1..=2)
         .map(|seed| {
@@ -123,16 +130,15 @@ fn several_files_and_a_run_column_are_separate_runs() {
             file
         })
         .collect();
-    let used = |args: &[&str]| {
-        let model: serde_json::Value =
-            serde_json::from_str(&run(&[args, &["--json"]].concat())).unwrap();
-        model["fit"]["samples_used"].as_u64().unwrap()
-    };
     let fixed = ["--settling", "151", "--noise-order", "2"];
     let one = used(&[&["identify", arg(&files[0])], &fixed[..]].concat());
     let two = used(&[&["identify", arg(&files[0]), arg(&files[1])], &fixed[..]].concat());
     assert_eq!(two, 2 * one, "each run loses its own first rows");
+}
 
+#[test]
+#[ignore = "three seconds: cargo test -p servoid --test integration -- --ignored runs_that_begin_at_rest"]
+fn runs_that_begin_at_rest_lose_no_row() {
     let servo = data("miuzei_rc_servo_large.csv");
     let columns = [
         "identify",
@@ -150,11 +156,7 @@ fn several_files_and_a_run_column_are_separate_runs() {
         "--settling",
         "41",
     ];
-    assert_eq!(
-        used(&columns),
-        4950,
-        "at rest before each run: no row is lost"
-    );
+    assert_eq!(used(&columns), 4950);
 }
 
 /// What is known of a real recording, and what servoid has to make of it.
@@ -212,8 +214,18 @@ const REAL_RECORDINGS: [RealRecording; 4] = [
 ];
 
 #[test]
-fn every_real_recording_gives_a_sensible_model() {
-    for real in REAL_RECORDINGS {
+fn real_recordings_of_motors_give_a_sensible_model() {
+    require_sensible(&REAL_RECORDINGS[..2]);
+}
+
+#[test]
+#[ignore = "five seconds: cargo test -p servoid --test integration -- --ignored real_recordings_of_servos"]
+fn real_recordings_of_servos_give_a_sensible_model() {
+    require_sensible(&REAL_RECORDINGS[2..]);
+}
+
+fn require_sensible(recordings: &[RealRecording]) {
+    for real in recordings {
         let path = data(real.file);
         let args = [
             "identify",

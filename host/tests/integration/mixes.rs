@@ -37,8 +37,14 @@ fn tally(seeds: std::ops::Range<u64>) -> [usize; 3] {
 }
 
 #[test]
-fn two_dozen_mixes_of_everything_are_neither_hung_nor_wrong() {
-    tally(0..24);
+fn some_mixes_of_everything_are_neither_hung_nor_wrong() {
+    tally(0..8);
+}
+
+#[test]
+#[ignore = "three seconds: cargo test -p servoid --test integration -- --ignored more_mixes"]
+fn more_mixes_of_everything_are_neither_hung_nor_wrong() {
+    tally(8..24);
 }
 
 #[test]

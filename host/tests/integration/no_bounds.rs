@@ -19,8 +19,8 @@ enum Withdrawn {
 }
 
 impl Withdrawn {
-    const ALL: [Self; 4] = [
-        Self::InputUnexcited,
+    /// But for [`Self::InputUnexcited`].
+    const OTHERS: [Self; 3] = [
         Self::FrequenciesLeftOut,
         Self::ErrorsNotNoise,
         Self::QuantisationAboveNoise,
@@ -233,9 +233,19 @@ fn require_comparison_without_bounds(a: &Path, b: &Path, withdrawn: Withdrawn) {
 }
 
 #[test]
+fn no_bound_is_left_in_an_identification() {
+    require_identification_without_bounds(&[Withdrawn::InputUnexcited]);
+}
+
+#[test]
+#[ignore = "five seconds: cargo test -p servoid --test integration -- --ignored no_reason_leaves_a_bound"]
 fn no_reason_leaves_a_bound_in_an_identification() {
+    require_identification_without_bounds(&Withdrawn::OTHERS);
+}
+
+fn require_identification_without_bounds(reasons: &[Withdrawn]) {
     let dir = tempfile::tempdir().unwrap();
-    for withdrawn in Withdrawn::ALL {
+    for &withdrawn in reasons {
         let files = [1, 2, 3].map(|seed| withdrawn.recording(dir.path(), seed));
         let common = [
             "identify",
@@ -280,20 +290,19 @@ fn no_reason_leaves_a_bound_in_an_identification() {
 const FORMATS: [&str; 6] = ["matlab", "python", "julia", "c", "csv", "jsbsim"];
 
 #[test]
+fn no_bound_is_left_in_an_export_a_plan_a_validation_or_a_comparison() {
+    require_uses_without_bounds(&[Withdrawn::InputUnexcited]);
+}
+
+#[test]
+#[ignore = "five seconds: cargo test -p servoid --test integration -- --ignored no_reason_leaves_a_bound"]
 fn no_reason_leaves_a_bound_in_an_export_a_plan_a_validation_or_a_comparison() {
+    require_uses_without_bounds(&Withdrawn::OTHERS);
+}
+
+fn require_uses_without_bounds(reasons: &[Withdrawn]) {
     let dir = tempfile::tempdir().unwrap();
-    let steps = dir.path().join("steps.csv");
-    run(&[
-        "simulate",
-        "-q",
-        "--servo",
-        "linear",
-        "--seed",
-        "3",
-        "-o",
-        arg(&steps),
-    ]);
-    for withdrawn in Withdrawn::ALL {
+    for &withdrawn in reasons {
         let [a, b] = [1, 2].map(|seed| withdrawn.recording(dir.path(), seed));
         let model = dir.path().join("model.json");
         let identify = [
@@ -495,6 +504,7 @@ fn identify_compare_and_export_show_no_bounds() {
 }
 
 #[test]
+#[ignore = "five seconds: cargo test -p servoid --test integration -- --ignored a_report_draws_no_bounds"]
 fn a_report_draws_no_bounds_and_its_captions_promise_none() {
     let dir = tempfile::tempdir().unwrap();
     let [a, b] = [1, 2].map(|seed| limited(dir.path(), seed));

@@ -133,6 +133,18 @@ fn prose(text: &str) -> String {
 
 #[test]
 fn an_export_states_the_units_and_holds_as_the_model_says() {
+    require_units_stated("jsbsim");
+}
+
+#[test]
+#[ignore = "five seconds: cargo test -p servoid --test integration -- --ignored every_export_states_the_units"]
+fn every_export_states_the_units_and_holds_as_the_model_says() {
+    ["c", "csv", "matlab"]
+        .into_iter()
+        .for_each(require_units_stated);
+}
+
+fn require_units_stated(target: &str) {
     let golden = arg(&data("model-schema-1.json")).to_owned();
     let export = |model: &str, target: &str, more: &[&str]| {
         let args = ["export", model, "--to", target, "-q"];
@@ -143,35 +155,33 @@ fn an_export_states_the_units_and_holds_as_the_model_says() {
         SUBJECT.at("own.json"),
         SUBJECT.at("bare.json"),
     );
-    for target in ["c", "csv", "matlab", "jsbsim"] {
-        let text = export(&us, target, &[]);
+    let text = export(&us, target, &[]);
+    assert!(
+        text.contains("the command is in us, the position is in deg"),
+        "{target}"
+    );
+    assert!(text.contains("in deg/us"), "{target}");
+    for model in [&us, &bare, &golden] {
+        let text = export(model, target, &[]);
         assert!(
-            text.contains("the command is in us, the position is in deg"),
+            text.contains("it is not known how the command is held"),
             "{target}"
         );
-        assert!(text.contains("in deg/us"), "{target}");
-        for model in [&us, &bare, &golden] {
-            let text = export(model, target, &[]);
-            assert!(
-                text.contains("it is not known how the command is held"),
-                "{target}"
-            );
-            assert!(
-                !text.contains("20.0 ms") && !text.contains("<switch"),
-                "{target}"
-            );
-        }
-        for (model, more) in [(&own, &[][..]), (&us, &["--frame-ms", "20"])] {
-            let text = export(model, target, more);
-            assert!(text.contains("20.0 ms"), "{target} {model}");
-            assert!(!text.contains("it is not known how"), "{target} {model}");
-            assert_eq!(text.contains("<switch"), target == "jsbsim");
-        }
         assert!(
-            export(&bare, target, &[])
-                .contains("the unit of the command is that of the recording, and not known")
+            !text.contains("20.0 ms") && !text.contains("<switch"),
+            "{target}"
         );
-        let free = export(&own, target, &["--frame-ms", "0"]);
-        assert!(free.contains("No frame hold is assumed"), "{target}");
     }
+    for (model, more) in [(&own, &[][..]), (&us, &["--frame-ms", "20"])] {
+        let text = export(model, target, more);
+        assert!(text.contains("20.0 ms"), "{target} {model}");
+        assert!(!text.contains("it is not known how"), "{target} {model}");
+        assert_eq!(text.contains("<switch"), target == "jsbsim");
+    }
+    assert!(
+        export(&bare, target, &[])
+            .contains("the unit of the command is that of the recording, and not known")
+    );
+    let free = export(&own, target, &["--frame-ms", "0"]);
+    assert!(free.contains("No frame hold is assumed"), "{target}");
 }

@@ -60,7 +60,11 @@ fn a_summary() {
 #[test]
 fn advice() {
     let folder = tempfile::tempdir().expect("a folder");
-    let file = simulated(folder.path(), "aircraft", &["--reference", "sweep"]);
+    let file = simulated(
+        folder.path(),
+        "aircraft",
+        &["--reference", "sweep", "--length", "6"],
+    );
     insta::assert_snapshot!("advice_sweep", printed(folder.path(), &["identify", &file]));
     let short = ["identify", file.as_str(), "--settling", "21"];
     insta::assert_snapshot!("advice_short_memory", printed(folder.path(), &short));

@@ -70,14 +70,14 @@ fn a_complete_bank_is_finite_impulse_response_least_squares() {
 
 #[test]
 fn generalised_least_squares_by_moments_is_that_by_explicit_rows() {
-    for (noise, order) in [
-        (Noise::White, 0),
-        (Noise::Ar1, 1),
-        (Noise::Ar2, 2),
-        (Noise::Arma, 4),
+    for (noise, order, banks) in [
+        (Noise::White, 0, [(61, 61), (100, 31)]),
+        (Noise::Ar1, 1, [(61, 61), (100, 31)]),
+        (Noise::Ar2, 2, [(61, 61), (150, 99)]),
+        (Noise::Arma, 4, [(61, 61), (100, 31)]),
     ] {
         let record = record(noise, 7);
-        for (settling, frequencies) in [(100, 31), (61, 61), (150, 99)] {
+        for (settling, frequencies) in banks {
             let basis = FsfBasis::new(settling, frequencies).unwrap();
             let slow = direct::fit(&record, basis, order, 40);
             let information = RowInformation::from_moments(Moments::of_record(
@@ -234,13 +234,25 @@ fn the_frequency_response_lags() {
 
 #[test]
 fn a_known_gain_comes_back_within_its_bounds_in_white_and_coloured_noise() {
+    // 15 intervals of 99 %: more than two misses happen once in 2400 times.
+    require_few_misses(5, 2);
+}
+
+#[test]
+#[ignore = "many seeds: cargo test -p servoid-identification --lib -- --ignored a_known_gain"]
+fn a_known_gain_comes_back_within_its_bounds_with_many_seeds() {
+    // 45 intervals of 99 %: more than three misses happen once in 2000 times.
+    require_few_misses(15, 3);
+}
+
+fn require_few_misses(seeds: u64, most: usize) {
     let options = Options {
         settling: Settling::Samples(151),
         ..Options::default()
     };
     let mut missed = 0;
     for noise in [Noise::White, Noise::Ar1, Noise::Ar2] {
-        for seed in 0..15 {
+        for seed in 0..seeds {
             let model = identify(&record(noise, seed), &options).unwrap();
             let last = model.step.value.len() - 1;
             let each = &model.step.bounds.valid().unwrap().pointwise;
@@ -249,8 +261,7 @@ fn a_known_gain_comes_back_within_its_bounds_in_white_and_coloured_noise() {
             missed += usize::from(!(lower..=upper).contains(&1.0));
         }
     }
-    // 45 intervals of 99 %: more than three misses happen once in 2000 times.
-    assert!(missed <= 3, "{missed} of 45 bounds miss the gain");
+    assert!(missed <= most, "{missed} bounds miss the gain");
 }
 
 #[test]

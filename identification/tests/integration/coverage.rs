@@ -15,6 +15,29 @@ use servoid_test_support::plants::{
 const RUNS: usize = 16;
 
 #[test]
+fn bands_of_automatic_structure_hold() {
+    let options = Options {
+        longest_settling: Some(301),
+        ..Options::default()
+    };
+    let case = Case {
+        reference: Reference::Staircase,
+        plant: Plant::A,
+        noise: Noise::White,
+        scale: 1.0,
+    };
+    let line = measure(case, RUNS, &options);
+    // Of 16 curves at 99 % more than two are outside once in 2000 times. Neighbouring points fail together.
+    assert!(line.mean > 0.95 && line.whole >= 14.0 / 16.0, "{line}");
+    assert!(line.withdrawn == 0.0, "{line}");
+    assert!(
+        line.half_widths.0 < 0.0095,
+        "bands are not bought by width: {line}"
+    );
+}
+
+#[test]
+#[ignore = "many seeds: cargo test -p servoid-identification --test integration -- --ignored coverage"]
 fn bands_of_automatic_structure_hold_as_often_as_they_say() {
     // A shorter longest settling time than the default saves most of the time; plants A to C
     // settle well within it.
@@ -94,6 +117,7 @@ fn an_end_of_the_response_below_the_noise_is_said_in_every_run() {
 }
 
 #[test]
+#[ignore = "many seeds: cargo test -p servoid-identification --test integration -- --ignored coverage"]
 fn a_reference_that_repeats_itself_is_identified_as_far_as_it_goes() {
     for noise in [Noise::White, Noise::Ar1] {
         let case = Case {

@@ -86,6 +86,7 @@ fn hum_is_taken_out_and_named() {
 }
 
 #[test]
+#[ignore = "many seeds: cargo test -p servoid-identification --test integration -- --ignored hard_lines"]
 fn bounds_of_hard_recordings_hold() {
     const RUNS: usize = 4;
     let lines = [
@@ -112,7 +113,7 @@ fn bounds_of_hard_recordings_hold() {
 #[test]
 fn a_slow_end_takes_the_level() {
     let slow = line(|h| matches!(h, Hardship::SlowEnd { seconds, .. } if *seconds > 0.5));
-    let found = slow.measure(4, &Options::default());
+    let found = slow.measure(2, &Options::default());
     assert_eq!(found.claimed, 0.0, "{found}");
 }
 

@@ -77,9 +77,20 @@ fn the_response_at_any_frequency_is_that_of_the_servo() {
 }
 
 #[test]
-fn intervals_hold_the_exact_figures_as_often_as_they_say() {
+fn intervals_hold_the_exact_figures() {
+    require_held(&[(0.5, 1.0)]);
+}
+
+#[test]
+#[ignore = "many seeds: cargo test -p servoid-identification --test integration -- --ignored metrics"]
+fn intervals_hold_the_exact_figures_of_other_servos_and_in_loud_noise() {
+    require_held(&[(0.78, 1.0), (0.9, 10.0)]);
+}
+
+/// Of servos with these damping ratios in noise of these sizes.
+fn require_held(cases: &[(f64, f64)]) {
     let mut short = Vec::new();
-    for (zeta, noise) in [(0.5, 1.0), (0.78, 1.0), (0.9, 10.0)] {
+    for &(zeta, noise) in cases {
         let case = Case {
             servo: servo(zeta),
             sample_phase_s: 0.0005,

@@ -18,13 +18,20 @@ fn options(prior: Prior) -> Options {
 
 #[test]
 fn bands_under_the_prior_are_narrower_and_hold() {
+    require_narrower_and_held(&[(Plant::A, Noise::White, 0.6)]);
+}
+
+#[test]
+#[ignore = "three seconds: cargo test -p servoid-identification --test integration -- --ignored prior"]
+fn bands_under_the_prior_are_narrower_and_hold_for_another_servo_and_in_slow_noise() {
+    require_narrower_and_held(&[(Plant::C, Noise::White, 0.5), (Plant::A, Noise::Ar2, 1.0)]);
+}
+
+/// For servos in noise: their bands are narrower than this share of those without the prior.
+fn require_narrower_and_held(cases: &[(Plant, Noise, f64)]) {
     const RUNS: usize = 5;
     let mut whole = 0.0;
-    for (plant, noise, narrower) in [
-        (Plant::A, Noise::White, 0.6),
-        (Plant::C, Noise::White, 0.5),
-        (Plant::A, Noise::Ar2, 1.0),
-    ] {
+    for &(plant, noise, narrower) in cases {
         let case = Case {
             reference: Reference::Staircase,
             plant,
@@ -40,8 +47,9 @@ fn bands_under_the_prior_are_narrower_and_hold() {
         );
         whole += found.whole * RUNS as f64;
     }
-    // Of 15 curves at 98 %, three outside happen once in 300 times.
-    assert!(whole >= 13.0, "{whole} of 15 curves inside");
+    // Of 10 curves at 98 %, two outside happen once in 60 times, of 5 once in 260.
+    let all = (cases.len() * RUNS) as f64;
+    assert!(whole >= all - 1.0, "{whole} of {all} curves inside");
 }
 
 /// Without the second kernel, most of such curves are outside.

@@ -6,7 +6,7 @@ use servoid_identification::{Error, Frequencies, Options, Record, Settling, iden
 
 use servoid_test_support::servos::{Linear, PERIOD, measured};
 
-const SAMPLES: usize = 3600;
+const SAMPLES: usize = 1200;
 
 /// A servo of two lags, 52 and 8 ms, at the sum of sines of these amplitudes and frequencies \[Hz\].
 fn under_sines(sines: &[(f64, f64)]) -> Record<'static> {

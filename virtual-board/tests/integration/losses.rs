@@ -1,7 +1,7 @@
 //! Frames that the board itself loses: counted, and in the log.
 
-use crate::stepped::{Around, Stepped};
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
+use servoid_test_support::stepped::{Around, Stepped};
 use servoid_test_support::virtual_board::{FRAME, LOST, OVERSAMPLING, SharedBoard, image, options};
 use virtual_board::cpu::Core;
 use virtual_board::cpu::rsemu::RsemuCore;

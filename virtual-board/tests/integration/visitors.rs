@@ -73,6 +73,7 @@ impl Port for Besieged {
 }
 
 #[test]
+#[ignore = "ten seconds: cargo test -p virtual-board --test integration -- --ignored a_visitor"]
 fn a_visitor_who_floods_the_line_costs_a_run_no_frame() {
     let board = VirtualBoard::new(image(), &options("linear?seed=8", &[])).unwrap();
     let board = SharedBoard::from(board);

@@ -33,6 +33,7 @@ fn protractor() -> Vec<f64> {
 
 /// Somebody reads a protractor to 0.3 degrees; the sensor's gain and zero are those of the simulator.
 #[test]
+#[ignore = "three seconds: cargo test -p servoid --lib -- --ignored the_truth_of_the_simulator"]
 fn the_truth_of_the_simulator_lies_within_the_intervals_as_often_as_they_say() {
     const RUNS: u64 = 60;
     let angles = protractor();

@@ -62,6 +62,7 @@ fn python_modules_move_as_the_servo_model() {
 }
 
 #[test]
+#[ignore = "five seconds: cargo test -p servoid --test integration -- --ignored in_octave"]
 fn matlab_functions_move_as_the_servo_model_in_octave() {
     if !works("octave-cli", &["--norc", "--eval", "1;"]) {
         return missing("the servo model in MATLAB", "there is no octave-cli");

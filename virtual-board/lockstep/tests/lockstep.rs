@@ -9,12 +9,12 @@
 //! the instructions about them (SEV, WFE, WFI, CPS, MRS, MSR) and STREXB and STREXH, which the other
 //! one does not know or would answer from a state of its own.
 
-use crate::stepped::{Around, Stepped};
 use armagnac::core::{ArmVersion, Config, Emulator, Event, Processor, RunError};
 use armagnac::decoder::Lut16AndGrouped32InstructionDecoder;
 use armagnac::memory::{Env, MemoryAccessError, MemoryInterface, MemoryReadResult};
 use armagnac::registers::RegisterIndex;
 use servoid_protocol::message::Command;
+use servoid_test_support::stepped::{Around, Stepped};
 use servoid_test_support::virtual_board::{SharedBoard, image, options, staircase};
 use std::cell::RefCell;
 use std::collections::BTreeSet;
