@@ -330,7 +330,7 @@ fn a_result_never_replaces_what_the_command_reads() {
         &["identify", r, "-o", arg(&link)],
         &["report", r, "-o", r],
         &["validate", m, r, "-o", m],
-        &["export", m, "-o", m],
+        &["export", "--to", "c", m, "-o", m],
         &["plan", "--model", m, "--rig", t, "-o", t],
         &["capture", "--rig", t, "-o", t],
     ];
