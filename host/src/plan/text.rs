@@ -81,6 +81,7 @@ fn none_because(reason: Reason) -> String {
         }
         Reason::BeyondRecord => "plan with a model of a recording with strokes as large as these",
         Reason::InputFollowsOutput => "record with a reference that was planned before",
+        Reason::EndUnseen => "take holds of different lengths",
         Reason::ResponseNotOver => "take longer holds, and a longer reference",
     };
     let because = reason.because();

@@ -21,6 +21,8 @@ pub(crate) struct ValidityEvidence<'a> {
     pub(crate) quantised: bool,
     /// Whether the response goes on beyond the longest N.
     pub(crate) unsettled: bool,
+    /// Whether the input is such that nothing is known of the response beyond N.
+    pub(crate) end_is_unseen: bool,
     /// Whether the input follows the output.
     pub(crate) closed_loop: bool,
     /// Whether the response at lag 0 shows that a smooth input does not separate lags.
@@ -70,6 +72,8 @@ impl Validity {
             Some(Reason::QuantisationAboveNoise)
         } else if evidence.unsettled {
             Some(Reason::ResponseNotOver)
+        } else if evidence.end_is_unseen {
+            Some(Reason::EndUnseen)
         } else {
             None
         };
