@@ -26,7 +26,13 @@ mod tests {
     #[test]
     fn the_shortest_period_is_found_and_a_rest_before_ends_it() {
         let square = |rest: usize| -> Vec<f64> {
-            let level = |k: usize| if k / 50 % 2 == 0 { 5.0 } else { -5.0 };
+            let level = |k: usize| {
+                if (k / 50).is_multiple_of(2) {
+                    5.0
+                } else {
+                    -5.0
+                }
+            };
             (0..rest).map(|_| 0.0).chain((0..1000).map(level)).collect()
         };
         let period = |input: Vec<f64>| of(&Run::new(input.clone(), input).unwrap(), 400);

@@ -158,7 +158,13 @@ fn a_slow_end_under_a_repeating_input_is_in_the_bounds_or_takes_the_level() {
 fn a_repeating_input_keeps_the_level_where_its_holds_outlast_the_response() {
     let identified = |hold: usize| {
         let input: Vec<f64> = (0..4200)
-            .map(|k| if k / hold % 2 == 0 { 5.0 } else { -5.0 })
+            .map(|k| {
+                if (k / hold).is_multiple_of(2) {
+                    5.0
+                } else {
+                    -5.0
+                }
+            })
             .collect();
         let output = simulate(Plant::A, Noise::White, &input, 1.0, &mut random(12));
         let record = Record::of_run(PERIOD, input, output).unwrap();
