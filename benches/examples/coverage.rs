@@ -9,7 +9,7 @@
 use servoid_identification::{Frequencies, Options, Prior};
 use servoid_test_support::arguments;
 use servoid_test_support::coverage::{Case, Line, Reference, measure};
-use servoid_test_support::hard_lines::hard_lines;
+use servoid_test_support::hard_lines::{hard_lines, repeating_lines};
 use servoid_test_support::plants::{Noise, Plant};
 
 fn main() {
@@ -56,13 +56,16 @@ fn all_lines(options: &Options) -> Vec<(String, Measure<'_>)> {
         });
         (case.label(), measure)
     });
-    let hard = hard_lines().into_iter().map(|line| {
-        let measure: Measure<'_> = Box::new(move |runs| Line {
-            oracle: line.oracle(),
-            ..line.measure(runs, options)
+    let hard = hard_lines()
+        .into_iter()
+        .chain(repeating_lines())
+        .map(|line| {
+            let measure: Measure<'_> = Box::new(move |runs| Line {
+                oracle: line.oracle(),
+                ..line.measure(runs, options)
+            });
+            (line.label(), measure)
         });
-        (line.label(), measure)
-    });
     even.chain(hard).collect()
 }
 

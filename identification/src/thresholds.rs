@@ -89,6 +89,12 @@ pub const ROWS_KEPT: f64 = 0.74;
 /// record of 10^6 samples that is not where it would repeat leaves more than 1e-6. Evidence: the tests of repetition.
 pub const NOTHING_NEW: f64 = 1e-8;
 
+/// Standard deviation of a slow end, in final values, above which nothing is known of what follows after N.
+///
+/// Protects: bounds of inputs that repeat themselves within little more than N, under which a slow end passes for another response that is over.
+/// Evidence: "Inputs that repeat themselves".
+pub const UNSEEN_END: f64 = 1.0;
+
 /// Differences in a step response, as a share of the spread of the output, that do not matter to the choice.
 ///
 /// Protects: records without noise from an N that follows rounding. Evidence: the test of a record without noise.

@@ -1,5 +1,7 @@
 //! Recordings that are harder than even noise of one kind: glitches, tails, jitter, hum, runs that differ.
 
+use std::f64::consts::TAU;
+
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StudentT};
@@ -11,6 +13,12 @@ use crate::plants::{Noise, PERIOD, Plant, normal, prbs, random, staircase};
 
 /// Standard deviation of white noise at a factor of one.
 const NOISE: f64 = 0.05;
+
+/// Samples of a repeated input that are not recorded, at least: longer than a slow end.
+const BEFORE: usize = 2000;
+
+/// Samples of a frame of random steps.
+const FRAME: usize = 10;
 
 /// Runs of a record of several.
 const RUNS: usize = 5;
@@ -55,6 +63,47 @@ pub enum Hardship {
 pub enum Drive {
     Staircase,
     Prbs,
+    /// Equal holds of so many samples. The record begins in the middle of the motion, as those of the next ones do.
+    Square(usize),
+    /// Random frames of ten samples, which repeat themselves after so many samples.
+    RepeatedSteps(usize),
+    /// All sines of this period \[samples\], with random phases.
+    Multisine(usize),
+}
+
+impl Drive {
+    /// The input, and the samples of it that are not recorded.
+    fn input(self, random: &mut ChaCha8Rng) -> (Vec<f64>, usize) {
+        let period: Vec<f64> = match self {
+            Self::Staircase => return (staircase(), 0),
+            Self::Prbs => return (prbs(random), 0),
+            Self::Square(hold) => [vec![5.0; hold], vec![-5.0; hold]].concat(),
+            Self::RepeatedSteps(samples) => {
+                let level = |random: &mut ChaCha8Rng| if random.random() { 5.0 } else { -5.0 };
+                let frames = (0..samples.div_ceil(FRAME)).flat_map(|_| [level(random); FRAME]);
+                frames.take(samples).collect()
+            }
+            Self::Multisine(samples) => {
+                let phases: Vec<f64> = (1..samples / 2)
+                    .map(|_| TAU * random.random::<f64>())
+                    .collect();
+                let amplitude = 5.0 * (2.0 / phases.len() as f64).sqrt();
+                let sine = |k: usize, (l, phase): (f64, &f64)| {
+                    amplitude * (TAU * l * k as f64 / samples as f64 + phase).sin()
+                };
+                let harmonics = || (1..).map(f64::from).zip(&phases);
+                (0..samples)
+                    .map(|k| harmonics().map(|part| sine(k, part)).sum())
+                    .collect()
+            }
+        };
+        let before = period.len() * BEFORE.div_ceil(period.len());
+        let samples = before + staircase().len();
+        (
+            period.iter().copied().cycle().take(samples).collect(),
+            before,
+        )
+    }
 }
 
 /// One line of the table.
@@ -131,10 +180,7 @@ impl HardLine {
     }
 
     fn run(&self, random: &mut ChaCha8Rng) -> Run<'static> {
-        let mut input = match self.drive {
-            Drive::Staircase => staircase(),
-            Drive::Prbs => prbs(random),
-        };
+        let (mut input, before) = self.drive.input(random);
         let noise = match self.hardship {
             Hardship::StudentT(degrees) => {
                 let tails = StudentT::new(degrees).expect("a positive number");
@@ -158,6 +204,7 @@ impl HardLine {
         let clean = self.plant.respond(&input);
         let mut output: Vec<f64> = clean.iter().zip(&noise).map(|(y, v)| y + v).collect();
         self.harden(&clean, &noise, &mut input, &mut output, random);
+        let (input, output) = (input.split_off(before), output.split_off(before));
         Run::new(input, output).expect("a simulated run is sound")
     }
 
@@ -217,9 +264,9 @@ impl HardLine {
                 }
             }
             Hardship::Hum { hz, amplitude } => {
-                let phase: f64 = std::f64::consts::TAU * random.random::<f64>();
+                let phase: f64 = TAU * random.random::<f64>();
                 for (k, y) in output.iter_mut().enumerate() {
-                    let angle = std::f64::consts::TAU * hz * k as f64 * PERIOD + phase;
+                    let angle = TAU * hz * k as f64 * PERIOD + phase;
                     *y += amplitude * (angle.sin() + (3.0 * angle).sin() / 3.0);
                 }
             }
@@ -389,5 +436,53 @@ pub fn hard_lines() -> Vec<HardLine> {
         slow_end(0.1, 0.8, Noise::Ar1, 5.0),
         slow_end(0.02, 0.8, Noise::Ar2, 5.0),
         slow_end(0.05, 0.4, Noise::Arma, 1.0),
+        slow_end(0.03, 2.0, Noise::Ar1, 1.0),
+        slow_end(0.05, 1.5, Noise::Ar2, 5.0),
+        HardLine {
+            plant: Plant::A,
+            ..slow_end(0.05, 2.0, Noise::White, 5.0)
+        },
+        HardLine {
+            plant: Plant::B,
+            ..slow_end(0.04, 3.0, Noise::Ar1, 1.0)
+        },
+        HardLine {
+            drive: Drive::Prbs,
+            ..slow_end(0.05, 1.0, Noise::Ar1, 1.0)
+        },
+    ]
+}
+
+/// Servos with and without slow ends under inputs that repeat themselves.
+#[must_use]
+pub fn repeating_lines() -> Vec<HardLine> {
+    use Drive::{Multisine, RepeatedSteps, Square};
+    use Noise::{Ar1, Ar2, White};
+    use Plant::{A, B, C, D};
+    let line = |drive, plant, noise, scale, share, seconds| HardLine {
+        drive,
+        plant,
+        noise,
+        scale,
+        hardship: Hardship::SlowEnd { share, seconds },
+    };
+    vec![
+        line(Square(150), A, White, 1.0, 0.0, 0.4),
+        line(Square(200), A, White, 1.0, 0.0, 0.4),
+        line(Square(200), A, Ar1, 1.0, 0.0, 0.4),
+        line(Square(300), A, White, 1.0, 0.0, 0.4),
+        line(Square(400), B, Ar2, 1.0, 0.0, 0.4),
+        line(RepeatedSteps(300), A, White, 1.0, 0.0, 0.4),
+        line(RepeatedSteps(599), A, Ar1, 1.0, 0.0, 0.4),
+        line(Multisine(600), D, Ar2, 1.0, 0.0, 0.4),
+        line(Square(200), C, Ar1, 1.0, 0.03, 0.4),
+        line(Square(300), C, Ar1, 1.0, 0.03, 0.4),
+        line(Square(250), A, White, 5.0, 0.1, 0.3),
+        line(Square(500), A, Ar1, 5.0, 0.1, 0.8),
+        line(Square(500), C, Ar1, 5.0, 0.1, 0.8),
+        line(RepeatedSteps(300), C, Ar1, 1.0, 0.03, 0.4),
+        line(RepeatedSteps(511), A, Ar2, 5.0, 0.1, 0.8),
+        line(Multisine(250), C, Ar1, 1.0, 0.1, 0.2),
+        line(Multisine(400), C, White, 5.0, 0.03, 0.6),
     ]
 }

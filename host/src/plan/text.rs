@@ -87,6 +87,7 @@ fn none_because(reason: Reason) -> String {
         Reason::EarlyMotion | Reason::LagDrift => "write command and position by one clock",
         Reason::HeldOutput => "read the sensor with every sample",
         Reason::InputFollowsOutput => "record with a reference that was planned before",
+        Reason::EndUnseen => "take holds of different lengths",
         Reason::ResponseNotOver => "take longer holds, and a longer reference",
     };
     let because = reason.because();

@@ -13,7 +13,7 @@ use super::verdict::Verdict;
 use super::{advice, scatter, shift, words};
 use crate::data::Record;
 use crate::error::Error;
-use crate::results::{Bounds, Model};
+use crate::results::{Bounds, Metrics, Model};
 use crate::thresholds::MARGIN;
 
 /// Compares two sides, each a record of one or more runs.
@@ -55,7 +55,13 @@ pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Co
         ],
     };
     let runs = RunMeans::of([&a, &b], split.is_some(), level);
-    let mut comparison = of_curves([&a.model, &b.model], &curves, runs.as_ref(), options);
+    let mut metrics = [a.model.metrics, b.model.metrics];
+    if let Some((a, b)) = split {
+        // The errors of a plain model hide a slow end of such a servo.
+        [metrics[0].dc_gain, metrics[1].dc_gain] = [a.gain(), b.gain()];
+    }
+    let models = [&a.model, &b.model];
+    let mut comparison = of_curves(models, metrics, &curves, runs.as_ref(), options);
     comparison.runs = [a.record.runs().len(), b.record.runs().len()];
     comparison.p_value = match scatter::p_value(&a, &b) {
         // A single run may be too short for a model of its own, or one step from rest, which is constant; then there is no test.
@@ -116,7 +122,7 @@ pub fn compare_models(
         .settling_samples
         .max(b.structure.settling_samples);
     let curves = [Curves::of_model(a, points)?, Curves::of_model(b, points)?];
-    let mut comparison = of_curves([a, b], &curves, None, options);
+    let mut comparison = of_curves([a, b], [a.metrics, b.metrics], &curves, None, options);
     comparison.summary = words::summary(&comparison, options);
     comparison.advice = advice::gather(&comparison, [a, b], &[]);
     comparison.advice.push(advice::one_response());
@@ -125,6 +131,7 @@ pub fn compare_models(
 
 fn of_curves(
     [a, b]: [&Model; 2],
+    metrics: [Metrics; 2],
     curves: &[Curves; 2],
     runs: Option<&RunMeans>,
     options: &ComparisonOptions,
@@ -158,9 +165,9 @@ fn of_curves(
             options.margin_percent / 100.0,
         )
     });
-    let [metrics_a, metrics_b] = [a, b].map(|model| match largest {
-        Bounds::Valid(_) => model.metrics,
-        Bounds::Withdrawn(reason) => model.metrics.withdrawn(reason),
+    let [metrics_a, metrics_b] = metrics.map(|metrics| match largest {
+        Bounds::Valid(_) => metrics,
+        Bounds::Withdrawn(reason) => metrics.withdrawn(reason),
     });
     Comparison {
         schema: SCHEMA,

@@ -4,6 +4,7 @@ mod holds;
 mod moments;
 mod quantisation;
 mod record;
+pub(crate) mod repetition;
 mod timing;
 mod wrong_columns;
 

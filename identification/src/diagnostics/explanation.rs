@@ -138,10 +138,9 @@ impl Explanation {
     }
 
     /// Whether what the errors of a plain model hide of the end of the response may be in those of a model of both directions: N was chosen,
-    /// the input does not repeat itself within it, and the errors are no steps of the sensor.
+    /// and the errors are no steps of the sensor.
     pub(crate) fn may_go_on_by_direction(&self) -> bool {
-        let chosen = self.settling.as_ref();
-        chosen.is_some_and(|choice| choice.repeats_after.is_none()) && self.resolution.is_none()
+        self.settling.is_some() && self.resolution.is_none()
     }
 
     /// The choice of the structure of `model` in words, one sentence for each decision.

@@ -8,30 +8,40 @@
 //! D(z) y(k) = D(z) (sum_i h(i) u(k-i) + c + γ w(k)) + ε(k),     w(k) = ρ w(k-1) + (1 - ρ) u(k)
 //! ```
 //!
-//! The lags up to N take their share of w, and what is left is its end. An end of another time constant is much the same up to N.
+//! The lags up to N take their share of w, and what is left is its end.
 //! With x = (Z'Z)^-1 Z'w and q = w'w - w'Z x, all behind the filter, γ is the score w'ε over q with the variance σ²/q, and with w in
 //! the regression the other parameters change by -γ x (Frisch and Waugh, 1933). The part γ of the response is added to the impulse
 //! response, what is left of it after N to its last sample, as always: together a direction δ, by which the response is off if γ is
 //! left out.
 //!
 //! It is left out of the response, which without it is the better one where there is no slow end, and is in the bounds: the covariance
-//! grows by δ δ' max(γ², σ²/q). The final value gathers all that comes after N, and slower ends have more of that: there a time
-//! constant of 2 N counts. The test counts γ² q/σ² as χ² of one degree of freedom.
+//! grows by δ δ' max(γ², σ²/q). What a record says of ends of different time constants is nearly one number, γ √(q/σ²), so it does not say
+//! which of them it is: time constants of 2 N and 4 N are looked at too, and the one counts that moves the response most. The final value gathers
+//! all that comes after N, and slower ends have more of that: there the one counts that changes it most. The test counts the square of that number
+//! for N as χ² of one degree of freedom.
+//!
+//! An input that repeats itself shows an end by its lags from N to where it repeats itself alone. Where these are few, σ²/q is large, and
+//! where there are none, nothing is known of an end.
 
 use serde::{Deserialize, Serialize};
 
+use crate::data::repetition;
 use crate::data::{Moments, Run};
 use crate::diagnostics::filtered_rows::{filtered, only, present, with_history};
 use crate::diagnostics::simulation_error::Simulated;
 use crate::estimation::{GlsFit, noise_filter};
 use crate::numerics::{LaggedSums, chi_square_upper_tail, dot, times};
+use crate::thresholds::UNSEEN_END;
 
 use faer::Mat;
 
-/// Time constants of the ends that points of the response and the final value allow for, in settling times. At half of the first the whole
-/// curve is inside its band in too few of the runs with a slow end in slow noise. At one for both, ends of four settling times move
-/// the final value out of it; at four for the second its interval is six times as wide as without a slow end.
-const TIME_CONSTANTS: [f64; 2] = [1.0, 2.0];
+/// Time constants of the ends that bounds allow for, in settling times. With half of the first alone the whole curve is inside its band in
+/// too few of the runs with a slow end in slow noise. Without the last, ends of eight settling times move the final value out of its bound
+/// in a third of the runs.
+const TIME_CONSTANTS: [f64; 3] = [1.0, 2.0, 4.0];
+
+/// An input that repeats itself is looked for up to this number of settling times. A slow lag has forgotten longer periods.
+const PERIODS_LOOKED_FOR: usize = 8;
 
 /// Whether the response goes on beyond N.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -63,6 +73,12 @@ impl AllowedEnd {
     }
 }
 
+/// Whether the input shows nothing of an end, or repeats itself and shows so little that the response may end anywhere after N, beside
+/// this gain.
+pub(crate) fn is_unseen(columns: Option<&SlowColumns>, gain: f64) -> bool {
+    columns.is_none_or(|found| found.repeats && found.end().sd > UNSEEN_END * gain.abs())
+}
+
 /// The input behind slow lags, each as a further column of a regression.
 pub(crate) struct SlowColumns {
     /// N \[samples\].
@@ -71,6 +87,8 @@ pub(crate) struct SlowColumns {
     columns: Vec<SlowColumn>,
     /// Variance of ε.
     variance: f64,
+    /// Whether the input of a run repeats itself.
+    repeats: bool,
 }
 
 struct SlowColumn {
@@ -156,6 +174,7 @@ impl SlowColumns {
         let time_constants = TIME_CONSTANTS.map(|times| times * lags as f64);
         let mut sums: Vec<LaggedSums> = Vec::new();
         let mut all = time_constants.map(|_| Products::default());
+        let mut repeats = false;
         for RegressionRun {
             run,
             inputs,
@@ -164,8 +183,11 @@ impl SlowColumns {
         {
             let rows = run.complete_rows(regression.row_lags.0, regression.row_lags.1);
             let errors = filtered(&errors, &d);
+            let period = repetition::of(run, PERIODS_LOOKED_FOR * lags);
+            repeats |= period.is_some();
             let slow = time_constants.map(|time_constant| {
-                only(&rows, filtered(&behind_lag(run, time_constant, centre), &d))
+                let behind = behind_lag(run, time_constant, centre, period);
+                only(&rows, filtered(&behind, &d))
             });
             for (products, slow) in all.iter_mut().zip(&slow) {
                 products.own += dot(slow, slow);
@@ -196,6 +218,7 @@ impl SlowColumns {
             lags,
             columns: found.collect::<Option<_>>()?,
             variance: regression.variance,
+            repeats,
         })
     }
 
@@ -236,24 +259,37 @@ impl SlowColumns {
         fit.further.slow_end = Some(self.moved(size));
     }
 
-    /// δ times the size of an end, in standard deviations of ε, the offset last; its sum is the change of the final value, the largest of all
-    /// columns.
+    /// δ times the size of an end, in standard deviations of ε, the offset last: of the column that moves the response up to N most, with the
+    /// change of the final value by the column that changes that most.
     fn moved(&self, size: impl Fn(&SlowColumn) -> f64) -> Vec<f64> {
         let sd = self.variance.sqrt();
-        let moved = |column: &SlowColumn| -> Vec<f64> {
-            let direction = column.direction(self.lags);
-            direction.iter().map(|x| size(column) / sd * x).collect()
-        };
-        let mut first = moved(&self.columns[0]);
-        let total = |moved: &[f64]| moved[..self.lags].iter().sum::<f64>();
-        let own = total(&first);
-        let largest = self.columns[1..]
-            .iter()
-            .map(|column| total(&moved(column)).abs())
-            .fold(own.abs(), f64::max);
-        first[self.lags - 1] += largest.copysign(own) - own;
-        first
+        let all: Vec<Vec<f64>> = (self.columns.iter())
+            .map(|column| {
+                let direction = column.direction(self.lags);
+                direction.iter().map(|x| size(column) / sd * x).collect()
+            })
+            .collect();
+        let last = self.lags - 1;
+        let before_last = |moved: &Vec<f64>| largest_sum(&moved[..last]);
+        let total = |moved: &Vec<f64>| moved[..=last].iter().sum::<f64>();
+        let largest = all.iter().map(|moved| total(moved).abs());
+        let largest = largest.fold(0.0, f64::max);
+        let by_motion = |a: &Vec<f64>, b: &Vec<f64>| before_last(a).total_cmp(&before_last(b));
+        let mut moved = all.into_iter().max_by(by_motion).unwrap_or_default();
+        let own = total(&moved);
+        moved[last] += largest.copysign(own) - own;
+        moved
     }
+}
+
+/// The largest of the running sums, without its sign.
+fn largest_sum(values: &[f64]) -> f64 {
+    let mut sum = 0.0;
+    let sums = values.iter().map(|x| {
+        sum += x;
+        f64::abs(sum)
+    });
+    sums.fold(0.0, f64::max)
 }
 
 impl SlowColumn {
@@ -299,20 +335,31 @@ impl SlowColumn {
 }
 
 /// The input of `run` relative to `centre`, behind a lag of first order that was at rest before. A missing value is the one before.
-fn behind_lag(run: &Run, time_constant: f64, centre: f64) -> Vec<f64> {
+///
+/// An input with a `period` is one that had repeated itself before: whether the servo was at rest when the record began is not known then, and how
+/// it would come from there is all that such an input shows of a lag that outlasts the period.
+fn behind_lag(run: &Run, time_constant: f64, centre: f64, period: Option<usize>) -> Vec<f64> {
     let keep = rate(time_constant);
     let input = run.input();
     let first = input.iter().find(|u| !u.is_nan()).copied();
-    let mut state = run.input_at_rest().or(first).map_or(0.0, |u| u - centre);
-    let mut last = state;
-    let next = |u: &f64| {
-        if !u.is_nan() {
-            last = u - centre;
-        }
-        state = keep * state + (1.0 - keep) * last;
-        state
+    let at_rest = run.input_at_rest().or(first).map_or(0.0, |u| u - centre);
+    let behind = |input: &[f64], before: f64| -> Vec<f64> {
+        let (mut state, mut last) = (before, at_rest);
+        let next = |u: &f64| {
+            if !u.is_nan() {
+                last = u - centre;
+            }
+            state = keep * state + (1.0 - keep) * last;
+            state
+        };
+        input.iter().map(next).collect()
     };
-    input.iter().map(next).collect()
+    let Some(period) = period else {
+        return behind(input, at_rest);
+    };
+    let once = behind(&input[..period], 0.0);
+    let left = keep.powi(i32::try_from(period).unwrap_or(i32::MAX));
+    behind(input, once[period - 1] / (1.0 - left))
 }
 
 /// What is left of a lag after one sample.

@@ -24,6 +24,8 @@ pub(crate) struct ValidityEvidence<'a> {
     pub(crate) unsettled: bool,
     /// What makes its times other than what they are taken for.
     pub(crate) time_fault: Option<TimeFault>,
+    /// Whether the input is such that nothing is known of the response beyond N.
+    pub(crate) end_is_unseen: bool,
     /// Whether the input follows the output.
     pub(crate) closed_loop: bool,
     /// Whether the response at lag 0 shows that a smooth input does not separate lags.
@@ -82,6 +84,8 @@ impl Validity {
             Some(Reason::QuantisationAboveNoise)
         } else if evidence.unsettled {
             Some(Reason::ResponseNotOver)
+        } else if evidence.end_is_unseen {
+            Some(Reason::EndUnseen)
         } else {
             None
         };

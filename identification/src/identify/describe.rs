@@ -40,6 +40,7 @@ pub(super) fn validity(
         time_fault: task
             .record
             .and_then(|record| TimeFault::of(record, moments, &estimate.fit)),
+        end_is_unseen: fitted.end_is_unseen,
         closed_loop: is_closed_loop(fitted),
         // What a caller leaves out is in the errors, and inputs to come show it where they were planned.
         lags_are_mixed: (fitted.feedback).is_some_and(|found| {
@@ -66,7 +67,10 @@ fn still_moves(fitted: &Fitted, responses: &Responses) -> bool {
     let Some(choice) = choice.filter(|choice| !choice.settled && fitted.misfit.is_none()) else {
         return false;
     };
-    let sd = responses.step.sd.iter().copied().fold(0.0, f64::max);
+    let Some((_, before_end)) = responses.step.sd.split_last() else {
+        return false;
+    };
+    let sd = before_end.iter().copied().fold(0.0, f64::max);
     let size = fitted.estimate.fit.theta()[0].abs();
     let seen = choice.longest as f64 / choice.detected as f64;
     hidden_end(sd / size, seen) > UNSETTLED_END

@@ -22,6 +22,8 @@ pub(super) struct Fitted {
     pub(super) slow_end: Option<SlowEnd>,
     /// The slow end that is part of the covariance.
     pub(super) allowed_end: Option<AllowedEnd>,
+    /// Whether the input is such that the response may end anywhere after N.
+    pub(super) end_is_unseen: bool,
     /// Whether the input follows the output; `None` where that could not be tested.
     pub(super) feedback: Option<Feedback>,
     /// By how much the noise varies, where it does; the covariance of the estimate allows for it.
@@ -54,6 +56,7 @@ impl Fitted {
             misfit: None,
             slow_end: None,
             allowed_end: None,
+            end_is_unseen: false,
             feedback: None,
             uneven: None,
             prior: None,

@@ -3,14 +3,21 @@
 use super::assess::figures_of_merit;
 use super::fitted::Fitted;
 use super::task::Task;
-use crate::data::Quantisation;
-use crate::diagnostics::{PriorOutcome, SlowColumns, simulated_whole};
+use crate::data::{Quantisation, Record};
+use crate::diagnostics::{PriorOutcome, SlowColumns, end_is_unseen, simulated_whole};
 
 /// The input behind slow lags beside all lags up to N. `None` where its share of the errors says nothing of a slow end.
 pub(super) fn slow_columns(task: &Task<'_>, fitted: &Fitted) -> Option<SlowColumns> {
+    let record = with_noise_for_errors(task, fitted)?;
+    let estimate = &fitted.estimate;
+    let (moments, fit) = (&estimate.information.moments, &estimate.fit);
+    SlowColumns::new(&simulated_whole(record, moments, fit), moments, fit)
+}
+
+/// The record, where its errors are such that their share behind a slow lag says something of a slow end.
+fn with_noise_for_errors<'a>(task: &Task<'a>, fitted: &Fitted) -> Option<&'a Record<'a>> {
     let (record, plan) = (task.record?, &fitted.candidate.plan);
-    let chosen_otherwise = (plan.choice.as_ref())
-        .is_some_and(|choice| choice.within_holds || choice.repeats_after.is_some());
+    let within_holds = (plan.choice.as_ref()).is_some_and(|choice| choice.within_holds);
     let follows_motion = fitted
         .linearity
         .is_some_and(|found| found.errors_follow_motion());
@@ -20,16 +27,14 @@ pub(super) fn slow_columns(task: &Task<'_>, fitted: &Fitted) -> Option<SlowColum
         Quantisation::of(record, rmse).is_some()
     };
     if follows_motion
-        || chosen_otherwise
+        || within_holds
         || fitted.misfit.is_some()
         || !plan.basis.is_complete()
         || is_rounded()
     {
         return None;
     }
-    let estimate = &fitted.estimate;
-    let (moments, fit) = (&estimate.information.moments, &estimate.fit);
-    SlowColumns::new(&simulated_whole(record, moments, fit), moments, fit)
+    Some(record)
 }
 
 /// `fitted` with the covariance that allows for a slow end. The stable prior has one of its own, and who states a settling time states
@@ -39,8 +44,12 @@ pub(super) fn allowing_for_slow_end(task: &Task<'_>, mut fitted: Fitted) -> Fitt
     if is_stated || matches!(fitted.prior, Some(PriorOutcome::Used { .. })) {
         return fitted;
     }
+    if with_noise_for_errors(task, &fitted).is_none() {
+        return fitted;
+    }
     let ratio = task.disturbances.outliers.variance_ratio();
-    fitted.allowed_end = slow_columns(task, &fitted)
-        .map(|columns| columns.allow_in(&mut fitted.estimate.fit, ratio));
+    let columns = slow_columns(task, &fitted);
+    fitted.end_is_unseen = end_is_unseen(columns.as_ref(), fitted.estimate.fit.theta()[0]);
+    fitted.allowed_end = columns.map(|columns| columns.allow_in(&mut fitted.estimate.fit, ratio));
     fitted
 }

@@ -30,6 +30,8 @@ pub enum Reason {
     BeyondRecord,
     /// The response goes on beyond the longest time that can be judged, or the settling time that was given.
     ResponseNotOver,
+    /// The input does not show whether the response is over after the settling time: it repeats itself too soon.
+    EndUnseen,
     /// The input was computed from the output, as a controller does.
     InputFollowsOutput,
 }
@@ -50,6 +52,7 @@ impl Reason {
             Self::QuantisationAboveNoise => "the steps of the sensor are larger than the noise",
             Self::BeyondRecord => "the command has larger strokes than the recording",
             Self::ResponseNotOver => "the response goes on beyond the settling time",
+            Self::EndUnseen => "the reference does not show whether the response is over",
             Self::InputFollowsOutput => "the input follows the output, as in a closed loop",
         }
     }

@@ -51,8 +51,7 @@ pub struct Choice {
     pub smooth_input: bool,
     /// n, when the input lacks high frequencies.
     pub frequencies: Option<usize>,
-    /// The lags that the input resolves, where it repeats itself after them: the response is taken to be over
-    /// by then \[samples\].
+    /// The lags that the input resolves, where it repeats itself after them \[samples\].
     #[serde(default)]
     pub repeats_after: Option<usize>,
     /// Whether N is limited to the usual hold of the input, because the servo is not linear and seemed to

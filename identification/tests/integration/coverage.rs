@@ -119,20 +119,19 @@ fn an_end_of_the_response_below_the_noise_is_said_in_every_run() {
 #[test]
 #[ignore = "many seeds: cargo test -p servoid-identification --test integration -- --ignored coverage"]
 fn a_reference_that_repeats_itself_is_identified_as_far_as_it_goes() {
-    for noise in [Noise::White, Noise::Ar1] {
-        let case = Case {
-            reference: Reference::Square,
-            plant: Plant::A,
-            noise,
-            scale: 1.0,
-        };
-        let line = measure(case, RUNS, &Options::default());
-        println!("{line}");
-        // As above; of 16 curves at 99 % more than two are outside once in 2000 times.
-        assert!(line.mean > 0.95 && line.whole >= 14.0 / 16.0, "{line}");
-        assert_eq!(line.share_of("repeats"), 1.0, "{line}");
-        assert_eq!(line.share_of("model_error"), 0.0, "{line}");
-    }
+    let case = Case {
+        reference: Reference::Square,
+        plant: Plant::A,
+        noise: Noise::Ar1,
+        scale: 1.0,
+    };
+    let line = measure(case, RUNS, &Options::default());
+    println!("{line}");
+    assert_eq!(line.claimed, 1.0, "{line}");
+    // As above; of 16 curves at 99 % more than two are outside once in 2000 times.
+    assert!(line.mean > 0.95 && line.whole >= 14.0 / 16.0, "{line}");
+    assert_eq!(line.share_of("repeats"), 1.0, "{line}");
+    assert_eq!(line.share_of("model_error"), 0.0, "{line}");
 }
 
 #[test]
@@ -297,7 +296,7 @@ fn errors_that_are_not_noise_withdraw_the_label_and_honest_noise_does_not() {
 }
 
 /// A square wave determines no lag beyond a hold, and the other side's longer settling time must not be
-/// asked of it.
+/// asked of it. This servo fills its holds, so it does not show whether the response is over either.
 #[test]
 #[ignore = "many seeds: cargo test -p servoid-identification --test integration -- --ignored coverage"]
 fn a_reference_that_repeats_itself_compares_as_far_as_it_goes() {
@@ -308,7 +307,8 @@ fn a_reference_that_repeats_itself_compares_as_far_as_it_goes() {
     let (whole, repeats) = (record(&staircase(), 1), record(&square(), 2));
     for (a, b) in [(&whole, &repeats), (&repeats, &whole)] {
         let found = compare(a, b, &ComparisonOptions::default()).unwrap();
-        assert_eq!(found.verdict, Verdict::Same, "{}", found.summary);
+        assert_eq!(found.verdict, Verdict::Undecided, "{}", found.summary);
+        assert_eq!(found.bounds.withdrawn(), Some(Reason::EndUnseen));
         assert!(
             found
                 .advice

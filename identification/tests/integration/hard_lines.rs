@@ -3,7 +3,7 @@
 
 use servoid_identification::results::{Check, Model, Reason, StepBounds};
 use servoid_identification::{Options, Record, Run, Settling, identify, identify_explained};
-use servoid_test_support::hard_lines::{HardLine, Hardship, hard_lines};
+use servoid_test_support::hard_lines::{Drive, HardLine, Hardship, hard_lines, repeating_lines};
 use servoid_test_support::plants::{Noise, PERIOD, Plant, random, simulate, staircase};
 
 /// Saves most of the time; the servos here settle well within it.
@@ -132,6 +132,50 @@ fn a_slow_end_below_slow_noise_is_in_the_bounds() {
     };
     let found = line(below).measure(RUNS, &Options::default());
     assert_eq!((found.claimed, found.whole), (1.0, 1.0), "{found}");
+}
+
+/// The lags that an input repeats fold a slow end into the earlier ones. None of these curves was inside bounds of N lags alone.
+#[test]
+fn a_slow_end_under_a_repeating_input_is_in_the_bounds_or_takes_the_level() {
+    const RUNS: usize = 3;
+    for drive in [
+        Drive::Square(200),
+        Drive::Square(300),
+        Drive::RepeatedSteps(300),
+    ] {
+        let slow = |line: &&HardLine| line.drive == drive && line.plant == Plant::C;
+        let found = repeating_lines()
+            .iter()
+            .find(slow)
+            .unwrap()
+            .measure(RUNS, &Options::default());
+        assert!(found.claimed == 0.0 || found.whole == 1.0, "{found}");
+        assert_eq!(found.share_of("repeats"), 1.0, "{found}");
+    }
+}
+
+/// Holds that end before the servo has come to rest show nothing of what would follow; longer ones keep the level.
+#[test]
+fn a_repeating_input_keeps_the_level_where_its_holds_outlast_the_response() {
+    let identified = |hold: usize| {
+        let input: Vec<f64> = (0..4200)
+            .map(|k| {
+                if (k / hold).is_multiple_of(2) {
+                    5.0
+                } else {
+                    -5.0
+                }
+            })
+            .collect();
+        let output = simulate(Plant::A, Noise::White, &input, 1.0, &mut random(12));
+        let record = Record::of_run(PERIOD, input, output).unwrap();
+        identify(&record, &Options::default()).unwrap()
+    };
+    assert_eq!(identified(150).bounds.withdrawn(), Some(Reason::EndUnseen));
+    let model = identified(300);
+    let half_width = bounds(&model).mean_half_widths().0;
+    // Without an allowance for slow ends it is 0.0033.
+    assert!(half_width < 0.005, "{half_width}");
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use super::evidence::{Evidence, two_digits};
 use crate::diagnostics::{rise_at_end, travel_end};
 use crate::options::Frequencies;
-use crate::results::{Advice, Check, SelectedBy};
+use crate::results::{Advice, Bounds, Check, Reason, SelectedBy};
 use crate::selection::{Choice, hidden_end};
 use crate::thresholds::{DETECTION, HIDDEN_TAIL, MARGIN, SLOW_END_SIGNIFICANCE, STILL_RISING};
 
@@ -119,11 +119,18 @@ pub(super) fn repeats(evidence: &Evidence<'_>) -> Option<Advice> {
     let settling = evidence.explanation.settling.as_ref()?;
     let period = evidence.model.sample_period_s;
     let repeats = settling.repeats_after? as f64 * period;
+    let consequence = match evidence.validity.level {
+        Bounds::Valid(_) => " The bounds contain a slow end as far as the earlier ones show it.",
+        Bounds::Withdrawn(Reason::EndUnseen) => {
+            " A slow end would look like another response that is over, so no bounds can be given."
+        }
+        Bounds::Withdrawn(_) => "",
+    };
     Some(Advice::new(
         Check::Repeats,
         format!(
-            "The response is taken to be over after {repeats:.3} s, because the reference repeats itself then: later \
-             parts cannot be separated from earlier ones."
+            "Parts of the response after {repeats:.3} s cannot be separated from earlier ones, because the reference repeats itself \
+             then.{consequence}"
         ),
         repeats,
         settling.longest as f64 * period,
@@ -137,7 +144,8 @@ pub(super) fn hidden_tail(evidence: &Evidence<'_>) -> Option<Advice> {
     trusted_choice(evidence).filter(|choice| choice.settled && choice.detected > 1)?;
     let step = &evidence.model.step;
     let size = step.value.last()?.abs();
-    let sd = step.bounds.valid()?.sd.iter().copied().fold(0.0, f64::max);
+    let (_, before_end) = step.bounds.valid()?.sd.split_last()?;
+    let sd = before_end.iter().copied().fold(0.0, f64::max);
     let visible = DETECTION * sd / size;
     let hidden = hidden_end(sd / size, MARGIN);
     if hidden <= HIDDEN_TAIL {

@@ -25,7 +25,7 @@ mod two_inputs;
 use faer::Mat;
 use serde::{Deserialize, Serialize};
 
-use crate::data::{Record, Run, Timing};
+use crate::data::{Quantisation, Record, Run, Timing};
 use crate::error::Error;
 use crate::estimation::{Coordinates, CurveVariance, FsfBasis};
 use crate::numerics::{
@@ -33,8 +33,11 @@ use crate::numerics::{
     symmetric_eigen, times,
 };
 use crate::options::NoiseOrder;
-use crate::results::{Biases, Bounds, Interval, Model, StepBounds, StepResponse, fit_percent};
+use crate::results::{
+    Biases, Bounds, Interval, Model, Reason, SelectedBy, StepBounds, StepResponse, fit_percent,
+};
 use crate::thresholds::{ASYMMETRY_FALSE_ALARM, MATERIAL_ASYMMETRY};
+use slow_end::allow_for_slow_end;
 use split_fit::SplitFit;
 use two_inputs::TwoInputMoments;
 
@@ -106,12 +109,13 @@ pub struct DirectionModel {
 /// The record has too few samples, or strokes in one direction only, which do not separate the two
 /// responses.
 pub fn split_by_direction(record: &Record, model: &Model) -> Result<DirectionModel, Error> {
+    let is_rounded = Quantisation::of(record, model.fit.rmse).is_some();
     split_with(
         record,
         model.basis()?,
         NoiseOrder::Auto,
         model.level(),
-        false,
+        model.structure.selected_by == SelectedBy::Auto && !is_rounded,
     )
 }
 
@@ -146,9 +150,10 @@ pub(crate) fn split_with(
         return Err(Error::OneDirection);
     };
     let mut split = SplitFit::new(&moments, &coordinates, &second, &fit);
-    if may_go_on && basis.is_complete() {
-        slow_end::allow_for_slow_end(record, &moments, (&coordinates, &second), &fit, &mut split);
-    }
+    let ends_unseen = may_go_on
+        && basis.is_complete()
+        && !allow_for_slow_end(record, &moments, (&coordinates, &second), &fit, &mut split);
+    let level = level.unless(ends_unseen.then_some(Reason::EndUnseen));
     let simulation_percent = fit_percent(fit.error, moments.output_spread);
     Ok(DirectionModel::new(
         split,
@@ -250,6 +255,17 @@ impl DirectionModel {
     /// Whether up and down strokes differ by enough to matter. Without bounds nothing is known of that.
     pub fn asymmetric(&self) -> bool {
         self.symmetry.valid().is_some_and(|found| found.asymmetric)
+    }
+
+    /// The final value, which strokes up and down have in common.
+    #[must_use]
+    pub fn gain(&self) -> Interval {
+        let last = |of: &[f64]| of.last().copied().unwrap_or(f64::NAN);
+        let (lower, upper) = match self.up.bounds.valid() {
+            Some(bounds) => (last(&bounds.pointwise.lower), last(&bounds.pointwise.upper)),
+            None => (f64::NAN, f64::NAN),
+        };
+        Interval::new(last(&self.up.value), lower, upper)
     }
 
     /// The output at rest at a constant command, on the static line of the model. It is valid for a record

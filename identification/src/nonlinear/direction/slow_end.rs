@@ -5,18 +5,18 @@ use faer::ColRef;
 use super::split_fit::SplitFit;
 use super::two_inputs::{TwoInputFit, TwoInputMoments};
 use crate::data::{Record, Run};
-use crate::diagnostics::{Regression, RegressionRun, SlowColumns};
+use crate::diagnostics::{Regression, RegressionRun, SlowColumns, end_is_unseen};
 use crate::estimation::{Coordinates, FsfBasis};
 use crate::numerics::times;
 
-/// The covariance of `split`, whose parameters are those of `fit`, grows by a slow end where the input shows one.
+/// The covariance of `split`, whose parameters are those of `fit`, grows by a slow end. Returns whether the input shows any.
 pub(super) fn allow_for_slow_end(
     record: &Record,
     moments: &TwoInputMoments,
     (first, second): (&Coordinates, &FsfBasis),
     fit: &TwoInputFit,
     split: &mut SplitFit,
-) {
+) -> bool {
     let lags = first.basis.settling();
     let inverse = faer::Scale(fit.variance.recip()) * &fit.covariance;
     let regression = Regression {
@@ -38,11 +38,12 @@ pub(super) fn allow_for_slow_end(
             cross
         },
     );
-    if let Some(columns) = columns {
+    if let Some(columns) = &columns {
         let moved = columns.allowance(1.0);
         let moved = ColRef::from_slice(&moved);
         split.covariance += faer::Scale(fit.variance) * (moved * moved.transpose());
     }
+    !end_is_unseen(columns.as_ref(), split.gain())
 }
 
 fn regression_run<'a>(

@@ -85,6 +85,11 @@ impl SplitFit {
         times(&self.step_map, &self.parameters)
     }
 
+    /// The final value of strokes up and down.
+    pub(super) fn gain(&self) -> f64 {
+        self.mean_step().last().copied().unwrap_or(0.0)
+    }
+
     pub(super) fn offset(&self) -> f64 {
         let (weights, constant) = self.level_weights(0.0);
         constant + dot(&weights, &self.parameters)
