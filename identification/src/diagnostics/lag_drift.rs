@@ -8,7 +8,8 @@
 //! ```
 //!
 //! Its slope over the run is held against the scatter from block to block, whatever causes that. A motion that itself changes along the run
-//! may do as much to a servo that is not linear, so such a record is not asked.
+//! may do as much to a servo that is not linear. So what goes with the speed of a block is taken out of the lags first, and a record whose
+//! command has other holds or another range in its second half is not asked.
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -22,9 +23,11 @@ const BLOCKS: usize = 24;
 /// The shortest block, in lengths of the history: its ends are those of other blocks, too.
 const HISTORIES: usize = 2;
 
-/// Ratio of usual holds, and of ranges, of both halves of a run up to which the command moves alike in both: of random holds, medians
-/// differ by a half.
-const ALIKE: f64 = 2.0;
+/// Ratio of the usual holds of both halves of a run up to which they are alike: of random holds, medians differ by a half.
+const HOLDS_ALIKE: f64 = 2.0;
+
+/// The same of ranges.
+const RANGES_ALIKE: f64 = 1.25;
 
 /// A lag that changes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -109,44 +112,54 @@ fn is_even(record: &Record, run: &Run<'_>) -> bool {
             (usual_hold(&part), high - low)
         })
     });
-    let alike = |a: f64, b: f64| a.max(b) <= ALIKE * a.min(b);
+    let alike = |a: f64, b: f64, most: f64| a.max(b) <= most * a.min(b);
     let [(hold, range), (later_hold, later_range)] = halves;
-    alike(hold as f64, later_hold as f64) && alike(range, later_range)
+    alike(hold as f64, later_hold as f64, HOLDS_ALIKE) && alike(range, later_range, RANGES_ALIKE)
 }
 
-/// The slope of the lags over time, each run with a lag of its own, and the probability of one as far from 0.
+/// The slope of the lags over time, each run with a lag of its own and all with one effect of speed, and the probability of one as far
+/// from 0.
 fn slope(blocks: &[Block], runs: usize) -> Option<(f64, f64)> {
-    let degrees = blocks
-        .len()
-        .checked_sub(runs + 2)
-        .filter(|degrees| *degrees > 2)?;
-    let centre = |of: fn(&Block) -> f64, run: usize| {
-        let own = || blocks.iter().filter(|block| block.run == run);
-        let weights: f64 = own().map(|block| block.weight).sum();
-        own().map(|block| block.weight * of(block)).sum::<f64>() / weights
+    let degrees = blocks.len().checked_sub(runs + 3)?;
+    let own = |run: usize| blocks.iter().filter(move |block| block.run == run);
+    let centre = |run: usize| {
+        let mut sums = [0.0; 3];
+        let mut weights = 0.0;
+        for block in own(run) {
+            weights += block.weight;
+            for (sum, value) in sums.iter_mut().zip(block.row()) {
+                *sum += block.weight * value;
+            }
+        }
+        sums.map(|sum| sum / weights)
     };
-    let centres: Vec<(f64, f64)> = (0..runs)
-        .map(|run| {
-            (
-                centre(|block| block.at, run),
-                centre(|block| block.lag, run),
-            )
-        })
-        .collect();
-    let (mut square, mut product) = (0.0, 0.0);
-    for block in blocks {
-        let (at, lag) = centres[block.run];
-        square += block.weight * (block.at - at).powi(2);
-        product += block.weight * (block.at - at) * (block.lag - lag);
-    }
-    let slope = product / square;
-    let left = |block: &Block| {
-        let (at, lag) = centres[block.run];
-        block.weight * (block.lag - lag - slope * (block.at - at)).powi(2)
+    let centres: Vec<[f64; 3]> = (0..runs).map(centre).collect();
+    let centred = |block: &Block| {
+        let (row, centre) = (block.row(), centres[block.run]);
+        std::array::from_fn::<f64, 3, _>(|i| row[i] - centre[i])
     };
-    let variance = blocks.iter().map(left).sum::<f64>() / degrees as f64 / square;
-    let t = slope / variance.sqrt();
+    let sum = |of: &dyn Fn([f64; 3]) -> f64| -> f64 {
+        blocks
+            .iter()
+            .map(|block| block.weight * of(centred(block)))
+            .sum()
+    };
+    let (speeds, both) = (sum(&|[_, v, _]| v * v), sum(&|[t, v, _]| t * v));
+    // Of runs of one speed throughout there is no effect of it.
+    let share = |product: f64| if speeds > 0.0 { product / speeds } else { 0.0 };
+    let (of_time, of_lag) = (share(both), share(sum(&|[_, v, lag]| v * lag)));
+    let square = sum(&|[t, v, _]| (t - of_time * v).powi(2));
+    let slope = sum(&|[t, v, lag]| (t - of_time * v) * (lag - of_lag * v)) / square;
+    let left = sum(&|[t, v, lag]| (lag - of_lag * v - slope * (t - of_time * v)).powi(2));
     let distribution = StudentsT::new(0.0, 1.0, degrees as f64).ok()?;
+    let t = slope / (left / degrees as f64 / square).sqrt();
     let p = 2.0 * distribution.sf(t.abs());
     (!p.is_nan()).then_some((slope, p))
+}
+
+impl Block {
+    /// Time, rms speed and lag.
+    fn row(&self) -> [f64; 3] {
+        [self.at, self.weight.sqrt(), self.lag]
+    }
 }

@@ -75,7 +75,11 @@ fn limits_under_held_steps_are_said_and_bounds_keep_their_level() {
             "{limit:?}: {:?} {:?}",
             model.residuals, model.advice
         );
-        assert!(model.bounds.valid().is_some(), "{limit:?}");
+        assert!(
+            model.bounds.valid().is_some(),
+            "{limit:?}: {:?}",
+            model.bounds.withdrawn()
+        );
         // Not longer than a hold: later is the answer to the next step.
         assert!(model.structure.settling_samples <= 150, "{limit:?}");
     }

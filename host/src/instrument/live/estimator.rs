@@ -298,8 +298,9 @@ mod tests {
         }
         let width = |live: &mut Estimator| live.estimate().unwrap().half_width_percent().unwrap();
         let ratio = width(&mut three) / width(&mut one);
-        // Three times the rows: 1/√3 = 0.58, a little off as another N may be chosen.
-        assert!((0.45..0.75).contains(&ratio), "{ratio}");
+        // Three times the rows: 1/√3 = 0.58. Another N may be chosen, and the slow end that bounds allow for is an estimate, or its deviation
+        // where that is larger: in one run of the three it is as it comes.
+        assert!((0.4..0.75).contains(&ratio), "{ratio}");
     }
 
     /// A sensor whose steps are larger than the noise reads the same again and again: no more of such
