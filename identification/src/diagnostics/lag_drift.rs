@@ -9,11 +9,11 @@
 //!
 //! Its slope over the run is held against the scatter from block to block, whatever causes that. A motion that itself changes along the run
 //! may do as much to a servo that is not linear. So what goes with the speed of a block is taken out of the lags first, and a record whose
-//! command has other holds or another range in its second half is not asked.
+//! command has another range or goes another way in its second half is not asked.
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use crate::data::{Record, Run, usual_hold};
+use crate::data::{Record, Run};
 use crate::diagnostics::simulation_error::Simulated;
 use crate::thresholds::{LAG_DRIFT_SAMPLES, LAG_DRIFT_SIGNIFICANCE};
 
@@ -23,11 +23,11 @@ const BLOCKS: usize = 24;
 /// The shortest block, in lengths of the history: its ends are those of other blocks, too.
 const HISTORIES: usize = 2;
 
-/// Ratio of the usual holds of both halves of a run up to which they are alike: of random holds, medians differ by a half.
-const HOLDS_ALIKE: f64 = 2.0;
-
-/// The same of ranges.
+/// Ratio of the ranges of the command in both halves of a run up to which they are alike.
 const RANGES_ALIKE: f64 = 1.25;
+
+/// The same of how far it goes in all: of random levels they differ by a quarter, of sweeps and of holds that get shorter several times.
+const WAYS_ALIKE: f64 = 1.5;
 
 /// A lag that changes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,7 +63,7 @@ pub(crate) fn lag_drift(
     let blocks: Vec<Block> = (runs.iter().enumerate())
         .flat_map(|(index, run)| blocks_of(index, run, length))
         .collect();
-    if !record.runs().iter().all(|run| is_even(record, run)) {
+    if !record.runs().iter().all(is_even) {
         return None;
     }
     let (slope, p) = slope(&blocks, runs.len())?;
@@ -97,24 +97,25 @@ fn blocks_of(index: usize, run: &Simulated<'_>, length: usize) -> Vec<Block> {
     parts.filter_map(of_block).collect()
 }
 
-/// Whether the command moves alike in both halves of a run.
-fn is_even(record: &Record, run: &Run<'_>) -> bool {
-    let middle = run.len() / 2;
-    let halves = [0..middle, middle..run.len()].map(|half| {
-        let part = Record::new(record.sample_period_s(), vec![run.part(half)]);
-        part.map_or((0, 0.0), |part| {
-            let values = part.runs().iter().flat_map(Run::input);
-            let values = values.filter(|value| !value.is_nan());
-            let (low, high) = values
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
-                    (low.min(*value), high.max(*value))
-                });
-            (usual_hold(&part), high - low)
-        })
-    });
-    let alike = |a: f64, b: f64, most: f64| a.max(b) <= most * a.min(b);
-    let [(hold, range), (later_hold, later_range)] = halves;
-    alike(hold as f64, later_hold as f64, HOLDS_ALIKE) && alike(range, later_range, RANGES_ALIKE)
+/// Whether the command moves as far and as much in both halves of a run.
+fn is_even(run: &Run<'_>) -> bool {
+    let (first, second) = run.input().split_at(run.len() / 2);
+    let range = |part: &[f64]| {
+        let known = part.iter().filter(|value| !value.is_nan());
+        let (low, high) = known.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+            (low.min(*value), high.max(*value))
+        });
+        high - low
+    };
+    let way = |part: &[f64]| {
+        let steps = part.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+        steps.filter(|step| !step.is_nan()).sum::<f64>()
+    };
+    let alike = |of: &dyn Fn(&[f64]) -> f64, most: f64| {
+        let (a, b) = (of(first), of(second));
+        a.max(b) <= most * a.min(b)
+    };
+    alike(&range, RANGES_ALIKE) && alike(&way, WAYS_ALIKE)
 }
 
 /// The slope of the lags over time, each run with a lag of its own and all with one effect of speed, and the probability of one as far
