@@ -6,6 +6,7 @@
 //!   tests run few seeds, the examples of the same names run hundreds and print the documentation's tables.
 //! - [`closed_loop`]: recordings whose input a controller computes from the output.
 //! - [`hard_lines`]: recordings with glitches, tails, jitter, hum and runs that differ, for [`coverage`].
+//! - [`loggers`]: recordings of one servo by loggers with faults of time.
 //! - [`compared_ends`]: comparisons of servos whose responses have slow ends.
 //! - [`servo_means`]: comparisons of servos whose runs scatter.
 //! - [`arguments`]: the arguments of these examples.
@@ -27,6 +28,7 @@ pub mod figures_coverage;
 pub mod hard_lines;
 #[cfg(feature = "rig")]
 pub mod hello;
+pub mod loggers;
 pub mod metrics_coverage;
 pub mod oracle;
 pub mod plants;

@@ -33,8 +33,11 @@ pub(crate) struct EarlyMotion {
 
 /// The motion before the changes of a held command, where there is any.
 pub(crate) fn early_motion(record: &Record) -> Option<EarlyMotion> {
-    let changes: Vec<Change> = record.runs().iter().flat_map(changes_of).collect();
-    let windows = |length: &usize| (WINDOWS + 1) * length <= usual_hold(record);
+    let usual = usual_hold(record);
+    let mut changes: Vec<Change> = record.runs().iter().flat_map(changes_of).collect();
+    // After the longer half of all holds the servo is nearest to its rest.
+    changes.retain(|change| change.before.len() >= usual);
+    let windows = |length: &usize| (WINDOWS + 1) * length <= usual;
     let shown: Vec<(usize, Before)> = (1..)
         .take_while(windows)
         .filter_map(|length| Some((length, Before::of(&changes, length)?)))

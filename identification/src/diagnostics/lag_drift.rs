@@ -26,8 +26,9 @@ const HISTORIES: usize = 2;
 /// Ratio of the ranges of the command in both halves of a run up to which they are alike.
 const RANGES_ALIKE: f64 = 1.25;
 
-/// The same of how far it goes in all: of random levels they differ by a quarter, of sweeps and of holds that get shorter several times.
-const WAYS_ALIKE: f64 = 1.5;
+/// The same of how far it goes in all: of a few dozen random levels they differ by up to two times, of sweeps and of holds that
+/// get shorter by three times or more.
+const WAYS_ALIKE: f64 = 2.5;
 
 /// A lag that changes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -152,10 +153,11 @@ fn slope(blocks: &[Block], runs: usize) -> Option<(f64, f64)> {
     let square = sum(&|[t, v, _]| (t - of_time * v).powi(2));
     let slope = sum(&|[t, v, lag]| (t - of_time * v) * (lag - of_lag * v)) / square;
     let left = sum(&|[t, v, lag]| (lag - of_lag * v - slope * (t - of_time * v)).powi(2));
-    let distribution = StudentsT::new(0.0, 1.0, degrees as f64).ok()?;
     let t = slope / (left / degrees as f64 / square).sqrt();
-    let p = 2.0 * distribution.sf(t.abs());
-    (!p.is_nan()).then_some((slope, p))
+    // Without degrees of freedom, or without any scatter, nothing is known of chance.
+    let distribution = StudentsT::new(0.0, 1.0, degrees as f64).ok()?;
+    t.is_finite()
+        .then(|| (slope, 2.0 * distribution.sf(t.abs())))
 }
 
 impl Block {

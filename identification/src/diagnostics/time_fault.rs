@@ -21,14 +21,20 @@ pub(crate) enum TimeFault {
 }
 
 impl TimeFault {
-    /// That of a record with this fit, the plainest first.
-    pub(crate) fn of(record: &Record, moments: &Moments, fit: &GlsFit) -> Option<Self> {
-        let held = || output_held_for(record).map(Self::HeldOutput);
-        let early = || early_motion(record).map(Self::EarlyMotion);
+    /// That of a record with this fit, the plainest first. What was taken out of `undisturbed` as outlying may be what shows a fault, so
+    /// `recorded` still has it.
+    pub(crate) fn of(
+        recorded: &Record,
+        undisturbed: &Record,
+        moments: &Moments,
+        fit: &GlsFit,
+    ) -> Option<Self> {
+        let held = || output_held_for(recorded).map(Self::HeldOutput);
+        let early = || early_motion(recorded).map(Self::EarlyMotion);
         let drift = || {
-            let runs = simulated_whole(record, moments, fit);
+            let runs = simulated_whole(undisturbed, moments, fit);
             let history = fit.coordinates.basis.settling();
-            lag_drift(record, &runs, history).map(Self::LagDrift)
+            lag_drift(undisturbed, &runs, history).map(Self::LagDrift)
         };
         held().or_else(early).or_else(drift)
     }

@@ -37,9 +37,8 @@ pub(super) fn validity(
         quantised: allowances.quantisation.is_some(),
         unsettled: fitted.slow_end.is_some()
             || (allowances.quantisation.is_none() && still_moves(fitted, responses)),
-        time_fault: task
-            .record
-            .and_then(|record| TimeFault::of(record, moments, &estimate.fit)),
+        time_fault: (task.recorded.zip(task.record))
+            .and_then(|(recorded, record)| TimeFault::of(recorded, record, moments, &estimate.fit)),
         end_is_unseen: fitted.end_is_unseen,
         closed_loop: is_closed_loop(fitted),
         // What a caller leaves out is in the errors, and inputs to come show it where they were planned.
