@@ -196,7 +196,7 @@ fn no_result_of_any_kind_of_recording_has_a_number_that_is_none() {
 }
 
 #[test]
-#[ignore = "five seconds: the continuous integration runs it"]
+#[ignore = "five seconds: cargo test -p servoid --test integration -- --ignored every_model_of"]
 fn every_model_of_a_recording_in_the_field_is_accepted() {
     for (name, columns) in [
         ("recording-format-1.csv", &[][..]),

@@ -53,7 +53,7 @@ fn what_a_smooth_reference_leaves_out_has_no_level_and_no_figures() {
 }
 
 #[test]
-#[ignore = "ten seconds: the continuous integration runs it"]
+#[ignore = "ten seconds: cargo test -p servoid-identification --test integration -- --ignored a_few_sines"]
 fn a_few_sines_determine_no_metric() {
     let sines = [(3.0, 1.0), (2.0, 3.0), (1.0, 7.0)];
     for count in [2, 3] {
