@@ -79,6 +79,9 @@ fn changes_of<'a>(run: &'a Run<'_>) -> Vec<Change<'a>> {
     adjoining.map(change).collect()
 }
 
+/// A change: by how much, the stroke that follows, and the motions before it.
+type Moved = (f64, f64, [f64; WINDOWS]);
+
 /// The motion in windows of one length before the changes.
 struct Before {
     shares: [f64; WINDOWS],
@@ -97,11 +100,11 @@ impl Before {
             let is_known = !stroke.is_nan() && moved.iter().all(|moved| !moved.is_nan());
             is_known.then_some((change.by, stroke, moved))
         };
-        let all: Vec<_> = changes.iter().filter_map(of_change).collect();
+        let all: Vec<Moved> = changes.iter().filter_map(of_change).collect();
         if all.len() < FEWEST {
             return None;
         }
-        let sum = |of: &dyn Fn(&(f64, f64, [f64; WINDOWS])) -> f64| all.iter().map(of).sum::<f64>();
+        let sum = |of: &dyn Fn(&Moved) -> f64| all.iter().map(of).sum::<f64>();
         let squares = sum(&|(by, ..)| by * by);
         let strokes = sum(&|(by, stroke, _)| by * stroke);
         let products: [f64; WINDOWS] =

@@ -340,7 +340,10 @@ fn digits_beside(value: f64, count: usize, width: Option<f64>) -> String {
     // A small number of either sign may round to 0.
     let text = format!("{value:.decimals$}");
     let is_zero = text.chars().all(|letter| "-0.".contains(letter));
-    text[usize::from(is_zero && text.starts_with('-'))..].to_owned()
+    match text.strip_prefix('-') {
+        Some(zero) if is_zero => zero.to_owned(),
+        _ => text,
+    }
 }
 
 #[cfg(test)]
