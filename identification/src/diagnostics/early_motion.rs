@@ -31,12 +31,14 @@ pub(crate) struct EarlyMotion {
     pub(crate) changes: usize,
 }
 
-/// The motion before the changes of a held command, where there is any.
-pub(crate) fn early_motion(record: &Record) -> Option<EarlyMotion> {
+/// The motion before the changes of a held command, where there is any. `settling` is that of a model of the record \[samples\]: after half of
+/// it a servo is near its rest, and before, its answer to an earlier change may look like one to the next.
+pub(crate) fn early_motion(record: &Record, settling: usize) -> Option<EarlyMotion> {
     let usual = usual_hold(record);
     let mut changes: Vec<Change> = record.runs().iter().flat_map(changes_of).collect();
     // After the longer half of all holds the servo is nearest to its rest.
-    changes.retain(|change| change.before.len() >= usual);
+    let least = usual.max(settling / 2);
+    changes.retain(|change| change.before.len() >= least);
     let windows = |length: &usize| (WINDOWS + 1) * length <= usual;
     let shown: Vec<(usize, Before)> = (1..)
         .take_while(windows)
@@ -169,7 +171,7 @@ mod tests {
             let (commands, output) = recording(0.08, damping, 6, top);
             let late = |late: usize| {
                 let input = written(&commands, late);
-                early_motion(&Record::of_run(0.002, &input, &output).unwrap())
+                early_motion(&Record::of_run(0.002, &input, &output).unwrap(), 100)
             };
             for causal in [0, 3, 6] {
                 assert_eq!(late(causal), None, "{damping}, {top}");
@@ -189,7 +191,7 @@ mod tests {
         for damping in [0.05, 0.1, 0.3, 4.0] {
             let (commands, output) = recording(0.08, damping, 6, f64::INFINITY);
             let record = Record::of_run(0.002, &commands, &output).unwrap();
-            assert_eq!(early_motion(&record), None, "{damping}");
+            assert_eq!(early_motion(&record, 100), None, "{damping}");
         }
     }
 }

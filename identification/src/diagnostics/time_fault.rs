@@ -30,11 +30,11 @@ impl TimeFault {
         fit: &GlsFit,
     ) -> Option<Self> {
         let held = || output_held_for(recorded).map(Self::HeldOutput);
-        let early = || early_motion(recorded).map(Self::EarlyMotion);
+        let settling = fit.coordinates.basis.settling();
+        let early = || early_motion(recorded, settling).map(Self::EarlyMotion);
         let drift = || {
             let runs = simulated_whole(undisturbed, moments, fit);
-            let history = fit.coordinates.basis.settling();
-            lag_drift(undisturbed, &runs, history).map(Self::LagDrift)
+            lag_drift(undisturbed, &runs, settling).map(Self::LagDrift)
         };
         held().or_else(early).or_else(drift)
     }
