@@ -26,16 +26,7 @@ pub fn are_compared(asked: bool, found: &Comparison) -> bool {
 
 /// Whether servo models help: on request, and where a linear model does not suffice, but not where the command is not what moved the servo.
 fn help(asked: bool, suffices: bool, withdrawn: Option<Reason>) -> bool {
-    let is_none = matches!(
-        withdrawn,
-        Some(
-            Reason::InputFollowsOutput
-                | Reason::EarlyMotion
-                | Reason::HeldOutput
-                | Reason::LagDrift
-        )
-    );
-    asked || !suffices && !is_none
+    asked || !suffices && withdrawn.is_none_or(Reason::leaves_a_servo)
 }
 
 /// What was found of the servo as a machine.

@@ -13,8 +13,9 @@
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use crate::data::{Record, Run};
-use crate::diagnostics::simulation_error::Simulated;
+use crate::data::{Moments, Record, Run};
+use crate::diagnostics::simulation_error::{Simulated, simulated_whole};
+use crate::estimation::GlsFit;
 use crate::thresholds::{LAG_DRIFT_SAMPLES, LAG_DRIFT_SIGNIFICANCE};
 
 /// Blocks of a record.
@@ -52,21 +53,19 @@ struct Block {
     weight: f64,
 }
 
-/// The change of the lag along the runs, where it is beyond chance and matters. `history` is that of the model \[samples\].
-pub(crate) fn lag_drift(
-    record: &Record,
-    runs: &[Simulated<'_>],
-    history: usize,
-) -> Option<LagDrift> {
+/// The change of the lag along the runs, where it is beyond chance and matters. A record whose command is not even is not simulated at all.
+pub(crate) fn lag_drift(record: &Record, moments: &Moments, fit: &GlsFit) -> Option<LagDrift> {
+    if !record.runs().iter().all(is_even) {
+        return None;
+    }
+    let runs = simulated_whole(record, moments, fit);
+    let history = fit.coordinates.basis.settling();
     let samples: usize = runs.iter().map(|run| run.errors.len()).sum();
     let longest = runs.iter().map(|run| run.errors.len()).max()?;
     let length = (samples / BLOCKS).max(HISTORIES * history);
     let blocks: Vec<Block> = (runs.iter().enumerate())
         .flat_map(|(index, run)| blocks_of(index, run, length))
         .collect();
-    if !record.runs().iter().all(is_even) {
-        return None;
-    }
     let (slope, p) = slope(&blocks, runs.len())?;
     let change = slope * longest as f64;
     (p < LAG_DRIFT_SIGNIFICANCE && change.abs() > LAG_DRIFT_SAMPLES).then(|| LagDrift {

@@ -4,7 +4,6 @@
 use super::early_motion::{EarlyMotion, early_motion};
 use super::held_output::output_held_for;
 use super::lag_drift::{LagDrift, lag_drift};
-use super::simulation_error::simulated_whole;
 use crate::data::{Moments, Record};
 use crate::estimation::GlsFit;
 use crate::results::Reason;
@@ -32,10 +31,7 @@ impl TimeFault {
         let held = || output_held_for(recorded).map(Self::HeldOutput);
         let settling = fit.coordinates.basis.settling();
         let early = || early_motion(recorded, settling).map(Self::EarlyMotion);
-        let drift = || {
-            let runs = simulated_whole(undisturbed, moments, fit);
-            lag_drift(undisturbed, &runs, settling).map(Self::LagDrift)
-        };
+        let drift = || lag_drift(undisturbed, moments, fit).map(Self::LagDrift);
         held().or_else(early).or_else(drift)
     }
 

@@ -37,6 +37,16 @@ pub enum Reason {
 }
 
 impl Reason {
+    /// Whether a record without bounds for this reason still has the motion of a servo under its command: not that of a loop, nor one
+    /// whose times are not what they seem. Elsewhere no model of it describes a servo.
+    #[must_use]
+    pub fn leaves_a_servo(self) -> bool {
+        !matches!(
+            self,
+            Self::InputFollowsOutput | Self::EarlyMotion | Self::HeldOutput | Self::LagDrift
+        )
+    }
+
     /// The reason in a few words, for beside a number.
     #[must_use]
     pub fn because(self) -> &'static str {
