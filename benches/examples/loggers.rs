@@ -1,4 +1,4 @@
-//! The table "Times that are not what they seem" of docs/method.md:
+//! The table "Times that are not what they seem, and stops" of docs/method.md:
 //!
 //! ```sh
 //! cargo run --release -p servoid-benches --example loggers -- 40
@@ -87,11 +87,16 @@ fn main() {
             },
         ),
         ("command 40 ms late", Logger { late: 20, ..sound }),
+        ("stop at 9.5 of 10", Logger { stop: 9.5, ..sound }),
+        ("stop at 9 of 10", Logger { stop: 9.0, ..sound }),
+        ("stop at 7 of 10", Logger { stop: 7.0, ..sound }),
     ];
-    println!("| fault | lag drifts | output held | moves early | other reason | bounds |");
-    println!("|---|---|---|---|---|---|");
+    println!(
+        "| fault | lag drifts | output held | moves early | runs into a stop | other reason | bounds |"
+    );
+    println!("|---|---|---|---|---|---|---|");
     for (name, logger) in lines {
-        let mut found = [0; 5];
+        let mut found = [0; 6];
         for seed in 100..100 + count {
             let model = identify(&logger.record(seed), &Options::default());
             let model = model.expect("it can be identified");
@@ -99,8 +104,9 @@ fn main() {
                 Some(Reason::LagDrift) => 0,
                 Some(Reason::HeldOutput) => 1,
                 Some(Reason::EarlyMotion) => 2,
-                Some(_) => 3,
-                None => 4,
+                Some(Reason::TravelEnd) => 3,
+                Some(_) => 4,
+                None => 5,
             };
             found[column] += 1;
         }

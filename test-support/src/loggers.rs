@@ -26,6 +26,8 @@ pub struct Logger {
     pub weaker: f64,
     /// Largest speed of the servo \[output per second\].
     pub top: f64,
+    /// Position at which it runs into a stop \[output\].
+    pub stop: f64,
 }
 
 impl Default for Logger {
@@ -37,6 +39,7 @@ impl Default for Logger {
             late: 0,
             weaker: 0.0,
             top: f64::INFINITY,
+            stop: f64::INFINITY,
         }
     }
 }
@@ -81,6 +84,9 @@ impl Logger {
             speed += step_s * (stiffness * (command - position) - 64.0 * speed);
             speed = f64::clamp(speed, -self.top, self.top);
             position += step_s * speed;
+            if position > self.stop {
+                (position, speed) = (self.stop, speed.min(0.0));
+            }
             position
         };
         (0..SAMPLES * STEPS * 21 / 20).map(&mut next).collect()

@@ -110,6 +110,9 @@ fn fit(
             .map_err(|error| error.to_string())?,
         level,
         radians_per_command: radians,
+        against: linear
+            .and_then(|linear| linear.level().withdrawn())
+            .filter(|reason| reason.is_of_the_record()),
     };
     let model = match linear {
         Some(linear) => servo_model::fit_beside(&data.record, linear, &options, search),

@@ -85,6 +85,7 @@ fn none_because(reason: Reason) -> String {
         }
         Reason::BeyondRecord => "plan with a model of a recording with strokes as large as these",
         Reason::EarlyMotion | Reason::LagDrift => "write command and position by one clock",
+        Reason::TravelEnd => "take strokes on this side of the stop",
         Reason::HeldOutput => "read the sensor with every sample",
         Reason::InputFollowsOutput => "record with a reference that was planned before",
         Reason::EndUnseen => "take holds of different lengths",

@@ -1,10 +1,16 @@
 //! Whether the output stops at an angle within the range that is commanded, as at a mechanical stop.
 //!
-//! The rests of held commands lie on a line, one end of which is flat: commands that differ by a notable part of the range reach the same
-//! angle. It needs no model; neither kind of model has a stop.
+//! Where many strokes end there, no linear servo describes the record. The rests of held commands lie on a line, one end of which is flat:
+//! commands that differ by a notable part of the range reach the same angle. That needs no model.
+//!
+//! Where few do, their errors are outlying and look like glitches. There the model goes beyond the farthest that the output ever was,
+//! and the output is at its farthest. Neither a linear model nor a servo model has a stop.
 
-use crate::data::{EXACTLY, Hold, Record, Run, holds, last_quarter, mean_output};
-use crate::thresholds::{STOP_GAIN, STOP_SHARE};
+use super::outliers::TakenOut;
+use super::simulation_error::{Simulated, simulated_whole};
+use crate::data::{EXACTLY, Hold, Moments, Record, Run, holds, last_quarter, mean_output};
+use crate::estimation::GlsFit;
+use crate::thresholds::{STOP_GAIN, STOP_SAMPLES, STOP_SHARE};
 
 /// Different commands that must rest at the end, and elsewhere.
 const FEWEST: usize = 3;
@@ -16,12 +22,98 @@ pub(crate) struct TravelEnd {
     pub(crate) rest: f64,
     /// The command from which on it does, and the last one \[input\].
     pub(crate) commands: (f64, f64),
-    /// Different commands between the two, both included.
+    /// How many commands between the two rest there.
     pub(crate) count: usize,
 }
 
-/// The end of the travel that is reached first, if one is within the range of the commands.
-pub(crate) fn travel_end(record: &Record) -> Option<TravelEnd> {
+impl TravelEnd {
+    /// The end of the travel in a record that a linear servo describes, but for what was taken out of it as outlying, or in one that none
+    /// does.
+    pub(crate) fn of(
+        recorded: &Record,
+        is_linear: bool,
+        taken_out: &[TakenOut],
+        (moments, fit): (&Moments, &GlsFit),
+    ) -> Option<Self> {
+        if !is_linear {
+            return of_rests(recorded);
+        }
+        if taken_out.iter().all(|found| found.spike) {
+            return None;
+        }
+        let runs = simulated_whole(recorded, moments, fit);
+        let mut touched = Vec::new();
+        for (index, run) in runs.iter().enumerate() {
+            let within = taken_out.iter().filter(|found| found.run == index + 1);
+            let outlying: Vec<&TakenOut> = within.collect();
+            let ends = [1.0, -1.0].map(|sign| touched_in(run, sign, &outlying, moments.centre.1));
+            touched.extend(
+                ends.into_iter()
+                    .find(|end| !end.is_empty())
+                    .unwrap_or_default(),
+            );
+        }
+        let rest = touched.iter().map(|(_, rest)| rest).sum::<f64>() / touched.len() as f64;
+        touched.sort_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
+        let (first, last) = (touched.first()?, touched.last()?);
+        Some(Self {
+            rest,
+            commands: (first.0, last.0),
+            count: touched.len(),
+        })
+    }
+}
+
+/// Command and output of the stretches in which the output is at its farthest, up (`sign` 1) or down (-1), while the model goes beyond
+/// that, where some of it is `outlying`. Outputs of the model count from `centre`.
+fn touched_in(
+    run: &Simulated<'_>,
+    sign: f64,
+    outlying: &[&TakenOut],
+    centre: f64,
+) -> Vec<(f64, f64)> {
+    let measured = run.run.output();
+    let usual = median(run.errors.iter().map(|error| error.abs()));
+    let farthest = measured
+        .iter()
+        .fold(f64::NEG_INFINITY, |far, y| far.max(sign * y));
+    let at_end = |k: &usize| {
+        let model = sign * (run.output[*k] + centre);
+        model > farthest && sign * measured[*k] > farthest - FARTHEST * usual
+    };
+    let samples: Vec<usize> = (0..measured.len()).filter(at_end).collect();
+    let stretches = samples.chunk_by(|before, after| *after == before + 1);
+    let is_touched = |stretch: &&[usize]| {
+        let (from, to) = (stretch[0], stretch[stretch.len() - 1]);
+        let overlaps =
+            |found: &&TakenOut| found.sample <= to && found.sample + found.samples > from;
+        stretch.len() >= STOP_SAMPLES && outlying.iter().any(overlaps)
+    };
+    let of = |stretch: &[usize]| {
+        let rests = stretch.iter().map(|k| measured[*k]).sum::<f64>();
+        let commands = stretch.iter().map(|k| run.run.input()[*k]);
+        let command = commands.reduce(|far, u| if sign * u > sign * far { u } else { far });
+        (command.unwrap_or(f64::NAN), rests / stretch.len() as f64)
+    };
+    stretches.filter(is_touched).map(of).collect()
+}
+
+/// Median errors within which outputs are at one angle: of Gaussian noise that is 0.67 standard deviations, and some hundred samples lie
+/// within 4 on both sides.
+const FARTHEST: f64 = 12.0;
+
+/// NaN of no values.
+fn median(values: impl Iterator<Item = f64>) -> f64 {
+    let mut values: Vec<f64> = values.filter(|value| !value.is_nan()).collect();
+    let middle = values.len() / 2;
+    match values.is_empty() {
+        true => f64::NAN,
+        false => *values.select_nth_unstable_by(middle, f64::total_cmp).1,
+    }
+}
+
+/// The end of the travel that is reached first, if one is within the range of the commands that are held.
+fn of_rests(record: &Record) -> Option<TravelEnd> {
     let mut rests: Vec<(f64, f64)> = record.runs().iter().flat_map(rests_of).collect();
     rests.sort_by(|a, b| a.0.total_cmp(&b.0));
     let rests = mean_by_command(&rests);
@@ -112,7 +204,7 @@ mod tests {
                 y + random.random_range(-0.1..0.1)
             })
             .collect();
-        travel_end(&Record::of_run(0.01, &input, &output).unwrap())
+        of_rests(&Record::of_run(0.01, &input, &output).unwrap())
     }
 
     #[test]

@@ -6,6 +6,7 @@
 use crate::diagnostics::misfit::Misfit;
 use crate::diagnostics::rise_at_end::rise_at_end;
 use crate::diagnostics::time_fault::TimeFault;
+use crate::diagnostics::travel_end::TravelEnd;
 use crate::estimation::{Excitation, FsfBasis};
 use crate::results::{Bounds, Interval, Metrics, Reason, SelectedBy, Withheld};
 use crate::thresholds::DISAGREEMENT;
@@ -24,6 +25,8 @@ pub(crate) struct ValidityEvidence<'a> {
     pub(crate) unsettled: bool,
     /// What makes its times other than what they are taken for.
     pub(crate) time_fault: Option<TimeFault>,
+    /// A stop within the range of the commands.
+    pub(crate) travel_end: Option<TravelEnd>,
     /// Whether the input is such that nothing is known of the response beyond N.
     pub(crate) end_is_unseen: bool,
     /// Whether the input follows the output.
@@ -49,6 +52,8 @@ pub(crate) struct Validity {
     pub(crate) left_out_above_hz: Option<f64>,
     /// What makes the times of the record other than what they are taken for.
     pub(crate) time_fault: Option<TimeFault>,
+    /// A stop within the range of the commands.
+    pub(crate) travel_end: Option<TravelEnd>,
     /// Why metrics are left out, where they are.
     pub(crate) withheld: Option<Withheld>,
     /// Whether the final value is supported all the same.
@@ -72,6 +77,8 @@ impl Validity {
             .filter(|_| unexcited_above_hz.is_none());
         let reason = if let Some(fault) = time_fault {
             Some(fault.reason())
+        } else if evidence.travel_end.is_some() {
+            Some(Reason::TravelEnd)
         } else if unexcited_above_hz.is_some() {
             Some(Reason::InputUnexcited)
         } else if left_out_above_hz.is_some() {
@@ -124,6 +131,7 @@ impl Validity {
             unexcited_above_hz,
             left_out_above_hz,
             time_fault,
+            travel_end: evidence.travel_end,
             withheld,
             gain_is_supported,
         }
@@ -139,11 +147,6 @@ impl Validity {
             Metrics::withheld(gain, reason, metrics.bounds)
         })
     }
-}
-
-/// The level of the intervals of a servo model: they hold unless something speaks against it.
-pub(crate) fn level_unless(against: Option<Reason>, level: f64) -> Bounds<f64> {
-    against.map_or(Bounds::Valid(level), Bounds::Withdrawn)
 }
 
 impl ValidityEvidence<'_> {

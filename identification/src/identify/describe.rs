@@ -7,7 +7,7 @@ use super::responses::Responses;
 use super::task::Task;
 use crate::data::{Run, Timing};
 use crate::diagnostics::{
-    Bank, Explanation, Resolution, RunComparison, TimeFault, Validity, ValidityEvidence,
+    Bank, Explanation, Resolution, RunComparison, TimeFault, TravelEnd, Validity, ValidityEvidence,
     contradicted_rest,
 };
 use crate::estimation::{Excitation, Noise};
@@ -39,6 +39,7 @@ pub(super) fn validity(
             || (allowances.quantisation.is_none() && still_moves(fitted, responses)),
         time_fault: (task.recorded.zip(task.record))
             .and_then(|(recorded, record)| TimeFault::of(recorded, record, moments, &estimate.fit)),
+        travel_end: travel_end(task, fitted),
         end_is_unseen: fitted.end_is_unseen,
         closed_loop: is_closed_loop(fitted),
         // What a caller leaves out is in the errors, and inputs to come show it where they were planned.
@@ -50,6 +51,22 @@ pub(super) fn validity(
         truncation_bias: allowances.step.truncation,
     };
     Validity::new(&evidence, task.options.level)
+}
+
+fn travel_end(task: &Task<'_>, fitted: &Fitted) -> Option<TravelEnd> {
+    let estimate = &fitted.estimate;
+    TravelEnd::of(
+        task.recorded?,
+        is_linear(fitted),
+        &task.disturbances.outliers.taken_out,
+        (&estimate.information.moments, &estimate.fit),
+    )
+}
+
+/// Whether a linear servo describes the record.
+fn is_linear(fitted: &Fitted) -> bool {
+    let follows_motion = fitted.linearity.is_some_and(|found| found.is_rejected());
+    fitted.misfit.is_none() && !follows_motion
 }
 
 fn is_closed_loop(fitted: &Fitted) -> bool {
@@ -130,7 +147,6 @@ pub(super) fn model(
         validity.level.map(|level| MetricBounds { level }),
     );
     let metrics = validity.supported(metrics);
-    let follows_motion = fitted.linearity.is_some_and(|found| found.is_rejected());
     Model {
         schema: MODEL_SCHEMA,
         sample_period_s: period,
@@ -152,7 +168,7 @@ pub(super) fn model(
             sigma: fit.variance.sqrt(),
         },
         metrics,
-        linear: fitted.misfit.is_none() && !follows_motion,
+        linear: is_linear(fitted),
         step: StepResponse::new(
             period,
             responses.step_values.clone(),

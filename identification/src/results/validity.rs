@@ -18,6 +18,8 @@ pub enum Reason {
     HeldOutput,
     /// The lag of the output changes along the record, as where two clocks differ.
     LagDrift,
+    /// The output stops at an angle within the range of the commands, as at a mechanical stop.
+    TravelEnd,
     /// The input lacks the frequencies that part of the response consists of.
     InputUnexcited,
     /// The number of frequencies that was asked for leaves out more than can be bounded, though the input has it.
@@ -47,6 +49,12 @@ impl Reason {
         )
     }
 
+    /// Whether it speaks against the record, and so against the bounds of any model of it, and not of a linear one alone.
+    #[must_use]
+    pub fn is_of_the_record(self) -> bool {
+        !self.leaves_a_servo() || self == Self::TravelEnd
+    }
+
     /// The reason in a few words, for beside a number.
     #[must_use]
     pub fn because(self) -> &'static str {
@@ -54,6 +62,7 @@ impl Reason {
             Self::EarlyMotion => "the servo moves before its command",
             Self::HeldOutput => "the position is refreshed less often than it is written",
             Self::LagDrift => "the servo's lag changes along the recording",
+            Self::TravelEnd => "the servo runs into a stop",
             Self::InputUnexcited => "the reference does not excite all of the response",
             Self::FrequenciesLeftOut => {
                 "part of the response lies at frequencies that were left out"

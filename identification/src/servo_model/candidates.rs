@@ -11,7 +11,6 @@ use super::possible_servo::PossibleServo;
 use super::starting_values::{Shown, other_starts};
 use super::stretches::Stretch;
 use super::validity::against;
-use crate::diagnostics::level_unless;
 use crate::results::{Bounds, Reason};
 
 /// A relative gain below this ends the descent to the best servo.
@@ -37,7 +36,7 @@ impl Candidates {
         shown: &Shown,
         climbed: &Climbed,
         descent: &Descent<'_>,
-        level: f64,
+        level: Bounds<f64>,
     ) -> Self {
         let starts = other_starts(&climbed.best().fit, &descent.problem(parts), shown);
         let (_, from) = descent.problem(parts).best_descent(starts, STEPS);
@@ -47,7 +46,7 @@ impl Candidates {
         };
         let best = fine.polished(parts, from);
         let found = uncertainty(&fine.problem(parts), &best, fold_of.len());
-        let level = level_unless(against(parts, &best, &found), level);
+        let level = level.unless(against(parts, &best, &found));
         let problem = descent.problem(parts);
         let mut candidates = Self {
             level,

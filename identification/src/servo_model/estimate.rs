@@ -19,7 +19,7 @@ use super::starting_values::Shown;
 use super::stretches::{Stretch, stretches};
 use crate::data::Record;
 use crate::error::Error;
-use crate::results::{Bounds, Noise, fit_percent, pointwise_critical};
+use crate::results::{Bounds, Noise, Reason, fit_percent, pointwise_critical};
 use faer::Mat;
 use servoid_dynamics::Grid;
 
@@ -50,6 +50,8 @@ pub struct ServoModelOptions {
     pub level: f64,
     /// Radians for each unit of the command; `None` to take them for degrees or radians by their size.
     pub radians_per_command: Option<f64>,
+    /// What is known to speak against bounds of any model of the record; see [`Reason::is_of_the_record`].
+    pub against: Option<Reason>,
 }
 
 impl Default for ServoModelOptions {
@@ -58,6 +60,7 @@ impl Default for ServoModelOptions {
             controllers: Vec::new(),
             level: 0.99,
             radians_per_command: None,
+            against: None,
         }
     }
 }
@@ -132,7 +135,9 @@ pub fn fit_watched(
         &shown,
         &climbed,
         &descent,
-        options.level,
+        options
+            .against
+            .map_or(Bounds::Valid(options.level), Bounds::Withdrawn),
     );
     if watch.ends() {
         return Err(Error::SearchEnded);

@@ -1,12 +1,12 @@
-//! Records whose times are not what they are taken for have no bounds, and a reason. The table "Times that are not what they seem" of
-//! docs/method.md has more of them.
+//! Records whose times are not what they are taken for, or in which the servo runs into a stop, have no bounds, and a reason. The table
+//! "Times that are not what they seem, and stops" of docs/method.md has more of them.
 
 use servoid_identification::results::Reason;
 use servoid_identification::{Options, identify};
 use servoid_test_support::loggers::Logger;
 
 #[test]
-fn clocks_that_differ_and_sensors_that_are_slow_take_the_level() {
+fn clocks_that_differ_slow_sensors_and_stops_take_the_level() {
     let sound = Logger::default();
     let loggers = [
         (sound, None),
@@ -47,6 +47,9 @@ fn clocks_that_differ_and_sensors_that_are_slow_take_the_level() {
             Some(Reason::HeldOutput),
         ),
         (Logger { late: 12, ..sound }, Some(Reason::EarlyMotion)),
+        // A few strokes end there, and some.
+        (Logger { stop: 9.0, ..sound }, Some(Reason::TravelEnd)),
+        (Logger { stop: 6.0, ..sound }, Some(Reason::TravelEnd)),
     ];
     for (logger, expected) in loggers {
         for seed in 1..3 {

@@ -2,6 +2,7 @@
 
 use super::measured::Measured;
 use crate::data::rig_file::RigFile;
+use crate::instrument::calibration::mistyped_angle;
 
 /// A scale that differs by more from that of the rig file is doubtful (part of it): three standard deviations of a
 /// data sheet, whose 5 % are the supply of the sensor, or the rounding of the maker of a servo.
@@ -13,6 +14,9 @@ const NEUTRAL: f64 = 0.5;
 /// One sentence for each disagreement of `measured` with the rig file.
 pub(super) fn doubts(measured: &Measured, rig: &RigFile, pulses: &[u16]) -> Vec<String> {
     let mut found = Vec::new();
+    if !measured.assumed {
+        found.extend(mistyped_angle(&measured.readings).map(|angle| angle.to_string()));
+    }
     if let Some(sensor) = &measured.sensor {
         let ratio = sensor.degrees_per_count / rig.sensor.degrees_per_count;
         found.extend(scale("the sensor", "degrees_per_count", ratio));

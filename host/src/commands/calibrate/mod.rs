@@ -13,7 +13,7 @@ use crate::data::DegreeScale;
 use crate::data::recording::write_file;
 use crate::data::rig_file::{RigFile, SensorSection};
 use crate::instrument::calibration::{
-    Calibration, Found, Mover, Reading, Rest, Travel, put_into, require_followed,
+    Calibration, Found, Mover, Reading, Rest, Travel, mistyped_angle, put_into, require_followed,
 };
 use crate::instrument::port;
 use crate::instrument::rig::RigClient;
@@ -118,7 +118,7 @@ impl Calibrate {
             self.measure(&source)?
         } else {
             Measured {
-                sensor: Some(Calibration::fit(&self.pairs)?),
+                sensor: Some(line(&self.pairs)?),
                 assumed: false,
                 readings: self.pairs.clone(),
                 rests: Vec::new(),
@@ -234,12 +234,12 @@ impl Calibrate {
             require_followed(rests)?;
             return Ok(Calibration::fit(readings)?.with_doubtful_angles(DOUBT_PERCENT));
         }
-        let fit = Calibration::fit(readings);
+        let fit = line(readings);
         if fit.is_err() {
             require_followed(rests)?;
             print_remark(protractor::so_far(readings));
         }
-        Ok(fit?)
+        fit
     }
 
     /// The motion that is about to start.
@@ -311,6 +311,14 @@ impl Calibrate {
         let force = self.output.force || self.update || self.asks_for_angles();
         Ok(write_file(path, force, &after)?)
     }
+}
+
+/// The line through the readings; where they have none, the angle that may be why is named.
+fn line(readings: &[Reading]) -> Result<Calibration> {
+    let fit = Calibration::fit(readings);
+    let angle = mistyped_angle(readings).filter(|_| fit.is_err());
+    angle.iter().for_each(print_remark);
+    Ok(fit?)
 }
 
 /// The command that uses the rig file at `path`.

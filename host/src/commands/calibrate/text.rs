@@ -103,7 +103,9 @@ fn travel(travel: &Travel, assumed: bool) -> String {
     let level = LEVEL * 100.0;
     let scale = travel.us_per_degree.value;
     let scale = match assumed {
-        true => format!("scale        {scale:.3} µs per degree, as assumed"),
+        true => format!(
+            "scale        {scale:.3} µs per degree over the staircase, which is no measurement: the angles were assumed"
+        ),
         false => {
             let range = range(&travel.us_per_degree, 4);
             format!("us_per_degree = {scale:.4}   # {range} with {level} % confidence")

@@ -3,6 +3,7 @@
 //! | file           | content                                                                               |
 //! |----------------|---------------------------------------------------------------------------------------|
 //! | `sensor_scale` | fits the sensor's scale to readings at known angles                                   |
+//! | `mistyped_angle` | finds the one angle that does not belong to the others                          |
 //! | `mover`        | brings the servo to positions and reads the sensor there                              |
 //! | `followed`     | finds positions to which the servo did not come                                       |
 //! | `travel`       | neutral, gain and ends from a slow staircase over the pulses that the servo may be given |
@@ -12,6 +13,7 @@ mod estimate;
 mod followed;
 mod knee;
 mod least_squares;
+mod mistyped_angle;
 mod mover;
 mod rig_text;
 mod sensor_scale;
@@ -19,6 +21,7 @@ mod travel;
 
 pub use estimate::{Estimate, LEVEL};
 pub use followed::{NotFollowed, require_followed};
+pub use mistyped_angle::{MistypedAngle, mistyped_angle};
 pub use mover::{MoveError, Mover, Rest};
 pub use rig_text::{Found, put_into};
 pub use sensor_scale::{Calibration, CalibrationError, Reading};

@@ -12,7 +12,8 @@ const NAMED: usize = 3;
 pub(super) fn outliers(evidence: &Evidence<'_>) -> Option<Advice> {
     let taken_out = &evidence.explanation.taken_out;
     let count: usize = taken_out.iter().map(|found| found.samples).sum();
-    if count == 0 {
+    // At a stop it is no glitch that is outlying.
+    if count == 0 || evidence.validity.travel_end.is_some() {
         return None;
     }
     let period = evidence.model.sample_period_s;

@@ -1,7 +1,7 @@
 //! Findings on the response: whether it is over, and which part of it was left out.
 
 use super::evidence::{Evidence, two_digits};
-use crate::diagnostics::{rise_at_end, travel_end};
+use crate::diagnostics::rise_at_end;
 use crate::options::Frequencies;
 use crate::results::{Advice, Bounds, Check, Reason, SelectedBy};
 use crate::selection::{Choice, hidden_end};
@@ -38,21 +38,21 @@ pub(super) fn settled(evidence: &Evidence<'_>) -> Option<Advice> {
     ))
 }
 
-/// A stop within the range of the commands. A record that a linear servo describes has none.
+/// A stop within the range of the commands.
 pub(super) fn travel_end(evidence: &Evidence<'_>) -> Option<Advice> {
-    let record = evidence.recorded.filter(|_| !evidence.model.linear)?;
-    let found = travel_end::travel_end(record)?;
+    let found = evidence.validity.travel_end?;
     let (from, to) = found.commands;
     let four_digits = |number: f64| format!("{number:.3e}").parse().unwrap_or(number);
+    let (first, last) = (four_digits(from), four_digits(to));
+    let commands = match found.count {
+        1 => format!("a command of {last} ends there"),
+        count => format!("commands from {first} to {last} all end there ({count} of them)"),
+    };
     Some(Advice::new(
         Check::TravelEnd,
         format!(
-            "The output stops at {}: commands from {} to {} all come to rest there ({} of them), though it follows the others. Neither the linear \
-             model nor the servo model has a stop.",
+            "The output stops at {}: {commands}, though it follows the others. Neither the linear model nor the servo model has a stop.",
             four_digits(found.rest),
-            four_digits(from),
-            four_digits(to),
-            found.count
         ),
         found.rest,
         from,
