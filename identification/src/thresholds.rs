@@ -549,10 +549,13 @@ pub const STOP_GAIN: f64 = 0.1;
 /// Share of the range by which it must be short of where it would go; see [`STOP_GAIN`].
 pub const STOP_SHARE: f64 = 0.05;
 
-/// Samples at the farthest output, where the model goes beyond it, from which on a stretch that was taken out is no glitch.
-///
-/// Protects: bounds of recordings in which a few strokes end at a stop. Evidence: the tests of stops; a burst of glitches lies elsewhere.
+/// Samples in a row at the farthest output, where the model goes beyond it, that count as a stroke to a stop.
 pub const STOP_SAMPLES: usize = 5;
+
+/// Standard deviations from which on an output that stays behind the model at its farthest is beyond chance.
+///
+/// Protects: bounds of recordings in which a few strokes end at a stop. Evidence: the table of stops in docs/method.md.
+pub const STOP_SIGNIFICANCE: f64 = 6.0;
 
 /// Standard deviations from which on motion before the changes of a held command is beyond chance.
 ///

@@ -3,14 +3,13 @@
 //! Where many strokes end there, no linear servo describes the record. The rests of held commands lie on a line, one end of which is flat:
 //! commands that differ by a notable part of the range reach the same angle. That needs no model.
 //!
-//! Where few do, their errors are outlying and look like glitches. There the model goes beyond the farthest that the output ever was,
+//! Where few do, their errors look like glitches, or like slow noise. There the model goes beyond the farthest that the output ever was,
 //! and the output is at its farthest. Neither a linear model nor a servo model has a stop.
 
-use super::outliers::TakenOut;
-use super::simulation_error::{Simulated, simulated_whole};
+use super::simulation_error::{Simulated, one_step_errors, simulated_whole};
 use crate::data::{EXACTLY, Hold, Moments, Record, Run, holds, last_quarter, mean_output};
 use crate::estimation::GlsFit;
-use crate::thresholds::{STOP_GAIN, STOP_SAMPLES, STOP_SHARE};
+use crate::thresholds::{STOP_GAIN, STOP_SAMPLES, STOP_SHARE, STOP_SIGNIFICANCE};
 
 /// Different commands that must rest at the end, and elsewhere.
 const FEWEST: usize = 3;
@@ -27,75 +26,90 @@ pub(crate) struct TravelEnd {
 }
 
 impl TravelEnd {
-    /// The end of the travel in a record that a linear servo describes, but for what was taken out of it as outlying, or in one that none
-    /// does.
+    /// The end of the travel in a record that a linear servo describes, or in one that none does.
     pub(crate) fn of(
-        recorded: &Record,
+        record: &Record,
         is_linear: bool,
-        taken_out: &[TakenOut],
         (moments, fit): (&Moments, &GlsFit),
     ) -> Option<Self> {
         if !is_linear {
-            return of_rests(recorded);
+            return of_rests(record);
         }
-        if taken_out.iter().all(|found| found.spike) {
-            return None;
-        }
-        let runs = simulated_whole(recorded, moments, fit);
-        let mut touched = Vec::new();
-        for (index, run) in runs.iter().enumerate() {
-            let within = taken_out.iter().filter(|found| found.run == index + 1);
-            let outlying: Vec<&TakenOut> = within.collect();
-            let ends = [1.0, -1.0].map(|sign| touched_in(run, sign, &outlying, moments.centre.1));
-            touched.extend(
-                ends.into_iter()
-                    .find(|end| !end.is_empty())
-                    .unwrap_or_default(),
-            );
-        }
-        let rest = touched.iter().map(|(_, rest)| rest).sum::<f64>() / touched.len() as f64;
-        touched.sort_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
-        let (first, last) = (touched.first()?, touched.last()?);
+        let runs = simulated_whole(record, moments, fit);
+        let ends = [1.0, -1.0].map(|sign| Touched::by(&runs, sign, moments.centre.1));
+        let found = ends.into_iter().find(|end| end.is_beyond_chance(fit))?;
+        let mut strokes = found.strokes;
+        strokes.sort_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
+        let (first, last) = (strokes.first()?, strokes.last()?);
+        let rests = strokes.iter().map(|(_, rest)| rest);
         Some(Self {
-            rest,
+            rest: rests.sum::<f64>() / strokes.len() as f64,
             commands: (first.0, last.0),
-            count: touched.len(),
+            count: strokes.len(),
         })
     }
 }
 
-/// Command and output of the stretches in which the output is at its farthest, up (`sign` 1) or down (-1), while the model goes beyond
-/// that, where some of it is `outlying`. Outputs of the model count from `centre`.
-fn touched_in(
-    run: &Simulated<'_>,
-    sign: f64,
-    outlying: &[&TakenOut],
-    centre: f64,
-) -> Vec<(f64, f64)> {
-    let measured = run.run.output();
-    let usual = median(run.errors.iter().map(|error| error.abs()));
-    let farthest = measured
-        .iter()
-        .fold(f64::NEG_INFINITY, |far, y| far.max(sign * y));
-    let at_end = |k: &usize| {
-        let model = sign * (run.output[*k] + centre);
-        model > farthest && sign * measured[*k] > farthest - FARTHEST * usual
-    };
-    let samples: Vec<usize> = (0..measured.len()).filter(at_end).collect();
-    let stretches = samples.chunk_by(|before, after| *after == before + 1);
-    let is_touched = |stretch: &&[usize]| {
-        let (from, to) = (stretch[0], stretch[stretch.len() - 1]);
-        let overlaps =
-            |found: &&TakenOut| found.sample <= to && found.sample + found.samples > from;
-        stretch.len() >= STOP_SAMPLES && outlying.iter().any(overlaps)
-    };
-    let of = |stretch: &[usize]| {
-        let rests = stretch.iter().map(|k| measured[*k]).sum::<f64>();
-        let commands = stretch.iter().map(|k| run.run.input()[*k]);
-        let command = commands.reduce(|far, u| if sign * u > sign * far { u } else { far });
-        (command.unwrap_or(f64::NAN), rests / stretch.len() as f64)
-    };
-    stretches.filter(is_touched).map(of).collect()
+/// The stretches in which the output is at its farthest, up or down, while the model goes beyond that.
+struct Touched<'a> {
+    runs: &'a [Simulated<'a>],
+    /// Command and output of each.
+    strokes: Vec<(f64, f64)>,
+    /// How far the model goes beyond there, of each run; 0 elsewhere.
+    beyond: Vec<Vec<f64>>,
+}
+
+impl<'a> Touched<'a> {
+    /// Those up (`sign` 1) or down (-1). Outputs of the model count from `centre`.
+    fn by(runs: &'a [Simulated<'a>], sign: f64, centre: f64) -> Self {
+        let mut all = Self {
+            runs,
+            strokes: Vec::new(),
+            beyond: Vec::new(),
+        };
+        for run in runs {
+            let measured = run.run.output();
+            let usual = median(run.errors.iter().map(|error| error.abs()));
+            let far = |far: f64, y: &f64| far.max(sign * y);
+            let farthest = measured.iter().fold(f64::NEG_INFINITY, far);
+            let beyond = |k: usize| sign * (run.output[k] + centre) - farthest;
+            let is_there =
+                |k: &usize| beyond(*k) > 0.0 && sign * measured[*k] > farthest - FARTHEST * usual;
+            let samples: Vec<usize> = (0..measured.len()).filter(is_there).collect();
+            let stretches = samples.chunk_by(|before, after| *after == before + 1);
+            let mut by_sample = vec![0.0; measured.len()];
+            for stretch in stretches.filter(|stretch| stretch.len() >= STOP_SAMPLES) {
+                let rests = stretch.iter().map(|k| measured[*k]).sum::<f64>();
+                let commands = stretch.iter().map(|k| run.run.input()[*k]);
+                let command = commands.reduce(|far, u| if sign * u > sign * far { u } else { far });
+                let rest = rests / stretch.len() as f64;
+                all.strokes.push((command.unwrap_or(f64::NAN), rest));
+                for k in stretch {
+                    by_sample[*k] = sign * beyond(*k);
+                }
+            }
+            all.beyond.push(by_sample);
+        }
+        all
+    }
+
+    /// Whether the errors say that the output stays behind there: a score test of the regressor, one step ahead.
+    fn is_beyond_chance(&self, fit: &GlsFit) -> bool {
+        let (mut score, mut information) = (0.0, 0.0);
+        for (run, beyond) in self.runs.iter().zip(&self.beyond) {
+            let errors = one_step_errors(run.own_errors(), &fit.ar);
+            let beyond = one_step_errors(beyond, &fit.ar);
+            let known = errors
+                .iter()
+                .zip(&beyond)
+                .filter(|(e, x)| !(**e * **x).is_nan());
+            for (error, beyond) in known {
+                score -= error * beyond;
+                information += beyond * beyond;
+            }
+        }
+        score > STOP_SIGNIFICANCE * (fit.variance * information).sqrt()
+    }
 }
 
 /// Median errors within which outputs are at one angle: of Gaussian noise that is 0.67 standard deviations, and some hundred samples lie

@@ -7,8 +7,8 @@ use super::responses::Responses;
 use super::task::Task;
 use crate::data::{Run, Timing};
 use crate::diagnostics::{
-    Bank, Explanation, Resolution, RunComparison, TimeFault, TravelEnd, Validity, ValidityEvidence,
-    contradicted_rest,
+    Bank, Explanation, Resolution, RunComparison, TakenOut, TimeFault, TravelEnd, Validity,
+    ValidityEvidence, contradicted_rest,
 };
 use crate::estimation::{Excitation, Noise};
 use crate::numerics::matrix_rows::to_rows;
@@ -55,12 +55,9 @@ pub(super) fn validity(
 
 fn travel_end(task: &Task<'_>, fitted: &Fitted) -> Option<TravelEnd> {
     let estimate = &fitted.estimate;
-    TravelEnd::of(
-        task.recorded?,
-        is_linear(fitted),
-        &task.disturbances.outliers.taken_out,
-        (&estimate.information.moments, &estimate.fit),
-    )
+    let record = TakenOut::without_spikes(&task.disturbances.outliers.taken_out, task.recorded?);
+    let fit = (&estimate.information.moments, &estimate.fit);
+    TravelEnd::of(&record, is_linear(fitted), fit)
 }
 
 /// Whether a linear servo describes the record.
