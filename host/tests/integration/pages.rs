@@ -205,3 +205,20 @@ fn a_page_that_shows_something_else_is_noticed() {
         );
     }
 }
+
+#[test]
+fn every_option_of_a_simulated_rig_is_in_the_page() {
+    let error = "bench?nothing".parse::<servoid_simulator::SimulationOptions>();
+    let error = error.unwrap_err().to_string();
+    let (_, keys) = error.split_once("there are ").unwrap();
+    let text = std::fs::read_to_string(page("a-board.md")).unwrap();
+    let keys: Vec<&str> = keys
+        .split([',', ' '])
+        .filter(|word| !["", "and"].contains(word))
+        .collect();
+    assert!(keys.len() > 15, "{keys:?}");
+    for key in keys {
+        let shown = [format!("`{key}`"), format!("`{key}=")];
+        assert!(shown.iter().any(|shown| text.contains(shown)), "{key}");
+    }
+}

@@ -72,9 +72,14 @@ impl<'a> Touched<'a> {
             let usual = median(run.errors.iter().map(|error| error.abs()));
             let far = |far: f64, y: &f64| far.max(sign * y);
             let farthest = measured.iter().fold(f64::NEG_INFINITY, far);
+            let nearest = measured
+                .iter()
+                .fold(f64::INFINITY, |near, y| near.min(sign * y));
+            let notable = NOTABLE * (farthest - nearest);
             let beyond = |k: usize| sign * (run.output[k] + centre) - farthest;
-            let is_there =
-                |k: &usize| beyond(*k) > 0.0 && sign * measured[*k] > farthest - FARTHEST * usual;
+            let is_there = |k: &usize| {
+                beyond(*k) > notable && sign * measured[*k] > farthest - FARTHEST * usual
+            };
             let samples: Vec<usize> = (0..measured.len()).filter(is_there).collect();
             let stretches = samples.chunk_by(|before, after| *after == before + 1);
             let mut by_sample = vec![0.0; measured.len()];
@@ -111,6 +116,9 @@ impl<'a> Touched<'a> {
         score > STOP_SIGNIFICANCE * (fit.variance * information).sqrt()
     }
 }
+
+/// How far the model must go beyond the farthest output, as a part of the range: rounding does so, too.
+const NOTABLE: f64 = 1e-3;
 
 /// Median errors within which outputs are at one angle: of Gaussian noise that is 0.67 standard deviations, and some hundred samples lie
 /// within 4 on both sides.

@@ -4,6 +4,7 @@ use super::about::About;
 use super::error::DatasetError;
 use super::from_tables::note_sentinel_value;
 use super::loaded::{Loaded, run};
+use super::wrapped_angle;
 use std::borrow::Cow;
 
 /// Runs of one servo under one condition.
@@ -63,7 +64,16 @@ impl<'a> Arrays<'a> {
             for (name, column) in [("input", &arrays.input), ("output", &arrays.output)] {
                 note_sentinel_value(&mut about, &place, name, column);
             }
-            let next = run(arrays.input, arrays.output, arrays.at_rest);
+            let unit = about.output_unit.as_deref();
+            let together = wrapped_angle::put_together("output", &arrays.output, unit);
+            let output = match together {
+                Some((angle, remark)) => {
+                    about.remarks.push(format!("{place}: {remark}"));
+                    Cow::Owned(angle)
+                }
+                None => arrays.output,
+            };
+            let next = run(arrays.input, output, arrays.at_rest);
             runs.push(next.map_err(|error| DatasetError::Data(place, error))?);
         }
         Ok(Loaded {

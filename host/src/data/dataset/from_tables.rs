@@ -5,7 +5,7 @@ use super::error::DatasetFault;
 use super::loaded::{Loaded, run};
 use super::options::DatasetOptions;
 use super::time_column::{self, TimeUnit};
-use super::{sentinel_values, suggestion};
+use super::{sentinel_values, suggestion, wrapped_angle};
 use crate::data::table::{Table, TableFault, unit_of};
 use crate::data::timeline::{self, Stretch, TimeColumn};
 use clap::ValueEnum;
@@ -30,7 +30,7 @@ pub(super) fn from_table(
     }
     let Columns {
         u,
-        y,
+        mut y,
         labels,
         drivers,
         clock,
@@ -47,6 +47,10 @@ pub(super) fn from_table(
     } = Spacing::of(clock, options)?;
     let found = timeline::stretches(u.len(), time.as_ref(), labels.as_deref());
     let mut remarks = table.remarks().to_vec();
+    if let Some((angle, remark)) = wrapped_angle::put_together(output, &y, unit_of(names[1])) {
+        y = angle;
+        remarks.push(remark);
+    }
     remarks.extend(remark);
     remarks.extend(controllers_not_named(table, options));
     if let (Some(column), Some(_)) = (clock_name, &time) {

@@ -17,6 +17,7 @@ mod sensor_delay;
 mod sentinel_values;
 pub(crate) mod suggestion;
 mod time_column;
+mod wrapped_angle;
 
 pub use about::About;
 pub use error::{DatasetError, DatasetFault};

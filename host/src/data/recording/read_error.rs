@@ -18,7 +18,9 @@ pub enum ReadFault {
     )]
     Newer(u32),
     /// A comment line is damaged: number from 1, and reason.
-    #[error("is damaged above its rows, at line {0}: {1}; 'servoid recover' keeps what is sound")]
+    #[error(
+        "is damaged above its rows, at line {0}: {1}; 'servoid recover' keeps what is sound, and with --input reference_deg --output position_deg the rows are read as they are"
+    )]
     DamagedHeader(usize, String),
     /// A row is damaged.
     #[error(
