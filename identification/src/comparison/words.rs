@@ -5,6 +5,7 @@ use super::outcome::{
     Comparison, ComparisonBounds, DifferenceCurve, Direction, Levels, Sides, Subject,
 };
 use super::verdict::Verdict;
+use crate::numerics::four_digits;
 use crate::results::Bounds;
 use crate::thresholds::NOTABLE_SHIFT_S;
 
@@ -159,6 +160,5 @@ fn rest(levels: &Sides<Levels>, options: &ComparisonOptions) -> Option<String> {
 
 /// "+4.981" of 4.980556789934776: pulses are whole microseconds, and degrees by a calibration are not.
 fn signed(command: f64) -> String {
-    let four_digits = format!("{command:.3e}").parse().unwrap_or(command);
-    format!("{four_digits:+}")
+    format!("{:+}", four_digits(command))
 }

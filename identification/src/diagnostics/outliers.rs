@@ -19,6 +19,7 @@ use crate::diagnostics::simulation_error::{Simulated, one_step_errors};
 use crate::diagnostics::spikes::{Course, spikes};
 use crate::diagnostics::uneven_noise::{motion, squared_speed};
 use crate::estimation::GlsFit;
+use crate::numerics::median;
 use crate::thresholds::{MISFIT_SIGNIFICANCE, MOST_OUTLYING, OUTLYING};
 
 /// Ratio of the median of squares to the variance, of Gaussian noise.
@@ -128,56 +129,27 @@ pub(crate) fn outliers(
     let Some(scale) = Scale::of(runs, &motions, fit, step) else {
         return Outliers::default();
     };
-    let mut found = Outliers::default();
-    let (mut samples, mut near, mut moving) = (0usize, 0usize, 0usize);
-    let mut events = (0u64, 0u64);
-    let mut at_rest = Vec::new();
+    let mut seen = Seen::default();
     for (index, (run, motion)) in runs.iter().zip(&motions).enumerate() {
         let mut filter = NoisePrediction::new(&fit.ar, scale.even);
-        let mut last = None;
         for (k, error) in run.own_errors().iter().enumerate() {
-            let in_motion = motion[k] > IN_MOTION * scale.largest_motion;
-            let size = filter.next(*error, scale.in_motion * motion[k]);
-            let Some(size) = size else { continue };
-            samples += 1;
-            moving += usize::from(in_motion);
-            near += usize::from((OUTLYING - 1.0..OUTLYING).contains(&size));
-            if size < OUTLYING {
-                continue;
+            if let Some(size) = filter.next(*error, scale.in_motion * motion[k]) {
+                let in_motion = motion[k] > IN_MOTION * scale.largest_motion;
+                seen.sample((index, k), size, in_motion);
             }
-            if !in_motion {
-                at_rest.push(TakenOut {
-                    run: index + 1,
-                    sample: k,
-                    samples: 1,
-                    spike: false,
-                });
-            }
-            match found.taken_out.last_mut() {
-                Some(stretch) if last == Some(k.wrapping_sub(1)) => stretch.samples += 1,
-                _ => {
-                    events.0 += 1;
-                    events.1 += u64::from(in_motion);
-                    found.taken_out.push(TakenOut {
-                        run: index + 1,
-                        sample: k,
-                        samples: 1,
-                        spike: false,
-                    });
-                }
-            }
-            last = Some(k);
         }
     }
-    found.near_limit = near as f64 / samples.max(1) as f64;
-    let few = |count: usize| count as f64 <= MOST_OUTLYING * moments.samples() as f64;
-    let chance = Binomial::new(moving as f64 / samples.max(1) as f64, events.0);
-    let unrelated =
-        events.1 == 0 || chance.is_ok_and(|chance| chance.sf(events.1 - 1) > MISFIT_SIGNIFICANCE);
-    if found.taken_out.is_empty() {
+    let mut found = Outliers {
+        near_limit: seen.near as f64 / seen.samples.max(1) as f64,
+        ..Outliers::default()
+    };
+    if seen.outlying.is_empty() {
         return found;
     }
+    let few = |count: usize| count as f64 <= MOST_OUTLYING * moments.samples() as f64;
     let spikes = spikes_of(runs, &motions, IN_MOTION * scale.largest_motion);
+    let unrelated = seen.is_unrelated_to_motion();
+    found.taken_out = seen.outlying;
     if few(spikes.len()) {
         found.mark(spikes);
     }
@@ -191,9 +163,63 @@ pub(crate) fn outliers(
     if !rare {
         return Outliers::default();
     }
-    found.taken_out = at_rest;
+    found.taken_out = seen.at_rest;
     found.provisional = true;
     found
+}
+
+/// What the errors one step ahead are, counted sample by sample.
+#[derive(Default)]
+struct Seen {
+    samples: usize,
+    /// Those in motion.
+    moving: usize,
+    /// Those less than one standard deviation within the limit.
+    near: usize,
+    /// Stretches of outlying samples.
+    outlying: Vec<TakenOut>,
+    /// How many of them begin in motion.
+    outlying_in_motion: u64,
+    /// Outlying samples at rest.
+    at_rest: Vec<TakenOut>,
+}
+
+impl Seen {
+    /// Counts sample `k` of run `index`, both from 0, whose error is `size` standard deviations.
+    fn sample(&mut self, (index, k): (usize, usize), size: f64, in_motion: bool) {
+        self.samples += 1;
+        self.moving += usize::from(in_motion);
+        self.near += usize::from((OUTLYING - 1.0..OUTLYING).contains(&size));
+        if size < OUTLYING {
+            return;
+        }
+        let single = TakenOut {
+            run: index + 1,
+            sample: k,
+            samples: 1,
+            spike: false,
+        };
+        if !in_motion {
+            self.at_rest.push(single);
+        }
+        match self.outlying.last_mut() {
+            Some(last) if last.run == single.run && last.sample + last.samples == k => {
+                last.samples += 1;
+            }
+            _ => {
+                self.outlying_in_motion += u64::from(in_motion);
+                self.outlying.push(single);
+            }
+        }
+    }
+
+    /// Whether chance would put as many of them into the motion.
+    fn is_unrelated_to_motion(&self) -> bool {
+        let share = self.moving as f64 / self.samples.max(1) as f64;
+        let chance = Binomial::new(share, self.outlying.len() as u64);
+        let in_motion = self.outlying_in_motion;
+        in_motion == 0 || chance.is_ok_and(|chance| chance.sf(in_motion - 1) > MISFIT_SIGNIFICANCE)
+    }
 }
 
 /// The [`spikes`] among the errors, where q is above `moving` in motion.
@@ -254,10 +280,4 @@ impl Scale {
             largest_motion,
         })
     }
-}
-
-/// `None` of no values.
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    let middle = values.len() / 2;
-    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }

@@ -9,6 +9,7 @@
 use super::simulation_error::{Simulated, one_step_errors, simulated_whole};
 use crate::data::{EXACTLY, Hold, Moments, Record, Run, holds, last_quarter, mean_output};
 use crate::estimation::GlsFit;
+use crate::numerics::median;
 use crate::thresholds::{STOP_GAIN, STOP_SAMPLES, STOP_SHARE, STOP_SIGNIFICANCE};
 
 /// Different commands that must rest at the end, and elsewhere.
@@ -69,7 +70,8 @@ impl<'a> Touched<'a> {
         };
         for run in runs {
             let measured = run.run.output();
-            let usual = median(run.errors.iter().map(|error| error.abs()));
+            let errors = run.errors.iter().filter(|error| !error.is_nan());
+            let usual = median(errors.map(|error| error.abs()).collect()).unwrap_or_default();
             let far = |far: f64, y: &f64| far.max(sign * y);
             let farthest = measured.iter().fold(f64::NEG_INFINITY, far);
             let nearest = measured
@@ -123,16 +125,6 @@ const NOTABLE: f64 = 1e-3;
 /// Median errors within which outputs are at one angle: of Gaussian noise that is 0.67 standard deviations, and some hundred samples lie
 /// within 4 on both sides.
 const FARTHEST: f64 = 12.0;
-
-/// NaN of no values.
-fn median(values: impl Iterator<Item = f64>) -> f64 {
-    let mut values: Vec<f64> = values.filter(|value| !value.is_nan()).collect();
-    let middle = values.len() / 2;
-    match values.is_empty() {
-        true => f64::NAN,
-        false => *values.select_nth_unstable_by(middle, f64::total_cmp).1,
-    }
-}
 
 /// The end of the travel that is reached first, if one is within the range of the commands that are held.
 fn of_rests(record: &Record) -> Option<TravelEnd> {

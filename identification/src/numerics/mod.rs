@@ -5,6 +5,8 @@ mod convolution;
 mod critical_values;
 mod lagged_sums;
 pub(crate) mod matrix_rows;
+mod order_statistics;
+mod rounding;
 mod vectors;
 
 pub(crate) use convolution::causal_filter;
@@ -13,6 +15,8 @@ pub(crate) use critical_values::{
 };
 pub use critical_values::{pointwise_critical, student_critical};
 pub(crate) use lagged_sums::LaggedSums;
+pub(crate) use order_statistics::median;
+pub(crate) use rounding::four_digits;
 pub(crate) use servoid_linear_algebra::{
     add_outer_product, backward_solve, cholesky, condition, factorised, forward_solve,
     inverse_of_lower, inverse_of_square, spectral_radius, symmetric_eigen, times, upper_factor,

@@ -14,7 +14,7 @@ use super::settling_range::odd_at_most;
 use super::settling_search::Search;
 use crate::data::Moments;
 use crate::estimation::{Coordinates, FsfBasis, NormalEquations};
-use crate::numerics::dot;
+use crate::numerics::{dot, median};
 use crate::thresholds::{NOTHING_NEW, SHORTEST_SETTLING};
 
 /// A choice among the lags that the input resolves; `None` where it does not repeat itself.
@@ -49,7 +49,7 @@ fn repeats_after(moments: &Moments, longest: usize) -> Option<usize> {
             row.push(rest / earlier[j]);
         }
         let share = matrix[(place(i), place(i))] - dot(&row, &row);
-        if share <= NOTHING_NEW * median(&shares) {
+        if share <= NOTHING_NEW * median(shares.clone()).unwrap_or(0.0) {
             let lags = i.saturating_sub(1);
             return (lags >= SHORTEST_SETTLING).then_some(lags);
         }
@@ -58,13 +58,6 @@ fn repeats_after(moments: &Moments, longest: usize) -> Option<usize> {
         rows.push(row);
     }
     None
-}
-
-/// The middle value; 0 of nothing.
-fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len() / 2).copied().unwrap_or(0.0)
 }
 
 #[cfg(test)]

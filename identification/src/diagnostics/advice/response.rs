@@ -2,6 +2,7 @@
 
 use super::evidence::{Evidence, two_digits};
 use crate::diagnostics::rise_at_end;
+use crate::numerics::four_digits;
 use crate::options::Frequencies;
 use crate::results::{Advice, Bounds, Check, Reason, SelectedBy};
 use crate::selection::{Choice, hidden_end};
@@ -42,7 +43,6 @@ pub(super) fn settled(evidence: &Evidence<'_>) -> Option<Advice> {
 pub(super) fn travel_end(evidence: &Evidence<'_>) -> Option<Advice> {
     let found = evidence.validity.travel_end?;
     let (from, to) = found.commands;
-    let four_digits = |number: f64| format!("{number:.3e}").parse().unwrap_or(number);
     let (first, last) = (four_digits(from), four_digits(to));
     let commands = match found.count {
         1 => format!("a command of {last} ends there"),

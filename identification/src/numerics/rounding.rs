@@ -1,0 +1,6 @@
+//! Numbers as people read them.
+
+/// A number with four digits, for sentences: angles come from whole microseconds or counts.
+pub(crate) fn four_digits(number: f64) -> f64 {
+    format!("{number:.3e}").parse().unwrap_or(number)
+}
