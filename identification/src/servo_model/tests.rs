@@ -254,6 +254,16 @@ fn a_linear_servo_stays_linear() {
     assert!(found.is_linear(), "{:?}", found.terms);
 }
 
+/// A shaft that is held has no gain, and a model of it has errors that are noise.
+#[test]
+fn a_servo_that_does_not_move_has_no_intervals() {
+    let servo = point(Terms::default(), value);
+    let output = noisy(&servo, &[0.0; 2000], 4);
+    let record = Record::of_run(PERIOD_S, strokes(2000), output).unwrap();
+    let found = fit(&record, &ServoModelOptions::default()).unwrap();
+    assert_eq!(found.covariance.withdrawn(), Some(Reason::InputUnexcited));
+}
+
 /// Two levels of the command leave friction, gain and offset open between them.
 #[test]
 fn two_levels_have_no_intervals() {

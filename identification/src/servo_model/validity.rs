@@ -10,7 +10,7 @@ use super::lack_of_fit;
 use super::stretches::Stretch;
 use crate::diagnostics::one_step_errors;
 use crate::results::Reason;
-use crate::thresholds::{MOTION_NOISE_CHANCE, MOTION_NOISE_RATIO};
+use crate::thresholds::{MOTION_IN_NOISE, MOTION_NOISE_CHANCE, MOTION_NOISE_RATIO};
 
 /// Levels of the command from which on a record distinguishes gain, offset, friction, dead band and load: each shapes the line
 /// through the positions of rest, and between two of these any fits. A servo that seems to have none of them may have
@@ -19,7 +19,8 @@ const LEVELS: usize = 3;
 
 /// What speaks against intervals of `point`.
 pub(super) fn against(stretches: &[Stretch], point: &Point, found: &Uncertainty) -> Option<Reason> {
-    if levels(stretches) < LEVELS || hides_friction(point, found) {
+    let shows_little = hides_friction(point, found) || hardly_moves(stretches, found);
+    if levels(stretches) < LEVELS || shows_little {
         return Some(Reason::InputUnexcited);
     }
     let follow = lack_of_fit::follows_command(stretches, point, found)
@@ -32,6 +33,23 @@ pub(super) fn against(stretches: &[Stretch], point: &Point, found: &Uncertainty)
 fn hides_friction(point: &Point, found: &Uncertainty) -> bool {
     let mut all = point.coordinates.iter().zip(&found.seen);
     all.any(|(coordinate, seen)| *coordinate == Coordinate::Friction && !seen)
+}
+
+/// Whether the motion of the model is lost in the noise: the shaft of a servo that is held has no gain, and neither has a model of it. Its
+/// errors are noise all the same.
+fn hardly_moves(stretches: &[Stretch], found: &Uncertainty) -> bool {
+    let outputs = stretches.iter().flat_map(|stretch| &stretch.output);
+    let simulated = found.motion.simulated.iter().flatten();
+    let known = outputs
+        .zip(simulated)
+        .filter(|(y, s)| !(**y * **s).is_nan());
+    let (measured, simulated): (Vec<f64>, Vec<f64>) = known.unzip();
+    square_about_mean(&simulated) < MOTION_IN_NOISE * square_about_mean(&measured)
+}
+
+fn square_about_mean(values: &[f64]) -> f64 {
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    values.iter().map(|value| (value - mean).powi(2)).sum()
 }
 
 /// Different commands, up to three.
