@@ -13,7 +13,7 @@ use crate::numerics::median;
 use crate::thresholds::{STOP_GAIN, STOP_SAMPLES, STOP_SHARE, STOP_SIGNIFICANCE};
 
 /// Different commands that must rest at the end, and elsewhere.
-const FEWEST: usize = 3;
+const FEWEST: (usize, usize) = (2, 3);
 
 /// Commands at which the output rests at one angle, beside those at which it follows.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,8 +33,9 @@ impl TravelEnd {
         is_linear: bool,
         (moments, fit): (&Moments, &GlsFit),
     ) -> Option<Self> {
-        if !is_linear {
-            return of_rests(record);
+        let of_rests = of_rests(record);
+        if of_rests.is_some() || !is_linear {
+            return of_rests;
         }
         let runs = simulated_whole(record, moments, fit);
         let ends = [1.0, -1.0].map(|sign| Touched::by(&runs, sign, moments.centre.1));
@@ -186,9 +187,13 @@ fn flat_end(points: &[(f64, f64)]) -> Option<TravelEnd> {
         let is_line = (stop.0 - start.0).abs() > LINE * (last.0 - first.0).abs();
         let short_by = (start.1 + gain * (last.0 - start.0) - last.1).abs();
         let range = (gain * (last.0 - first.0)).abs();
-        is_line && high - low < STOP_GAIN * gain.abs() * span && short_by > STOP_SHARE * range
+        let play = STOP_GAIN * gain.abs() * span;
+        // No other command takes it farther.
+        let side = (gain * (last.0 - first.0)).signum();
+        let is_farthest = line.iter().all(|(_, rest)| side * (rest - last.1) < play);
+        is_line && high - low < play && short_by > STOP_SHARE * range && is_farthest
     };
-    let mut all = FEWEST..=points.len().checked_sub(FEWEST)?;
+    let mut all = FEWEST.1..=points.len().checked_sub(FEWEST.0)?;
     let from = all.find(is_flat)?;
     let end = &points[from..];
     Some(TravelEnd {
