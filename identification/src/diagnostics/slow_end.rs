@@ -386,7 +386,13 @@ mod tests {
     fn an_input_of_long_periods_shows_no_way_to_its_steady_state() {
         const N: usize = 97;
         const HOLD: usize = 500;
-        let level = |k: usize| if k / HOLD % 2 == 0 { 5.0 } else { -5.0 };
+        let level = |k: usize| {
+            if (k / HOLD).is_multiple_of(2) {
+                5.0
+            } else {
+                -5.0
+            }
+        };
         let input: Vec<f64> = (0..4200).map(level).collect();
         let run = Run::new(input.clone(), input).unwrap();
         let period = repetition::of(&run, PERIODS_LOOKED_FOR * N);
