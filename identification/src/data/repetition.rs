@@ -10,9 +10,13 @@ pub(crate) fn of(run: &Run, longest: usize) -> Option<usize> {
         return None;
     }
     let same = |a: &f64, b: &f64| a == b || a.is_nan() || b.is_nan();
+    // A long rest is like itself some samples later until it ends: its end is looked at first.
+    let change = input.iter().position(|u| !same(u, &input[0]));
     let repeats = |period: usize| {
+        let at_change = change.filter(|change| *change >= period);
         let mut pairs = input.iter().zip(&input[period..]);
-        pairs.all(|(now, later)| same(now, later))
+        at_change.is_none_or(|change| same(&input[change - period], &input[change]))
+            && pairs.all(|(now, later)| same(now, later))
     };
     (1..=longest.min(input.len() / 2))
         .find(|period| repeats(*period))

@@ -15,13 +15,14 @@
 //! left out.
 //!
 //! It is left out of the response, which without it is the better one where there is no slow end, and is in the bounds: the covariance
-//! grows by δ δ' max(γ², σ²/q). What a record says of ends of different time constants is nearly one number, γ √(q/σ²), so it does not say
-//! which of them it is: time constants of 2 N and 4 N are looked at too, and the one counts that moves the response most. The final value gathers
+//! grows by δ δ' (γ² + σ²/q), the mean square of an end of which nothing was known before the record. What a record says of ends of different
+//! time constants is nearly one number, γ √(q/σ²), so it does not say which of them it is: time constants of 2 N and 4 N are looked at too,
+//! and the one counts that moves the response most. The final value gathers
 //! all that comes after N, and slower ends have more of that: there the one counts that changes it most. The test counts the square of that number
 //! for N as χ² of one degree of freedom.
 //!
 //! An input that repeats itself shows an end by its lags from N to where it repeats itself alone. Where these are few, σ²/q is large, and
-//! where there are none, nothing is known of an end.
+//! where there are none, nothing is known of an end. The slower an end is, the less of it is left in such lags: there time constants of 8 N count, too.
 
 use serde::{Deserialize, Serialize};
 
@@ -40,8 +41,14 @@ use faer::Mat;
 /// in a third of the runs.
 const TIME_CONSTANTS: [f64; 3] = [1.0, 2.0, 4.0];
 
-/// An input that repeats itself is looked for up to this number of settling times. A slow lag has forgotten longer periods.
-const PERIODS_LOOKED_FOR: usize = 8;
+/// The same under an input that repeats itself. Without the last, ends of eight settling times take the curve out of its band in an eighth of the
+/// runs. Under other inputs it would double the interval of the gain.
+const TIME_CONSTANTS_OF_REPEATED: [f64; 4] = [1.0, 2.0, 4.0, 8.0];
+
+/// An input that repeats itself is looked for up to this number of settling times, eight of the longest time constants: the slowest lag
+/// has forgotten longer periods. A lag that has not would be at a place where nothing says that it was when the record began, and its way from
+/// there would pass for knowledge of it.
+const PERIODS_LOOKED_FOR: usize = 64;
 
 /// Whether the response goes on beyond N.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -83,7 +90,7 @@ pub(crate) fn is_unseen(columns: Option<&SlowColumns>, gain: f64) -> bool {
 pub(crate) struct SlowColumns {
     /// N \[samples\].
     lags: usize,
-    /// One of each of the [`TIME_CONSTANTS`].
+    /// One of each time constant.
     columns: Vec<SlowColumn>,
     /// Variance of ε.
     variance: f64,
@@ -171,24 +178,30 @@ impl SlowColumns {
         let (lags, centre) = (regression.lags, regression.centre);
         let d = noise_filter(regression.ar);
         let gain: f64 = d.iter().sum();
-        let time_constants = TIME_CONSTANTS.map(|times| times * lags as f64);
+        let runs: Vec<_> = runs
+            .map(|run| (repetition::of(run.run, PERIODS_LOOKED_FOR * lags), run))
+            .collect();
+        let repeats = runs.iter().any(|(period, _)| period.is_some());
+        let times: &[f64] = match repeats {
+            true => &TIME_CONSTANTS_OF_REPEATED,
+            false => &TIME_CONSTANTS,
+        };
+        let time_constants: Vec<f64> = times.iter().map(|times| times * lags as f64).collect();
         let mut sums: Vec<LaggedSums> = Vec::new();
-        let mut all = time_constants.map(|_| Products::default());
-        let mut repeats = false;
-        for RegressionRun {
-            run,
-            inputs,
-            errors,
-        } in runs
-        {
+        let mut all: Vec<Products> = times.iter().map(|_| Products::default()).collect();
+        for (period, regression_run) in &runs {
+            let RegressionRun {
+                run,
+                inputs,
+                errors,
+            } = regression_run;
             let rows = run.complete_rows(regression.row_lags.0, regression.row_lags.1);
-            let errors = filtered(&errors, &d);
-            let period = repetition::of(run, PERIODS_LOOKED_FOR * lags);
-            repeats |= period.is_some();
-            let slow = time_constants.map(|time_constant| {
-                let behind = behind_lag(run, time_constant, centre, period);
+            let errors = filtered(errors, &d);
+            let slow = time_constants.iter().map(|time_constant| {
+                let behind = behind_lag(run, *time_constant, centre, *period);
                 only(&rows, filtered(&behind, &d))
             });
+            let slow: Vec<Vec<f64>> = slow.collect();
             for (products, slow) in all.iter_mut().zip(&slow) {
                 products.own += dot(slow, slow);
                 products.with_offset += gain * slow.iter().sum::<f64>();
@@ -196,11 +209,9 @@ impl SlowColumns {
             }
             let history = lags + regression.ar.len();
             sums.resize_with(inputs.len(), || LaggedSums::new(lags, time_constants.len()));
-            for (sums, input) in sums.iter_mut().zip(&inputs) {
-                sums.add(
-                    &filtered(input, &d)[history + 1 - lags..],
-                    &slow.each_ref().map(Vec::as_slice),
-                );
+            let slow: Vec<&[f64]> = slow.iter().map(Vec::as_slice).collect();
+            for (sums, input) in sums.iter_mut().zip(inputs) {
+                sums.add(&filtered(input, &d)[history + 1 - lags..], &slow);
             }
         }
         let by_input: Vec<Vec<Vec<f64>>> = sums.iter().map(LaggedSums::sums).collect();
@@ -247,15 +258,13 @@ impl SlowColumns {
     pub(crate) fn allowance(&self, ratio: f64) -> Vec<f64> {
         self.moved(|column| {
             let end = column.end(ratio * self.variance);
-            end.value.abs().max(end.sd)
+            end.value.hypot(end.sd)
         })
     }
 
-    /// The same for a record that has not been made: max(γ², σ²/q) is what it is on average where the response is over.
+    /// The same for a record that has not been made: where the response is over, γ² is σ²/q on average.
     pub(crate) fn expect_in(&self, fit: &mut GlsFit) {
-        // E max(z², 1) of a normal z is 1 + 2 φ(1).
-        let average = 1.0 + 2.0 * (-0.5f64).exp() / std::f64::consts::TAU.sqrt();
-        let size = |column: &SlowColumn| (average * self.variance / column.left).sqrt();
+        let size = |column: &SlowColumn| (2.0 * self.variance / column.left).sqrt();
         fit.further.slow_end = Some(self.moved(size));
     }
 
@@ -365,4 +374,34 @@ fn behind_lag(run: &Run, time_constant: f64, centre: f64, period: Option<usize>)
 /// What is left of a lag after one sample.
 fn rate(time_constant: f64) -> f64 {
     (-time_constant.recip()).exp()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Ten settling times are shorter than what the slowest lag remembers: a record that begins in the middle of such a motion shows the same of
+    /// it in every period, and no way there.
+    #[test]
+    fn an_input_of_long_periods_shows_no_way_to_its_steady_state() {
+        const N: usize = 97;
+        const HOLD: usize = 500;
+        let level = |k: usize| {
+            if (k / HOLD).is_multiple_of(2) {
+                5.0
+            } else {
+                -5.0
+            }
+        };
+        let input: Vec<f64> = (0..4200).map(level).collect();
+        let run = Run::new(input.clone(), input).unwrap();
+        let period = repetition::of(&run, PERIODS_LOOKED_FOR * N);
+        assert_eq!(period, Some(2 * HOLD));
+        for times in TIME_CONSTANTS_OF_REPEATED {
+            let behind = behind_lag(&run, times * N as f64, 0.0, period);
+            for (now, later) in behind.iter().zip(&behind[2 * HOLD..]) {
+                assert!((now - later).abs() < 1e-9, "{now} and {later}");
+            }
+        }
+    }
 }
