@@ -15,6 +15,7 @@ mod metrics;
 mod poor_records;
 mod prior;
 mod real_data;
+mod run_gains;
 mod servo_model;
 mod smooth;
 mod streaming;
