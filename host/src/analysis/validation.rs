@@ -94,6 +94,17 @@ fn larger_error(kind: &str, found: &Validation, own_rmse: f64, unit: &str) -> Op
             .trim_end()
             .to_owned()
     };
+    let without_bias = (found.rmse.powi(2) - found.bias.powi(2)).max(0.0).sqrt();
+    let remedy = match without_bias < LARGER_ERROR * own_rmse {
+        true => format!(
+            "It is an offset of {}, without which the error is {}: the zero of the sensor has moved, or that of the command, or a load.",
+            in_unit(found.bias),
+            in_unit(without_bias)
+        ),
+        false => "Where the servo is the same, the motion is not: identify from recordings of both kinds of motion (strokes as large, as small and as \
+             quick as these), and take the servo model where the servo is not linear."
+            .to_owned(),
+    };
     (times > LARGER_ERROR).then(|| {
         Advice::new(
             Check::Prediction,
@@ -104,8 +115,7 @@ fn larger_error(kind: &str, found: &Validation, own_rmse: f64, unit: &str) -> Op
             ),
             times,
             LARGER_ERROR,
-            "Where the servo is the same, the motion is not: identify from recordings of both kinds of motion (strokes as large, as small and as \
-             quick as these), and take the servo model where the servo is not linear.",
+            remedy,
         )
     })
 }

@@ -1,13 +1,20 @@
 //! An angle that starts again at 0 after a full turn.
 //!
-//! Encoders and some programs write 359.97 for -0.03 degrees. Taken as it is, a servo at 0 jumps by a turn.
+//! Encoders and some programs write 359.97 for -0.03 degrees, or 4095 for -1 count. Taken as it is, a servo at 0 jumps by a turn.
 
 use std::f64::consts::TAU;
 
-/// A full turn. Radians are stated: a step of 6 degrees is a motion.
-fn full_turn(unit: Option<&str>) -> f64 {
+/// A full turn. Radians are stated: a step of 6 degrees is a motion. Whole numbers beyond 360 are counts of an encoder, whose number is a power
+/// of two.
+fn full_turn(unit: Option<&str>, column: &[f64]) -> f64 {
+    let mut known = column.iter().filter(|y| y.is_finite());
+    let most = known.clone().fold(0.0, |most: f64, y| most.max(*y));
+    let are_counts = known.all(|y| *y >= 0.0 && y.fract() == 0.0);
     match unit {
         Some("rad") => TAU,
+        _ if are_counts && most > 360.0 && most < f64::from(u32::MAX) => {
+            f64::from((most as u32).saturating_add(1).next_power_of_two())
+        }
         _ => 360.0,
     }
 }
@@ -24,7 +31,7 @@ pub(super) fn put_together(
     column: &[f64],
     unit: Option<&str>,
 ) -> Option<(Vec<f64>, String)> {
-    let turn = full_turn(unit);
+    let turn = full_turn(unit, column);
     let jumps = jumps(column, turn)?;
     let remark = format!(
         "column {name:?} jumps by a full turn in {jumps} rows, as an angle does that starts again at 0: it is put together"
@@ -80,6 +87,16 @@ mod tests {
                 assert!(y.is_nan() || (y - by * expected).abs() < 1e-12 * turn);
             }
         }
+        let counts: Vec<f64> = motion
+            .iter()
+            .map(|y| (40.0 * y).rem_euclid(4096.0).floor())
+            .collect();
+        let (together, _) = found(&counts).unwrap();
+        let off = together
+            .iter()
+            .zip(&motion)
+            .map(|(n, y)| (n + 0.5 - 40.0 * y).abs());
+        assert!(off.fold(0.0, f64::max) <= 0.5, "{together:?}");
         assert_eq!(found(&motion), None);
         // Strokes of a whole turn, and one wrong reading.
         let strokes: Vec<f64> = (0..300).map(|k| f64::from(k / 100) * 200.0).collect();

@@ -179,7 +179,10 @@ fn resting_error(model: &ServoModel, units: Units<'_>) -> Option<String> {
 fn load(model: &ServoModel) -> Option<&'static str> {
     let (name, words) = match model.terms.load {
         LoadKind::None => return None,
-        LoadKind::Constant => ("load at the middle", "works against a constant load"),
+        LoadKind::Constant => (
+            "load at the middle",
+            "works as if against a constant load (a drive that is weaker to one side looks the same)",
+        ),
         LoadKind::Pendulum | LoadKind::TiltedPendulum => {
             ("load of a level arm", "carries a weight")
         }
