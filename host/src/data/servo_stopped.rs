@@ -42,7 +42,7 @@ pub(super) fn advice(record: &Record) -> Option<Advice> {
     ))
 }
 
-/// The sample from which on the output should have moved and did not.
+/// The sample from which on the output stands still, where it should have moved.
 fn stopped_at(run: &Run<'_>) -> Option<usize> {
     let size = run.len().div_ceil(BLOCKS).max(1);
     let means: Vec<f64> = run.output().chunks(size).filter_map(mean).collect();
@@ -55,7 +55,6 @@ fn stopped_at(run: &Run<'_>) -> Option<usize> {
     let (before, after) = (still_from, run.len().saturating_sub(still_from));
     let part = |samples: usize| samples as f64 >= PART * run.len() as f64;
     let (early, late) = strokes.split_at(strokes.partition_point(|at| *at < still_from));
-    let at = *late.first()?;
     let longest = between(late).map(|stroke| stroke.len()).max()?;
     let followed = |stroke: Range<usize>| {
         let parts = run.output().get(stroke)?.chunks(size).filter_map(mean);
@@ -66,7 +65,7 @@ fn stopped_at(run: &Run<'_>) -> Option<usize> {
         .map(|stroke| stroke.len())
         .min()?;
     let as_long = longest as f64 >= AS_LONG * shortest as f64;
-    (part(before) && part(after) && late.len() >= STROKES && as_long).then_some(at)
+    (part(before) && part(after) && late.len() >= STROKES && as_long).then_some(still_from)
 }
 
 /// The samples from each stroke to the next.
@@ -140,10 +139,10 @@ mod tests {
     fn a_servo_that_is_switched_off_has_a_time() {
         let steady = square(2_000, |_| 50);
         let found = advice(&record(&steady, 5.0, 1_020)).unwrap();
-        // The next stroke of the command.
-        assert_eq!(found.value, 10.5);
+        // The end of the last motion: it is switched off while it is at rest.
+        assert_eq!(found.value, 10.1);
         assert!(
-            found.finding.starts_with("From 10.50 s on"),
+            found.finding.starts_with("From 10.10 s on"),
             "{}",
             found.finding
         );
