@@ -14,6 +14,7 @@ use super::model::{
 use super::motion::largest_error;
 use super::possible_servo::PossibleServo;
 use super::quantities::quantities;
+use super::run_offsets;
 use super::search_progress::Watch;
 use super::starting_values::Shown;
 use super::stretches::{Stretch, stretches};
@@ -106,29 +107,38 @@ pub fn fit_watched(
     let (mut parts, fold_of) = usable_stretches(record, options)?;
     let (period_s, phase_s) = (record.sample_period_s(), record.sample_phase_s());
     let shown = Shown::by(&parts, period_s);
-    let ladder = Ladder {
-        stretches: &mut parts,
-        fold_of: &fold_of,
-        grid: Grid::new(period_s, phase_s, search_step_s(period_s)),
-        shown,
-        clip: CLIP * shown.output_sd,
-        longest_delay_s: longest_delay_s(period_s),
-        controllers: controllers(options),
-        radians: options
-            .radians_per_command
-            .unwrap_or_else(|| radians(record)),
-        watch,
-        tried: Vec::new(),
+    let climb = |parts: &mut Vec<Stretch>, run_offsets: &[f64]| {
+        let ladder = Ladder {
+            stretches: parts,
+            fold_of: &fold_of,
+            grid: Grid::new(period_s, phase_s, search_step_s(period_s)),
+            shown,
+            clip: CLIP * shown.output_sd,
+            longest_delay_s: longest_delay_s(period_s),
+            controllers: controllers(options),
+            radians: options
+                .radians_per_command
+                .unwrap_or_else(|| radians(record)),
+            run_offsets,
+            watch,
+            tried: Vec::new(),
+        };
+        ladder.climbed()
     };
-    let climbed = ladder.climbed();
-    let stiffness = climbed.best().fit.physics(0, |_, value| value).stiffness;
-    let descent = Descent {
-        grid: Grid::for_stiffness(period_s, phase_s, stiffness),
+    let descent_from = |climbed: &Climbed| Descent {
+        grid: fine_grid(&climbed.best().fit, record),
         clip: CLIP * shown.output_sd,
         longest_delay_s: longest_delay_s(period_s),
         converged: 1e-5,
         watch,
     };
+    let mut climbed = climb(&mut parts, &[]);
+    let problem = descent_from(&climbed).problem(&parts);
+    let own = run_offsets::of_errors(&problem, &climbed.best().fit);
+    if !own.is_empty() {
+        climbed = climb(&mut parts, &own);
+    }
+    let descent = descent_from(&climbed);
     let found = Candidates::of(
         &mut parts,
         &fold_of,
@@ -149,6 +159,12 @@ pub fn fit_watched(
         (&climbed, shown.reached),
         &found,
     ))
+}
+
+/// The grid on which the motion of the servo `point` is computed.
+fn fine_grid(point: &Point, record: &Record) -> Grid {
+    let stiffness = point.physics(0, |_, value| value).stiffness;
+    Grid::for_stiffness(record.sample_period_s(), record.sample_phase_s(), stiffness)
 }
 
 /// The stretches of a record that a servo can be found in, and the fold that each of their blocks belongs to.
@@ -275,6 +291,7 @@ fn describe(
         coordinates: point.coordinates.clone(),
         values: point.values.clone(),
         reached: Some(reached),
+        run_offsets: point.run_offsets.clone(),
         fit: ServoFit {
             simulation_percent: fit_percent(error, spread),
             held_out_percent: held_out(climbed.best()),
@@ -298,7 +315,7 @@ fn describe(
 fn largest_error_of(parts: &[Stretch], point: &Point, found: &Uncertainty) -> f64 {
     let simulated = parts.iter().zip(&found.motion.simulated);
     let of_part = |(part, output): (&Stretch, &Vec<f64>)| {
-        let physics = point.physics(part.controller, |_, value| value);
+        let physics = point.servo_of(part, |_, value| value);
         largest_error(&physics, &part.input, output)
     };
     simulated.map(of_part).fold(0.0, f64::max)

@@ -29,6 +29,7 @@ mod other_valleys;
 mod possible_servo;
 mod prediction;
 mod quantities;
+mod run_offsets;
 mod score_test;
 mod search_progress;
 mod starting_values;
