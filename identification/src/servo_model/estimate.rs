@@ -18,6 +18,7 @@ use super::run_offsets;
 use super::search_progress::Watch;
 use super::starting_values::Shown;
 use super::stretches::{Stretch, stretches};
+use super::validity::against;
 use crate::data::Record;
 use crate::error::Error;
 use crate::results::{Bounds, Noise, Reason, fit_percent, pointwise_critical};
@@ -104,61 +105,109 @@ pub fn fit_watched(
     options: &ServoModelOptions,
     watch: &dyn Watch,
 ) -> Result<ServoModel, Error> {
-    let (mut parts, fold_of) = usable_stretches(record, options)?;
-    let (period_s, phase_s) = (record.sample_period_s(), record.sample_phase_s());
-    let shown = Shown::by(&parts, period_s);
-    let climb = |parts: &mut Vec<Stretch>, run_offsets: &[f64]| {
-        let ladder = Ladder {
-            stretches: parts,
-            fold_of: &fold_of,
-            grid: Grid::new(period_s, phase_s, search_step_s(period_s)),
-            shown,
-            clip: CLIP * shown.output_sd,
-            longest_delay_s: longest_delay_s(period_s),
-            controllers: controllers(options),
-            radians: options
-                .radians_per_command
-                .unwrap_or_else(|| radians(record)),
-            run_offsets,
-            watch,
-            tried: Vec::new(),
-        };
-        ladder.climbed()
-    };
-    let descent_from = |climbed: &Climbed| Descent {
-        grid: fine_grid(&climbed.best().fit, record),
-        clip: CLIP * shown.output_sd,
-        longest_delay_s: longest_delay_s(period_s),
-        converged: 1e-5,
+    let (parts, fold_of) = usable_stretches(record, options)?;
+    let search = Search {
+        shown: Shown::by(&parts, record.sample_period_s()),
+        record,
+        options,
+        fold_of,
         watch,
     };
-    let mut climbed = climb(&mut parts, &[]);
-    let problem = descent_from(&climbed).problem(&parts);
-    let own = run_offsets::of_errors(&problem, &climbed.best().fit);
+    let mut found = search.found(parts.clone(), &[]);
+    let own = search.run_offsets(&found);
     if !own.is_empty() {
-        climbed = climb(&mut parts, &own);
+        // Beside errors that are not noise, the mean of a run is no zero of a sensor: a servo that is lost has one, too.
+        let with_own = search.found(parts, &own);
+        if with_own.has_noise_alone() {
+            found = with_own;
+        }
     }
-    let descent = descent_from(&climbed);
-    let found = Candidates::of(
-        &mut parts,
-        &fold_of,
-        &shown,
-        &climbed,
-        &descent,
-        options
-            .against
-            .map_or(Bounds::Valid(options.level), Bounds::Withdrawn),
-    );
     if watch.ends() {
         return Err(Error::SearchEnded);
     }
-    Ok(describe(
-        record,
-        options,
-        &parts,
-        (&climbed, shown.reached),
-        &found,
-    ))
+    Ok(describe(record, options, search.shown.reached, &found))
+}
+
+/// What a servo is looked for with.
+struct Search<'a> {
+    record: &'a Record<'a>,
+    options: &'a ServoModelOptions,
+    fold_of: Vec<usize>,
+    shown: Shown,
+    watch: &'a dyn Watch,
+}
+
+/// What a search finds.
+struct Found {
+    /// The stretches of the record, with their starts.
+    parts: Vec<Stretch>,
+    climbed: Climbed,
+    candidates: Candidates,
+}
+
+impl Found {
+    fn best(&self) -> &Point {
+        &self.candidates.possible[0].point
+    }
+
+    /// Whether nothing speaks against intervals.
+    fn has_noise_alone(&self) -> bool {
+        against(&self.parts, self.best(), &self.candidates.found).is_none()
+    }
+}
+
+impl Search<'_> {
+    /// The servo behind `parts`. Each run has an offset where `run_offsets` has what these begin with.
+    fn found(&self, mut parts: Vec<Stretch>, run_offsets: &[f64]) -> Found {
+        let period_s = self.record.sample_period_s();
+        let ladder = Ladder {
+            stretches: &mut parts,
+            fold_of: &self.fold_of,
+            grid: Grid::new(
+                period_s,
+                self.record.sample_phase_s(),
+                search_step_s(period_s),
+            ),
+            shown: self.shown,
+            clip: CLIP * self.shown.output_sd,
+            longest_delay_s: longest_delay_s(period_s),
+            controllers: controllers(self.options),
+            radians: (self.options.radians_per_command).unwrap_or_else(|| radians(self.record)),
+            run_offsets,
+            watch: self.watch,
+            tried: Vec::new(),
+        };
+        let climbed = ladder.climbed();
+        let candidates = Candidates::of(
+            &mut parts,
+            &self.fold_of,
+            &self.shown,
+            &climbed,
+            &self.descent(&climbed.best().fit),
+            (self.options.against).map_or(Bounds::Valid(self.options.level), Bounds::Withdrawn),
+        );
+        Found {
+            parts,
+            climbed,
+            candidates,
+        }
+    }
+
+    fn descent(&self, from: &Point) -> Descent<'_> {
+        Descent {
+            grid: fine_grid(from, self.record),
+            clip: CLIP * self.shown.output_sd,
+            longest_delay_s: longest_delay_s(self.record.sample_period_s()),
+            converged: 1e-5,
+            watch: self.watch,
+        }
+    }
+
+    /// Offsets of the runs, where the errors of a servo without them say that they differ.
+    fn run_offsets(&self, found: &Found) -> Vec<f64> {
+        let descent = self.descent(found.best());
+        run_offsets::of_errors(&descent.problem(&found.parts), found.best())
+    }
 }
 
 /// The grid on which the motion of the servo `point` is computed.
@@ -225,9 +274,12 @@ fn radians(record: &Record) -> f64 {
 fn describe(
     record: &Record,
     options: &ServoModelOptions,
-    parts: &[Stretch],
-    (climbed, reached): (&Climbed, ReachedSpeeds),
-    candidates: &Candidates,
+    reached: ReachedSpeeds,
+    Found {
+        parts,
+        climbed,
+        candidates,
+    }: &Found,
 ) -> ServoModel {
     let Candidates {
         level,
