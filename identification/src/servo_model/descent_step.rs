@@ -4,7 +4,7 @@
 //! search once a stretch.
 
 use super::coordinates::Point;
-use super::run_offsets::OfRun;
+use super::descent_of_offsets::OfRun;
 use crate::numerics::{backward_solve, cholesky, forward_solve};
 use faer::Mat;
 use servoid_dynamics::{Dual, PARAMETERS, ServoParameters, Slopes};

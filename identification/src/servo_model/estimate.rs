@@ -184,7 +184,7 @@ impl Search<'_> {
             &self.shown,
             &climbed,
             &self.descent(&climbed.best().fit),
-            (self.options.against).map_or(Bounds::Valid(self.options.level), Bounds::Withdrawn),
+            Bounds::of_level(self.options.level, self.options.against),
         );
         Found {
             parts,

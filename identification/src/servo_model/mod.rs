@@ -12,6 +12,7 @@ mod coordinates;
 mod covariance;
 mod current_limit;
 mod descent;
+mod descent_of_offsets;
 mod descent_step;
 mod discrepancy;
 mod error_row;

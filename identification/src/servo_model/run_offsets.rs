@@ -4,7 +4,7 @@
 //! the descent eliminates them from the normal equations, and the derivatives by which the covariance is computed are
 //! those less what the offsets make up for (R. Frisch and F. V. Waugh 1933). The common offset is their mean.
 
-use super::coordinates::{Coordinate, Point};
+use super::coordinates::Point;
 use super::descent_step::MOST;
 use super::discrepancy::{self, WINDOWS};
 use super::error_row::Row;
@@ -16,63 +16,6 @@ use servoid_dynamics::{Grid, simulate};
 
 /// Rounds in which offsets of runs are found: with an offset, the start of the run moves too.
 const ROUNDS: usize = 3;
-
-/// Sums over the samples of one run.
-#[derive(Clone)]
-pub(super) struct OfRun {
-    /// Of the weighted squares of the derivative by its offset.
-    pub(super) square: f64,
-    /// Of its products with the errors.
-    pub(super) gradient: f64,
-    /// Of its products with the derivatives by the coordinates.
-    pub(super) cross: Vec<f64>,
-}
-
-impl OfRun {
-    /// None, for `count` coordinates.
-    pub(super) fn zero(count: usize) -> Self {
-        Self {
-            square: 0.0,
-            gradient: 0.0,
-            cross: vec![0.0; count],
-        }
-    }
-
-    /// What the squares of the errors lose by the best offset.
-    pub(super) fn gain(&self) -> f64 {
-        match self.square > 0.0 {
-            true => self.gradient * self.gradient / self.square,
-            false => 0.0,
-        }
-    }
-
-    /// The change of the offset where the coordinates have changed by `changes`; `None` for a run that does not count.
-    fn change(&self, changes: &[f64]) -> Option<f64> {
-        let by_others: f64 = (self.cross.iter().zip(changes))
-            .map(|(cross, change)| cross * change)
-            .sum();
-        (self.square > 0.0).then(|| (self.gradient - by_others) / self.square)
-    }
-}
-
-/// Moves the offsets of `point`, whose coordinates have changed by `changes`. What they have in common goes to the common offset.
-pub(super) fn move_offsets(point: &mut Point, runs: &[OfRun], changes: &[f64]) {
-    let moves: Vec<Option<f64>> = runs.iter().map(|run| run.change(changes)).collect();
-    for (offset, change) in point.run_offsets.iter_mut().zip(&moves) {
-        *offset += change.unwrap_or(0.0);
-    }
-    let moved = || point.run_offsets.iter().zip(&moves);
-    let counting = || moved().filter(|(_, change)| change.is_some());
-    let mean = counting().map(|(offset, _)| offset).sum::<f64>() / counting().count() as f64;
-    if mean.is_nan() {
-        return;
-    }
-    let common = point.get(Coordinate::Offset).unwrap_or(0.0);
-    point.set(Coordinate::Offset, common + mean);
-    for offset in &mut point.run_offsets {
-        *offset -= mean;
-    }
-}
 
 /// The offsets of the runs of a record from the errors of a servo that has none, if these differ by more than parts as long as
 /// the servo settles do; else none.
