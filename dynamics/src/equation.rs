@@ -247,6 +247,9 @@ pub(crate) mod place {
 }
 
 impl<S: Scalar> ServoParameters<S> {
+    /// The place of the offset in [`Self::in_order`].
+    pub const OFFSET: usize = place::OFFSET;
+
     /// All numbers, in one order for all servos; 0 for those that this one does not have.
     #[must_use]
     pub fn in_order(&self) -> [S; PARAMETERS] {

@@ -130,6 +130,11 @@ class ServoModel:
         return found
 
     @property
+    def run_offsets(self) -> tuple[float, ...]:
+        """What the offset of each run is above their mean; empty where the runs have one offset."""
+        return tuple(self._fields.get("run_offsets", ()))
+
+    @property
     def fit(self) -> dict[str, float]:
         """How well it follows the record, and what it had not seen of it, as in the document."""
         return dict(self._fields["fit"])

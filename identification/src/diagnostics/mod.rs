@@ -55,7 +55,7 @@ pub use prior_outcome::PriorOutcome;
 pub use residual_tests::WHITENESS_LAGS;
 pub(crate) use residual_tests::{INPUT_LAGS, WHITENESS_SAMPLES, input_independence, whiteness};
 pub(crate) use rise_at_end::rise_at_end;
-pub(crate) use run_offsets::{RunOffsets, allow_for_run_offsets, run_offsets};
+pub(crate) use run_offsets::{RunOffsets, allow_for_run_offsets, differing_means, run_offsets};
 pub use run_scatter::{Deviation, Difference, RunComparison, RunDifference, Scatter};
 pub(crate) use run_trends::{RunTrends, allow_for_run_trends, drift, slopes_left, trend_at};
 pub(crate) use servo_mean::allow_for_scatter;

@@ -25,13 +25,20 @@ pub(crate) type RunOffsets = Vec<f64>;
 
 /// The offsets of `runs`, if they differ by more than parts of `settling` samples of one run do, or they are `wanted`.
 pub(crate) fn run_offsets(runs: &[Simulated<'_>], settling: usize, wanted: bool) -> RunOffsets {
+    let errors: Vec<&[f64]> = runs.iter().map(|run| run.errors.as_slice()).collect();
+    differing_means(&errors, settling, wanted)
+}
+
+/// What the mean of each of `runs` is above the common one, if they differ by more than parts of `settling` values of one run
+/// do, or they are `wanted`; else none.
+pub(crate) fn differing_means(runs: &[&[f64]], settling: usize, wanted: bool) -> Vec<f64> {
     let parts: Vec<Vec<f64>> = runs
         .iter()
-        .map(|run| part_means(&run.errors, settling))
+        .map(|run| part_means(run, settling))
         .map(|parts| parts.into_iter().map(|(_, mean)| mean).collect())
         .collect();
     if runs.len() < 2 || parts.iter().any(Vec::is_empty) {
-        return RunOffsets::new();
+        return Vec::new();
     }
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let means: Vec<f64> = parts.iter().map(|parts| mean(parts)).collect();
@@ -51,7 +58,7 @@ pub(crate) fn run_offsets(runs: &[Simulated<'_>], settling: usize, wanted: bool)
         });
     match differ || wanted {
         true => means.iter().map(|mean| mean - common).collect(),
-        false => RunOffsets::new(),
+        false => Vec::new(),
     }
 }
 

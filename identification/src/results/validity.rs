@@ -91,6 +91,13 @@ pub enum Bounds<T> {
     Withdrawn(Reason),
 }
 
+impl Bounds<f64> {
+    /// The level of bounds that evidence has still to test, if nothing is known to speak `against` them.
+    pub(crate) fn of_level(level: f64, against: Option<Reason>) -> Self {
+        against.map_or(Self::Valid(level), Self::Withdrawn)
+    }
+}
+
 impl<T> Bounds<T> {
     /// The bounds; `None` where they are withdrawn.
     pub fn valid(&self) -> Option<&T> {

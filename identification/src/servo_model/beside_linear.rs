@@ -189,7 +189,7 @@ impl<'a> Dealt<'a> {
         let runs = self.record.runs().iter();
         let mut outputs: Outputs = runs.map(|run| vec![f64::NAN; run.len()]).collect();
         for part in &self.stretches {
-            let physics = point.physics(part.controller, |_, value| value);
+            let physics = point.servo_of(part, |_, value| value);
             let output = &mut outputs[part.run][part.first..];
             simulate(&physics, &self.grid, &part.start, &part.input, |k, y| {
                 output[k] = y

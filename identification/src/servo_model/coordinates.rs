@@ -3,6 +3,7 @@
 //! Quantities that are positive and range over decades are logarithms. Load and friction are divided by the
 //! stiffness, so they are errors at rest in units of the command, which a record shows directly.
 
+use super::stretches::Stretch;
 use serde::{Deserialize, Serialize};
 use servoid_dynamics::{AtRest, DriveLimit, Friction, Load, Scalar, ServoParameters};
 
@@ -173,6 +174,8 @@ pub(super) struct Point {
     pub(super) radians: f64,
     /// The speed at which half of the excess of friction at rest is gone, as a share of the top speed.
     pub(super) friction_speed_share: f64,
+    /// What the offset of each run is above the common one \[output\]; empty where all runs have the same.
+    pub(super) run_offsets: Vec<f64>,
 }
 
 impl Point {
@@ -204,7 +207,21 @@ impl Point {
             coordinates,
             radians: self.radians,
             friction_speed_share: self.friction_speed_share,
+            run_offsets: self.run_offsets.clone(),
         }
+    }
+
+    /// The servo that moved in `stretch`: with the controller and the offset of its run.
+    pub(super) fn servo_of<S: Scalar>(
+        &self,
+        stretch: &Stretch,
+        number: impl Fn(usize, f64) -> S,
+    ) -> ServoParameters<S> {
+        let mut servo = self.physics(stretch.controller, number);
+        if let Some(own) = self.run_offsets.get(stretch.run) {
+            servo.offset = servo.offset + S::constant(*own);
+        }
+        servo
     }
 
     /// The servo with the controller number `controller`, where `number` makes a number of a coordinate's index and

@@ -7,7 +7,7 @@
 //! equation may lack without the record showing it is added as an error that is constant over windows, and as those of
 //! [parts of a known shape](super::hidden_parts).
 
-use super::coordinates::Point;
+use super::coordinates::{Coordinate, Point};
 use super::descent_step::MOST;
 use super::discrepancy;
 use super::error_row::Row;
@@ -16,6 +16,7 @@ use super::hidden_parts::hidden_parts;
 use super::motion::Motion;
 use super::noise_at_rest::NoiseAtRest;
 use super::possible_servo::PossibleServo;
+use super::run_offsets;
 use crate::estimation::{autoregressive, noise_filter};
 use crate::numerics::{
     backward_solve, chi_square_upper_tail, cholesky, forward_solve, inverse_of_square,
@@ -109,6 +110,9 @@ pub(super) fn uncertainty(problem: &Problem<'_>, point: &Point, blocks: usize) -
             slope: *slope,
         };
     });
+    if let Some(offset) = own_offset_of_runs(point) {
+        run_offsets::eliminate(problem.stretches, &mut rows, offset);
+    }
     let all = errors(&rows);
     let (ar, sigma) = noise(&all);
     let motion = Motion::new(problem.stretches, &all, problem.grid.period_s);
@@ -160,6 +164,13 @@ pub(super) fn uncertainty(problem: &Problem<'_>, point: &Point, blocks: usize) -
         has_hidden_part: hidden_parts.iter().any(|part| part.is_seen),
         discrepancy,
     }
+}
+
+/// The place of the common offset, where each run has one of its own.
+fn own_offset_of_runs(point: &Point) -> Option<usize> {
+    let offset = |at: &Coordinate| *at == Coordinate::Offset;
+    let place = point.coordinates.iter().position(offset);
+    place.filter(|_| !point.run_offsets.is_empty())
 }
 
 /// Root mean square of all that are known.

@@ -4,9 +4,10 @@
 //! search once a stretch.
 
 use super::coordinates::Point;
+use super::descent_of_offsets::OfRun;
 use crate::numerics::{backward_solve, cholesky, forward_solve};
 use faer::Mat;
-use servoid_dynamics::{Dual, PARAMETERS, Slopes};
+use servoid_dynamics::{Dual, PARAMETERS, ServoParameters, Slopes};
 
 /// Coordinates that a servo has at the most, those of further controllers among them.
 pub(super) const MOST: usize = 28;
@@ -19,15 +20,31 @@ pub(super) struct Sums {
     pub(super) normal: Mat<f64>,
     /// J'We.
     pub(super) gradient: Vec<f64>,
+    /// Those of the offsets of the runs, where runs have one each.
+    pub(super) runs: Vec<OfRun>,
 }
 
 impl Sums {
-    /// None, for `count` coordinates.
-    pub(super) fn zero(count: usize) -> Self {
+    /// None, for `count` coordinates and the offsets of `runs` runs.
+    pub(super) fn zero(count: usize, runs: usize) -> Self {
         Self {
             cost: 0.0,
             normal: Mat::zeros(count, count),
             gradient: vec![0.0; count],
+            runs: vec![OfRun::zero(count); runs],
+        }
+    }
+
+    /// Leaves the sums for offsets of the runs that are always at their best.
+    pub(super) fn eliminate_runs(&mut self) {
+        for run in self.runs.iter().filter(|run| run.square > 0.0) {
+            for (i, cross) in run.cross.iter().enumerate() {
+                let share = cross / run.square;
+                self.gradient[i] -= share * run.gradient;
+                for (j, other) in run.cross.iter().enumerate() {
+                    self.normal[(i, j)] -= share * other;
+                }
+            }
         }
     }
 
@@ -66,6 +83,19 @@ impl Products {
             let from = i / 4 * 4;
             for (sum, slope) in self.normal[i][from..].iter_mut().zip(&slopes[from..]) {
                 *sum += weighted * slope;
+            }
+        }
+    }
+
+    /// Adds what is of the offset to the sums of its run.
+    pub(super) fn add_to_run(&self, run: &mut OfRun, chain: &[[f64; MOST]; PARAMETERS]) {
+        const OFFSET: usize = ServoParameters::<f64>::OFFSET;
+        run.square += self.normal[OFFSET][OFFSET];
+        run.gradient += self.gradient[OFFSET];
+        for (p, by_p) in chain.iter().enumerate() {
+            let product = self.normal[p.min(OFFSET)][p.max(OFFSET)];
+            for (sum, change) in run.cross.iter_mut().zip(by_p) {
+                *sum += product * change;
             }
         }
     }

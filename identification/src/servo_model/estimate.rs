@@ -14,9 +14,11 @@ use super::model::{
 use super::motion::largest_error;
 use super::possible_servo::PossibleServo;
 use super::quantities::quantities;
+use super::run_offsets;
 use super::search_progress::Watch;
 use super::starting_values::Shown;
 use super::stretches::{Stretch, stretches};
+use super::validity::against;
 use crate::data::Record;
 use crate::error::Error;
 use crate::results::{Bounds, Noise, Reason, fit_percent, pointwise_critical};
@@ -103,52 +105,115 @@ pub fn fit_watched(
     options: &ServoModelOptions,
     watch: &dyn Watch,
 ) -> Result<ServoModel, Error> {
-    let (mut parts, fold_of) = usable_stretches(record, options)?;
-    let (period_s, phase_s) = (record.sample_period_s(), record.sample_phase_s());
-    let shown = Shown::by(&parts, period_s);
-    let ladder = Ladder {
-        stretches: &mut parts,
-        fold_of: &fold_of,
-        grid: Grid::new(period_s, phase_s, search_step_s(period_s)),
-        shown,
-        clip: CLIP * shown.output_sd,
-        longest_delay_s: longest_delay_s(period_s),
-        controllers: controllers(options),
-        radians: options
-            .radians_per_command
-            .unwrap_or_else(|| radians(record)),
-        watch,
-        tried: Vec::new(),
-    };
-    let climbed = ladder.climbed();
-    let stiffness = climbed.best().fit.physics(0, |_, value| value).stiffness;
-    let descent = Descent {
-        grid: Grid::for_stiffness(period_s, phase_s, stiffness),
-        clip: CLIP * shown.output_sd,
-        longest_delay_s: longest_delay_s(period_s),
-        converged: 1e-5,
+    let (parts, fold_of) = usable_stretches(record, options)?;
+    let search = Search {
+        shown: Shown::by(&parts, record.sample_period_s()),
+        record,
+        options,
+        fold_of,
         watch,
     };
-    let found = Candidates::of(
-        &mut parts,
-        &fold_of,
-        &shown,
-        &climbed,
-        &descent,
-        options
-            .against
-            .map_or(Bounds::Valid(options.level), Bounds::Withdrawn),
-    );
+    let mut found = search.found(parts.clone(), &[]);
+    let own = search.run_offsets(&found);
+    if !own.is_empty() {
+        // Beside errors that are not noise, the mean of a run is no zero of a sensor: a servo that is lost has one, too.
+        let with_own = search.found(parts, &own);
+        if with_own.has_noise_alone() {
+            found = with_own;
+        }
+    }
     if watch.ends() {
         return Err(Error::SearchEnded);
     }
-    Ok(describe(
-        record,
-        options,
-        &parts,
-        (&climbed, shown.reached),
-        &found,
-    ))
+    Ok(describe(record, options, search.shown.reached, &found))
+}
+
+/// What a servo is looked for with.
+struct Search<'a> {
+    record: &'a Record<'a>,
+    options: &'a ServoModelOptions,
+    fold_of: Vec<usize>,
+    shown: Shown,
+    watch: &'a dyn Watch,
+}
+
+/// What a search finds.
+struct Found {
+    /// The stretches of the record, with their starts.
+    parts: Vec<Stretch>,
+    climbed: Climbed,
+    candidates: Candidates,
+}
+
+impl Found {
+    fn best(&self) -> &Point {
+        &self.candidates.possible[0].point
+    }
+
+    /// Whether nothing speaks against intervals.
+    fn has_noise_alone(&self) -> bool {
+        against(&self.parts, self.best(), &self.candidates.found).is_none()
+    }
+}
+
+impl Search<'_> {
+    /// The servo behind `parts`. Each run has an offset where `run_offsets` has what these begin with.
+    fn found(&self, mut parts: Vec<Stretch>, run_offsets: &[f64]) -> Found {
+        let period_s = self.record.sample_period_s();
+        let ladder = Ladder {
+            stretches: &mut parts,
+            fold_of: &self.fold_of,
+            grid: Grid::new(
+                period_s,
+                self.record.sample_phase_s(),
+                search_step_s(period_s),
+            ),
+            shown: self.shown,
+            clip: CLIP * self.shown.output_sd,
+            longest_delay_s: longest_delay_s(period_s),
+            controllers: controllers(self.options),
+            radians: (self.options.radians_per_command).unwrap_or_else(|| radians(self.record)),
+            run_offsets,
+            watch: self.watch,
+            tried: Vec::new(),
+        };
+        let climbed = ladder.climbed();
+        let candidates = Candidates::of(
+            &mut parts,
+            &self.fold_of,
+            &self.shown,
+            &climbed,
+            &self.descent(&climbed.best().fit),
+            Bounds::of_level(self.options.level, self.options.against),
+        );
+        Found {
+            parts,
+            climbed,
+            candidates,
+        }
+    }
+
+    fn descent(&self, from: &Point) -> Descent<'_> {
+        Descent {
+            grid: fine_grid(from, self.record),
+            clip: CLIP * self.shown.output_sd,
+            longest_delay_s: longest_delay_s(self.record.sample_period_s()),
+            converged: 1e-5,
+            watch: self.watch,
+        }
+    }
+
+    /// Offsets of the runs, where the errors of a servo without them say that they differ.
+    fn run_offsets(&self, found: &Found) -> Vec<f64> {
+        let descent = self.descent(found.best());
+        run_offsets::of_errors(&descent.problem(&found.parts), found.best())
+    }
+}
+
+/// The grid on which the motion of the servo `point` is computed.
+fn fine_grid(point: &Point, record: &Record) -> Grid {
+    let stiffness = point.physics(0, |_, value| value).stiffness;
+    Grid::for_stiffness(record.sample_period_s(), record.sample_phase_s(), stiffness)
 }
 
 /// The stretches of a record that a servo can be found in, and the fold that each of their blocks belongs to.
@@ -209,9 +274,12 @@ fn radians(record: &Record) -> f64 {
 fn describe(
     record: &Record,
     options: &ServoModelOptions,
-    parts: &[Stretch],
-    (climbed, reached): (&Climbed, ReachedSpeeds),
-    candidates: &Candidates,
+    reached: ReachedSpeeds,
+    Found {
+        parts,
+        climbed,
+        candidates,
+    }: &Found,
 ) -> ServoModel {
     let Candidates {
         level,
@@ -275,6 +343,7 @@ fn describe(
         coordinates: point.coordinates.clone(),
         values: point.values.clone(),
         reached: Some(reached),
+        run_offsets: point.run_offsets.clone(),
         fit: ServoFit {
             simulation_percent: fit_percent(error, spread),
             held_out_percent: held_out(climbed.best()),
@@ -298,7 +367,7 @@ fn describe(
 fn largest_error_of(parts: &[Stretch], point: &Point, found: &Uncertainty) -> f64 {
     let simulated = parts.iter().zip(&found.motion.simulated);
     let of_part = |(part, output): (&Stretch, &Vec<f64>)| {
-        let physics = point.physics(part.controller, |_, value| value);
+        let physics = point.servo_of(part, |_, value| value);
         largest_error(&physics, &part.input, output)
     };
     simulated.map(of_part).fold(0.0, f64::max)

@@ -3,7 +3,8 @@
 //! The errors are those of the whole simulation, not of one step ahead, since prediction is what the model is for.
 //! An error beyond a clip counts in proportion to its size (Huber), so that a lost run does not decide.
 
-use super::coordinates::Point;
+use super::coordinates::{Coordinate, Point};
+use super::descent_of_offsets::{OfRun, move_offsets};
 use super::descent_step::{MOST, Products, Sums, by_coordinates, solve};
 use super::search_progress::Watch;
 use super::stretches::Stretch;
@@ -62,8 +63,14 @@ impl Problem<'_> {
         }
     }
 
-    fn each_error_of(&self, stretch: &Stretch, point: &Point, mut each: impl FnMut(usize, f64)) {
-        let physics = point.physics(stretch.controller, |_, value| value);
+    /// The same of one stretch.
+    pub(super) fn each_error_of(
+        &self,
+        stretch: &Stretch,
+        point: &Point,
+        mut each: impl FnMut(usize, f64),
+    ) {
+        let physics = point.servo_of(stretch, |_, value| value);
         let (grid, start) = (&self.grid, &stretch.start);
         simulate(&physics, grid, start, &stretch.input, |k, y| {
             let measured = stretch.output[k];
@@ -76,15 +83,20 @@ impl Problem<'_> {
 
     /// The sums at `point`.
     fn sums(&self, point: &Point) -> Sums {
-        let mut sums = Sums::zero(point.values.len());
+        let mut sums = Sums::zero(point.values.len(), point.run_offsets.len());
         for stretch in self.stretches {
             let mut products = Products::default();
             self.each_parameter_slope(stretch, point, |_, error, slopes| {
                 sums.cost += clipped_square(error, self.clip);
                 products.add(huber_weight(error, self.clip), error, slopes);
             });
-            products.add_to(&mut sums, &by_coordinates(point, stretch.controller));
+            let chain = by_coordinates(point, stretch.controller);
+            products.add_to(&mut sums, &chain);
+            if let Some(run) = sums.runs.get_mut(stretch.run) {
+                products.add_to_run(run, &chain);
+            }
         }
+        sums.eliminate_runs();
         sums
     }
 
@@ -95,7 +107,7 @@ impl Problem<'_> {
         point: &Point,
         mut each: impl FnMut(usize, f64, &Slopes),
     ) {
-        let physics = point.physics(stretch.controller, |_, value| value);
+        let physics = point.servo_of(stretch, |_, value| value);
         let (grid, start) = (&self.grid, &stretch.start);
         simulate_with_slopes(&physics, grid, start, &stretch.input, |k, y, slopes| {
             let measured = stretch.output[k];
@@ -208,15 +220,16 @@ impl Problem<'_> {
         let free = self.free(point, &sums.gradient);
         for _ in 0..ATTEMPTS {
             if let Some(step) = solve(sums, &free, *damping) {
+                let by_runs: f64 = sums.runs.iter().map(OfRun::gain).sum();
                 let hoped: f64 = free
                     .iter()
                     .zip(&step)
                     .map(|(&i, s)| sums.gradient[i] * s)
                     .sum();
-                if hoped < self.converged * cost {
+                if hoped + by_runs < self.converged * cost {
                     return None;
                 }
-                let next = self.moved(point, &free, &step);
+                let next = self.moved(point, sums, (&free, &step));
                 let lower = self.cost_below(&next, cost);
                 if lower < cost {
                     *damping = (*damping * 0.1).max(1e-10);
@@ -228,17 +241,19 @@ impl Problem<'_> {
         None
     }
 
-    /// Coordinates that the gradient does not push beyond their range.
+    /// Coordinates that the gradient does not push beyond their range. Where each run has an offset, these hold the common one.
     fn free(&self, point: &Point, gradient: &[f64]) -> Vec<usize> {
         let inside = |i: &usize| {
             let (low, high) = point.coordinates[*i].range(self.longest_delay_s);
             let (value, downhill) = (point.values[*i], gradient[*i]);
-            !(value <= low && downhill < 0.0 || value >= high && downhill > 0.0)
+            let inside = !(value <= low && downhill < 0.0 || value >= high && downhill > 0.0);
+            let own = !point.run_offsets.is_empty();
+            inside && !(own && point.coordinates[*i] == Coordinate::Offset)
         };
         (0..point.values.len()).filter(inside).collect()
     }
 
-    fn moved(&self, point: &Point, free: &[usize], step: &[f64]) -> Point {
+    fn moved(&self, point: &Point, sums: &Sums, (free, step): (&[usize], &[f64])) -> Point {
         let mut next = point.clone();
         for (&i, change) in free.iter().zip(step) {
             let coordinate = point.coordinates[i];
@@ -249,6 +264,9 @@ impl Problem<'_> {
             let (low, high) = coordinate.range(self.longest_delay_s);
             next.values[i] = (next.values[i] + change).clamp(low, high);
         }
+        let changes = next.values.iter().zip(&point.values);
+        let changes: Vec<f64> = changes.map(|(new, old)| new - old).collect();
+        move_offsets(&mut next, &sums.runs, &changes);
         next
     }
 }

@@ -37,7 +37,7 @@ pub(super) fn hidden_parts(
     let shortfalls: [Shortfall; 2] = [current_limit::shortfall, stiction::shortfall];
     let looked_for = |shortfall: Shortfall| {
         let of_stretch = |stretch: &Stretch| {
-            let servo = point.physics(stretch.controller, |_, value| value);
+            let servo = point.servo_of(stretch, |_, value| value);
             let samples = shortfall(&servo, stretch, grid)?;
             Some(samples.into_iter().map(|error| [error]).collect())
         };

@@ -51,7 +51,7 @@ fn in_motion(stretch: &Stretch, period_s: f64) -> bool {
 
 /// The start that lets the servo follow the first samples best (Gauss-Newton from two guesses of the command before).
 fn in_motion_start(stretch: &Stretch, point: &Point, grid: &Grid) -> Start<f64> {
-    let physics = point.physics(stretch.controller, |_, value| value);
+    let physics = point.servo_of(stretch, |_, value| value);
     let time_constant_s = physics.stiffness.sqrt().recip().max(1.0 / physics.damping);
     let samples = ((physics.delay_s + 5.0 * time_constant_s) / grid.period_s) as usize;
     let window = samples.clamp(6, WINDOW).min(stretch.input.len());
@@ -98,7 +98,7 @@ fn gauss_newton(
     window: usize,
     start: [f64; 3],
 ) -> (f64, Option<Vec<f64>>) {
-    let physics = point.physics(stretch.controller, |_, value| Dual::<3>::constant(value));
+    let physics = point.servo_of(stretch, |_, value| Dual::<3>::constant(value));
     let [output, rate, command] = [0, 1, 2].map(|i| Dual::<3>::variable(start[i], i));
     let start = Start {
         output,

@@ -86,6 +86,8 @@ pub(super) struct Ladder<'a> {
     pub(super) longest_delay_s: f64,
     pub(super) controllers: usize,
     pub(super) radians: f64,
+    /// Where runs have offsets of their own, what these begin with.
+    pub(super) run_offsets: &'a [f64],
     pub(super) watch: &'a dyn Watch,
     /// Every rung that was tried, in order.
     pub(super) tried: Vec<Rung>,
@@ -293,7 +295,8 @@ impl Ladder<'_> {
     fn searched(&self, terms: Terms) -> Point {
         let all = |_: usize| true;
         let (problem, controllers) = (self.problem(&all), self.controllers);
-        search(&problem, &self.shown, terms, controllers, self.radians)
+        let own = (self.radians, self.run_offsets);
+        search(&problem, &self.shown, terms, controllers, own)
     }
 
     /// A rung found from another one.

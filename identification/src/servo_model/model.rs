@@ -5,6 +5,7 @@ use super::descent_step::MOST;
 use super::initial_state::find_starts;
 use super::motion::largest_error;
 use super::quantities::{Quantity, widen_delay};
+use super::run_offsets;
 use super::stretches::stretches;
 use crate::data::{Record, Run, Timing};
 use crate::error::Error;
@@ -43,6 +44,10 @@ pub struct ServoModel {
     /// How fast the servo moved in the record, whatever the model says of it; `None` in files from before this was kept.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reached: Option<ReachedSpeeds>,
+    /// What the offset of each run of the record is above the quantity `offset`, their mean \[output\]; empty where the runs do not
+    /// differ beyond chance.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub run_offsets: Vec<f64>,
     /// How well it follows the record.
     pub fit: ServoFit,
     /// Noise of the errors of simulation.
@@ -181,7 +186,10 @@ impl LinearModels {
 impl ServoModel {
     /// The point of the search that it stands for.
     pub(super) fn point(&self) -> Point {
-        self.point_of(self.terms, &self.coordinates, &self.values)
+        Point {
+            run_offsets: self.run_offsets.clone(),
+            ..self.point_of(self.terms, &self.coordinates, &self.values)
+        }
     }
 
     fn point_of(&self, terms: Terms, coordinates: &[Coordinate], values: &[f64]) -> Point {
@@ -191,6 +199,7 @@ impl ServoModel {
             values: values.to_vec(),
             radians: self.radians_per_command,
             friction_speed_share: FRICTION_SPEED_SHARE,
+            run_offsets: Vec::new(),
         }
     }
 
@@ -278,17 +287,22 @@ impl ServoModel {
 
     /// The output of each run of a record, simulated from its input and its first samples. NaN where an input is missing,
     /// until the motion is known again. `controllers` has the controller of each run; without it, all have the first. The model is
-    /// continuous in time, so the record may have any sample period.
+    /// continuous in time, so the record may have any sample period. Where the offset differed between the runs that it was found
+    /// from, that of another run is not known: it is taken from the run itself, so that its errors have the mean zero.
     #[must_use]
     pub fn simulate(&self, record: &Record, controllers: &[usize]) -> Vec<Vec<f64>> {
-        let point = self.point();
+        let mut point = self.point();
         let grid = self.grid(record.timing());
         let (mut parts, _) = stretches(record, controllers);
-        find_starts(&mut parts, &point, &grid);
+        if self.run_offsets.is_empty() {
+            find_starts(&mut parts, &point, &grid);
+        } else {
+            run_offsets::find(&mut point, &mut parts, &grid, record.runs().len());
+        }
         let unknown = |run: &Run| vec![f64::NAN; run.len()];
         let mut outputs: Vec<Vec<f64>> = record.runs().iter().map(unknown).collect();
         for part in &parts {
-            let physics = point.physics(part.controller, |_, value| value);
+            let physics = point.servo_of(part, |_, value| value);
             let output = &mut outputs[part.run][part.first..];
             simulate(&physics, &grid, &part.start, &part.input, |k, y| {
                 output[k] = y

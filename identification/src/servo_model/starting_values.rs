@@ -109,7 +109,7 @@ impl Shown {
         controllers: usize,
         bandwidth: f64,
         delay_s: f64,
-        radians: f64,
+        (radians, run_offsets): (f64, &[f64]),
     ) -> Point {
         let coordinates = terms.coordinates(controllers);
         let value = |at: &Coordinate| match at {
@@ -126,6 +126,7 @@ impl Shown {
             coordinates,
             radians,
             friction_speed_share: FRICTION_SPEED_SHARE,
+            run_offsets: run_offsets.to_vec(),
         }
     }
 }
@@ -152,15 +153,16 @@ fn strongest_slope(stretches: &[Stretch], mean_u: f64, mean_y: f64) -> f64 {
     best.1
 }
 
-/// The best servo with these terms that is found from the grid. `terms` has no more than a limit and two speeds.
+/// The best servo with these terms that is found from the grid. `terms` has no more than a limit and two speeds; `own` are the radians
+/// for each unit of the command and the offsets of the runs.
 pub(super) fn search(
     problem: &Problem<'_>,
     shown: &Shown,
     terms: Terms,
     controllers: usize,
-    radians: f64,
+    own: (f64, &[f64]),
 ) -> Point {
-    let mut found: Vec<(f64, Point)> = grid(shown, terms, controllers, radians)
+    let mut found: Vec<(f64, Point)> = grid(shown, terms, controllers, own)
         .into_iter()
         .map(|mut point| (problem.descend(&mut point, STEPS.0), point))
         .collect();
@@ -199,11 +201,11 @@ pub(super) fn other_starts(point: &Point, problem: &Problem<'_>, shown: &Shown) 
 
 /// Bandwidths from slow to fast, short and long delays, and for a limited drive the top speed below and above the
 /// steepest stroke, with more or less of the damping in the motor.
-fn grid(shown: &Shown, terms: Terms, controllers: usize, radians: f64) -> Vec<Point> {
+fn grid(shown: &Shown, terms: Terms, controllers: usize, own: (f64, &[f64])) -> Vec<Point> {
     let mut points = Vec::new();
     for bandwidth in [2.0, 6.0, 16.0, 40.0, 90.0] {
         for delay_s in [0.5 * shown.period_s, 0.03] {
-            let servo = shown.servo(terms, controllers, bandwidth, delay_s, radians);
+            let servo = shown.servo(terms, controllers, bandwidth, delay_s, own);
             if !terms.limit {
                 points.push(servo);
                 continue;

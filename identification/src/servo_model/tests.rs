@@ -19,6 +19,7 @@ fn point(terms: Terms, value: impl Fn(Coordinate) -> f64) -> Point {
         coordinates,
         radians: 1f64.to_radians(),
         friction_speed_share: FRICTION_SPEED_SHARE,
+        run_offsets: Vec::new(),
     }
 }
 
@@ -369,4 +370,61 @@ fn samples_too_far_apart_for_a_servo_are_refused_before_the_search() {
     let record = Record::of_run(5.0, &input, &input).unwrap();
     let refused = fit(&record, &ServoModelOptions::default()).unwrap_err();
     assert!(refused.to_string().contains("5 s apart"), "{refused}");
+}
+
+/// Three runs of a limited servo, whose sensor's zero is `offsets` further up in each.
+fn runs_with(offsets: [f64; 3]) -> (Point, Record<'static>) {
+    let terms = Terms {
+        limit: true,
+        two_speeds: true,
+        ..Terms::default()
+    };
+    let servo = point(terms, value);
+    let input = strokes(2400);
+    let run = |(index, offset): (usize, f64)| {
+        let input = [&[0.0; 40][..], &input[800 * index..800 * (index + 1)]].concat();
+        let output = noisy(&servo, &input, 20 + index as u64);
+        Run::new(
+            input,
+            output.into_iter().map(|y| y + offset).collect::<Vec<_>>(),
+        )
+        .unwrap()
+    };
+    let runs = offsets.into_iter().enumerate().map(run).collect();
+    (servo, Record::new(PERIOD_S, runs).unwrap())
+}
+
+#[test]
+fn the_zero_of_the_sensor_may_move_between_runs() {
+    let offsets = [0.5, -0.25, 2.0];
+    let mean = offsets.iter().sum::<f64>() / 3.0;
+    let (mut servo, record) = runs_with(offsets);
+    let found = fit(&record, &ServoModelOptions::default()).unwrap();
+    for (found, own) in found.run_offsets.iter().zip(offsets) {
+        assert!((found - (own - mean)).abs() < 0.01, "{found} {own}");
+    }
+    let common = servo.get(Coordinate::Offset).unwrap();
+    servo.set(Coordinate::Offset, common + mean);
+    for (name, truth) in super::quantities::values(&servo) {
+        let mut named = found.quantities.iter().filter(|found| found.name == name);
+        let quantity = named.next().unwrap();
+        let interval = quantity.interval.valid().unwrap();
+        assert!(interval.contains(truth), "{name}: {truth} {interval:?}");
+        // As wide as noise of 0.03 in 840 samples of each run makes it, not as wide as the offsets.
+        assert!(
+            name != "offset" || interval.upper.unwrap() - interval.lower.unwrap() < 0.04,
+            "{interval:?}"
+        );
+    }
+    // The zero of another run is found from that run.
+    let (_, other) = runs_with([-1.0, 0.0, 4.0]);
+    let fit_percent = found.validate(&other, &[]).unwrap().fit_percent;
+    assert!(fit_percent > 98.0, "{fit_percent}");
+}
+
+#[test]
+fn runs_that_do_not_differ_have_one_offset() {
+    let (_, record) = runs_with([0.0; 3]);
+    let found = fit(&record, &ServoModelOptions::default()).unwrap();
+    assert!(found.run_offsets.is_empty(), "{:?}", found.run_offsets);
 }

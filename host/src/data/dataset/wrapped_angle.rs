@@ -42,9 +42,8 @@ pub(super) fn put_together(
 /// How many jumps of a `turn` there are, if no other motion is as large.
 fn jumps(column: &[f64], turn: f64) -> Option<usize> {
     let known: Vec<f64> = column.iter().copied().filter(|y| y.is_finite()).collect();
-    let steps = known
-        .windows(2)
-        .map(|pair| (pair[1] - pair[0]).abs() / turn);
+    let next = known.iter().skip(1);
+    let steps = known.iter().zip(next).map(|(a, b)| (b - a).abs() / turn);
     let (moves, jumps): (Vec<f64>, Vec<f64>) = steps.partition(|step| *step < NEAR);
     let are_turns = jumps.iter().all(|step| (step - 1.0).abs() < NEAR);
     (!moves.is_empty() && are_turns && jumps.len() >= FEWEST).then_some(jumps.len())

@@ -2,7 +2,7 @@
 
 use super::sensor_scale::{Calibration, Reading};
 
-/// Fewest readings among which one can be told from the others: two of the rest show a line, and two how straight it is.
+/// Fewest readings among which one can be distinguished from the others: two of the rest show a line, and two how straight it is.
 const FEWEST: usize = 5;
 
 /// How many times farther than any other reading it must lie from the line of the others. Of five readings with Gaussian errors one in a

@@ -43,6 +43,8 @@ fn table(part: &Part<'_>) -> Option<String> {
             format!(" No intervals can be given, as {}.", reason.because())
         }
     };
+    let offsets = summary::run_offsets_in_words(model, units);
+    let remark = remark + &offsets.map_or_else(String::new, |sentence| format!(" {sentence}"));
     let row = |row: summary::QuantityRow| {
         let [label, value, unit, interval] =
             [&row.name, &row.value, &row.unit, &row.interval].map(|text| escape(text));

@@ -29,6 +29,9 @@ pub fn of_servo_model(model: &ServoModel, units: Units<'_>, explain: bool) -> St
             model.alternatives.len()
         );
     }
+    if let Some(sentence) = run_offsets_in_words(model, units) {
+        text += &format!("  {}\n", wrapped(&sentence, 2));
+    }
     text += &quantities(&model.quantities, level, units);
     for advice in advice_on_servo_model(model) {
         text += &format!("  {}\n", wrapped(advice, 2));
@@ -45,6 +48,18 @@ pub fn of_servo_model(model: &ServoModel, units: Units<'_>, explain: bool) -> St
         );
     }
     text
+}
+
+/// That each run has an offset of its own, and how far these lie from their mean.
+pub(crate) fn run_offsets_in_words(model: &ServoModel, units: Units<'_>) -> Option<String> {
+    let ends = |end: fn(f64, f64) -> f64| model.run_offsets.iter().copied().reduce(end);
+    let (least, most) = ends(f64::min).zip(ends(f64::max))?;
+    let unit = units.output.map(|unit| format!(" {unit}"));
+    Some(format!(
+        "The runs rest at different positions: each has an offset of its own, {least:+.3} to {most:+.3}{} from their mean, which is \
+         the offset here.",
+        unit.unwrap_or_default()
+    ))
 }
 
 /// What to say below the quantities of a servo model.

@@ -113,6 +113,7 @@ pub(super) fn servo(kind: Kind, seed: u64) -> Truth {
         coordinates,
         radians: 1f64.to_radians(),
         friction_speed_share: FRICTION_SPEED_SHARE,
+        run_offsets: Vec::new(),
     };
     let beyond = kind.beyond(top_speed, &mut between);
     Truth { point, beyond }
