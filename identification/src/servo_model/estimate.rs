@@ -22,6 +22,7 @@ use super::validity::against;
 use crate::data::Record;
 use crate::error::Error;
 use crate::results::{Bounds, Noise, Reason, fit_percent, pointwise_critical};
+use crate::thresholds::RUN_OFFSETS_LEAVE;
 use faer::Mat;
 use servoid_dynamics::Grid;
 
@@ -116,9 +117,10 @@ pub fn fit_watched(
     let mut found = search.found(parts.clone(), &[]);
     let own = search.run_offsets(&found);
     if !own.is_empty() {
-        // Beside errors that are not noise, the mean of a run is no zero of a sensor: a servo that is lost has one, too.
+        // Beside errors that are not noise, the mean of a run is no zero of a sensor unless it is most of them: a servo that is lost has one, too.
         let with_own = search.found(parts, &own);
-        if with_own.has_noise_alone() {
+        let is_most = with_own.squared_error() < RUN_OFFSETS_LEAVE * found.squared_error();
+        if with_own.has_noise_alone() || is_most {
             found = with_own;
         }
     }
@@ -148,6 +150,11 @@ struct Found {
 impl Found {
     fn best(&self) -> &Point {
         &self.candidates.possible[0].point
+    }
+
+    fn squared_error(&self) -> f64 {
+        let errors = self.candidates.found.errors().into_iter().flatten();
+        errors.filter(|e| !e.is_nan()).map(|e| e * e).sum()
     }
 
     /// Whether nothing speaks against intervals.
