@@ -21,4 +21,4 @@ pub(crate) use servoid_linear_algebra::{
     add_outer_product, backward_solve, cholesky, condition, factorised, forward_solve,
     inverse_of_lower, inverse_of_square, spectral_radius, symmetric_eigen, times, upper_factor,
 };
-pub(crate) use vectors::{dot, largest_difference, running_sum};
+pub(crate) use vectors::{dot, largest_difference, running_sum, square_about_mean};

@@ -11,6 +11,12 @@ pub(crate) fn running_sum(values: &[f64]) -> Vec<f64> {
         .collect()
 }
 
+/// Sum of squares of the distances from the mean.
+pub(crate) fn square_about_mean(values: &[f64]) -> f64 {
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    values.iter().map(|value| (value - mean).powi(2)).sum()
+}
+
 /// Largest difference between the elements of two slices, the shorter one continued by zeros.
 pub(crate) fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     (0..a.len().max(b.len()))

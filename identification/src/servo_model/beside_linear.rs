@@ -17,7 +17,7 @@ use crate::data::{Moments, Record, Run};
 use crate::error::Error;
 use crate::estimation::{Coordinates, accurate_fit};
 use crate::nonlinear::{split_by_direction, split_with};
-use crate::numerics::causal_filter;
+use crate::numerics::{causal_filter, square_about_mean};
 use crate::options::NoiseOrder;
 use crate::results::{Model, command_before, fit_percent};
 use servoid_dynamics::{Grid, simulate};
@@ -133,11 +133,9 @@ impl<'a> Dealt<'a> {
         let outputs = self.stretches.iter().flat_map(|part| &part.output);
         let judged_only = |(value, judged): (&f64, &bool)| judged.then_some(*value);
         let outputs: Vec<f64> = outputs.zip(judged).filter_map(judged_only).collect();
-        let mean = outputs.iter().sum::<f64>() / outputs.len() as f64;
-        let spread = outputs.iter().map(|y| (y - mean).powi(2)).sum();
         let errors = errors.iter().zip(judged).filter_map(judged_only);
         let error = errors.map(|error| clipped_square(error, self.clip)).sum();
-        Some(fit_percent(error, spread)).filter(|percent| percent.is_finite())
+        Some(fit_percent(error, square_about_mean(&outputs))).filter(|percent| percent.is_finite())
     }
 
     /// The record without the outputs of a fold; `None` where nothing is left to identify.

@@ -9,6 +9,7 @@ use super::covariance::Uncertainty;
 use super::lack_of_fit;
 use super::stretches::Stretch;
 use crate::diagnostics::one_step_errors;
+use crate::numerics::square_about_mean;
 use crate::results::Reason;
 use crate::thresholds::{MOTION_IN_NOISE, MOTION_NOISE_CHANCE, MOTION_NOISE_RATIO};
 
@@ -45,11 +46,6 @@ fn hardly_moves(stretches: &[Stretch], found: &Uncertainty) -> bool {
         .filter(|(y, s)| !(**y * **s).is_nan());
     let (measured, simulated): (Vec<f64>, Vec<f64>) = known.unzip();
     square_about_mean(&simulated) < MOTION_IN_NOISE * square_about_mean(&measured)
-}
-
-fn square_about_mean(values: &[f64]) -> f64 {
-    let mean = values.iter().sum::<f64>() / values.len() as f64;
-    values.iter().map(|value| (value - mean).powi(2)).sum()
 }
 
 /// Different commands, up to three.
