@@ -14,6 +14,7 @@ fn main() {
     let argument = std::env::args().nth(1);
     let count: u64 = argument.and_then(|text| text.parse().ok()).unwrap_or(40);
     let sound = Logger::default();
+    let five = Logger { levels: 5, ..sound };
     let limited = Logger { top: 60.0, ..sound };
     let lines = [
         ("none", sound),
@@ -90,6 +91,23 @@ fn main() {
         ("stop at 9.5 of 10", Logger { stop: 9.5, ..sound }),
         ("stop at 9 of 10", Logger { stop: 9.0, ..sound }),
         ("stop at 7 of 10", Logger { stop: 7.0, ..sound }),
+        ("none; five levels", five),
+        (
+            "stop at 9.8 of 10; five levels",
+            Logger { stop: 9.8, ..five },
+        ),
+        (
+            "stop at 9.5 of 10; five levels",
+            Logger { stop: 9.5, ..five },
+        ),
+        (
+            "stop at 9 of 10; six levels",
+            Logger {
+                stop: 9.0,
+                levels: 6,
+                ..sound
+            },
+        ),
     ];
     println!(
         "| fault | lag drifts | output held | moves early | runs into a stop | other reason | bounds |"

@@ -665,3 +665,8 @@ pub const SERVO_ERROR_BEYOND_RECORD: f64 = 1.25;
 /// outside of it, those that missed with less than this share were 8 of 31, those with more 9 of 110, by the value. Of 7 that the value let pass on
 /// servos with stiction under stairs in coloured noise, 4 missed: a value that is too low is reached for that reason alone.
 pub const SERVO_TOP_SPEED_REACHED: f64 = 0.5;
+
+/// Probability below which a last level that falls short of the line through the others is no chance.
+///
+/// Protects: bounds of stairs whose last level alone lies beyond a stop. Evidence: the table of stops in docs/method.md.
+pub const SHORT_LEVEL_SIGNIFICANCE: f64 = 1e-4;

@@ -7,11 +7,12 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{
     LltRegularization, cholesky_in_place, cholesky_in_place_scratch,
 };
+use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::linalg::triangular_inverse::invert_lower_triangular;
 use faer::linalg::triangular_solve::{
     solve_lower_triangular_in_place, solve_upper_triangular_in_place,
 };
-use faer::{Mat, Par, Side, Spec};
+use faer::{Accum, Mat, Par, Side, Spec};
 
 /// Lower Cholesky factor of a symmetric matrix, `None` when it is not positive definite.
 #[must_use]
@@ -72,8 +73,63 @@ pub fn inverse_of_lower(lower: &Mat<f64>) -> Mat<f64> {
 /// (L L')^-1.
 #[must_use]
 pub fn inverse_of_square(lower: &Mat<f64>) -> Mat<f64> {
+    let mut square = lower_inverse_of_square(lower);
+    mirror(&mut square);
+    square
+}
+
+/// The lower triangle of (L L')^-1.
+#[must_use]
+pub fn lower_inverse_of_square(lower: &Mat<f64>) -> Mat<f64> {
     let inverse = inverse_of_lower(lower);
-    inverse.transpose() * &inverse
+    let mut square = Mat::zeros(lower.nrows(), lower.nrows());
+    // A sixth of the operations of a general product: both factors are triangular, and half of a symmetric result is enough.
+    triangular::matmul(
+        square.as_mut(),
+        BlockStructure::TriangularLower,
+        Accum::Replace,
+        inverse.transpose(),
+        BlockStructure::TriangularUpper,
+        inverse.as_ref(),
+        BlockStructure::TriangularLower,
+        1.0,
+        Par::Seq,
+    );
+    square
+}
+
+/// A A', of which half is computed.
+#[must_use]
+pub fn outer_square(matrix: &Mat<f64>) -> Mat<f64> {
+    let mut square = Mat::zeros(matrix.nrows(), matrix.nrows());
+    triangular::matmul(
+        square.as_mut(),
+        BlockStructure::TriangularLower,
+        Accum::Replace,
+        matrix.as_ref(),
+        BlockStructure::Rectangular,
+        matrix.transpose(),
+        BlockStructure::Rectangular,
+        1.0,
+        Par::Seq,
+    );
+    mirror(&mut square);
+    square
+}
+
+/// Copies the lower triangle of a square matrix into the upper one. In tiles, whose columns stay at hand while they are
+/// read across.
+pub fn mirror(matrix: &mut Mat<f64>) {
+    const TILE: usize = 32;
+    let size = matrix.nrows();
+    for start in (0..size).step_by(TILE) {
+        let rows = start..(start + TILE).min(size);
+        for column in start + 1..size {
+            for row in rows.start..rows.end.min(column) {
+                matrix[(row, column)] = matrix[(column, row)];
+            }
+        }
+    }
 }
 
 /// Upper triangular R of the QR factorisation: R'R = A'A. It has as many rows as A where A has fewer rows than columns.

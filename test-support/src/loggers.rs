@@ -28,6 +28,8 @@ pub struct Logger {
     pub top: f64,
     /// Position at which it runs into a stop \[output\].
     pub stop: f64,
+    /// Levels of the command from -10 to 10, each held for at least 0.3 s; 0 for any level.
+    pub levels: u32,
 }
 
 impl Default for Logger {
@@ -40,6 +42,7 @@ impl Default for Logger {
             weaker: 0.0,
             top: f64::INFINITY,
             stop: f64::INFINITY,
+            levels: 0,
         }
     }
 }
@@ -54,8 +57,14 @@ impl Logger {
         let mut random = random(seed);
         let mut input = Vec::new();
         while input.len() < SAMPLES {
-            let level = random.random_range(-10.0..10.0);
-            input.extend(vec![level; random.random_range(50..200)]);
+            let (level, held) = match self.levels.checked_sub(1) {
+                None => (random.random_range(-10.0..10.0), 50..200),
+                Some(last) => {
+                    let share = f64::from(random.random_range(0..=last)) / f64::from(last);
+                    (20.0 * share - 10.0, 150..250)
+                }
+            };
+            input.extend(vec![level; random.random_range(held)]);
         }
         input.truncate(SAMPLES);
         let course = self.course(&input);

@@ -39,7 +39,8 @@ const LEADS: usize = 10;
 /// That the input follows the output.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Feedback {
-    /// Probability of inputs to come that explain as much, if none was computed from the output.
+    /// Probability of inputs to come that explain as much, if none was computed from the output; of runs that differ, in their own
+    /// fits too.
     pub p: f64,
     /// Response at lag 0, in standard deviations; negative against the direction of the rest of the response.
     pub at_once: f64,
@@ -79,7 +80,7 @@ impl Feedback {
     }
 
     /// Whether inputs to come explain the output.
-    fn is_followed(&self) -> bool {
+    pub(crate) fn is_followed(&self) -> bool {
         self.p < FEEDBACK_SIGNIFICANCE
     }
 

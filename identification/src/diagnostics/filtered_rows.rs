@@ -11,8 +11,11 @@ pub(super) fn present(value: f64) -> f64 {
 
 /// The input of `run` relative to `centre`, with `history` samples before its first: those at rest. 0 where it is not known.
 pub(super) fn with_history(run: &Run, history: usize, centre: f64) -> Vec<f64> {
-    let samples = -(history as isize)..run.len() as isize;
-    samples.map(|k| present(run.input_at(k) - centre)).collect()
+    let mut input = Vec::with_capacity(history + run.len());
+    let at_rest = run.input_at_rest().map_or(0.0, |u| present(u - centre));
+    input.resize(history, at_rest);
+    input.extend(run.input().iter().map(|u| present(u - centre)));
+    input
 }
 
 /// `values` in `rows`, 0 elsewhere.

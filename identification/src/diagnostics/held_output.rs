@@ -1,9 +1,12 @@
-//! Whether the output is refreshed less often than rows are written, as by a sensor that is slower than its logger.
+//! Whether a column is refreshed less often than rows are written: the output, as by a sensor that is slower than its logger, or a moving
+//! input.
 //!
 //! Then the output changes every so many rows only, and shows the servo as it was up to that many rows before. A sensor of coarse steps
 //! also stands still in between, but its changes come at any distance, and most are of one step.
 
-use crate::data::{Record, Run};
+use std::collections::BTreeMap;
+
+use crate::data::Record;
 use crate::thresholds::{HELD_OUTPUT_SHARE, ONE_STEP_SHARE};
 
 /// Changes that are needed.
@@ -20,11 +23,11 @@ const ONE_STEP: f64 = 1.5;
 
 /// The time between two readings of the sensor \[samples\], where it is longer than a sample.
 pub(crate) fn output_held_for(record: &Record) -> Option<usize> {
-    let (mut gaps, mut sizes) = (Vec::new(), Vec::new());
+    let (mut gaps, mut sizes) = (Gaps::default(), Vec::new());
     for run in record.runs() {
-        gather(run, &mut gaps, &mut sizes);
+        gather(run.output(), &mut gaps, &mut sizes);
     }
-    if gaps.len() < FEWEST || is_coarse(&sizes) {
+    if gaps.count < FEWEST || is_coarse(&sizes) {
         return None;
     }
     let refreshes = || (2..=LONGEST).rev();
@@ -35,15 +38,43 @@ pub(crate) fn output_held_for(record: &Record) -> Option<usize> {
     })
 }
 
-/// Samples between neighbouring changes of the output, and the sizes of these.
-fn gather(run: &Run<'_>, gaps: &mut Vec<usize>, sizes: &mut Vec<f64>) {
+/// The time between two values of an input that moves all the time \[samples\], where it is longer than a sample. Levels are held for
+/// different times.
+pub(crate) fn input_held_for(record: &Record) -> Option<usize> {
+    let mut gaps = Gaps::default();
+    for run in record.runs() {
+        gather(run.input(), &mut gaps, &mut Vec::new());
+    }
+    let (usual, as_usual) = gaps.of_length.iter().max_by_key(|(_, count)| **count)?;
+    let is_refreshed = *as_usual as f64 >= HELD_OUTPUT_SHARE * gaps.count as f64;
+    (*usual > 1 && gaps.count >= FEWEST && is_refreshed).then_some(*usual)
+}
+
+/// How often there are so many samples between neighbouring changes of a column: a long record has few different lengths.
+#[derive(Default)]
+struct Gaps {
+    of_length: BTreeMap<usize, usize>,
+    count: usize,
+}
+
+impl Gaps {
+    fn add(&mut self, length: usize) {
+        *self.of_length.entry(length).or_default() += 1;
+        self.count += 1;
+    }
+}
+
+/// Samples between neighbouring changes of a column, and the sizes of these.
+fn gather(column: &[f64], gaps: &mut Gaps, sizes: &mut Vec<f64>) {
     let mut last = None;
-    for (k, pair) in run.output().windows(2).enumerate() {
+    for (k, pair) in column.windows(2).enumerate() {
         let size = (pair[1] - pair[0]).abs();
         if size.is_nan() {
             last = None;
         } else if size > 0.0 {
-            gaps.extend(last.map(|last| k - last));
+            if let Some(last) = last {
+                gaps.add(k - last);
+            }
             sizes.push(size);
             last = Some(k);
         }
@@ -58,13 +89,14 @@ fn is_coarse(sizes: &[f64]) -> bool {
 }
 
 /// Whether changes come at multiples of `refresh`, to within `beat` samples.
-fn is_refreshed_every(refresh: usize, beat: usize, gaps: &[usize]) -> bool {
-    let fits = |gap: &&usize| {
-        let beyond = (**gap + beat) % refresh;
-        **gap + beat >= refresh && beyond <= 2 * beat
+fn is_refreshed_every(refresh: usize, beat: usize, gaps: &Gaps) -> bool {
+    let fits = |gap: usize| {
+        let beyond = (gap + beat) % refresh;
+        gap + beat >= refresh && beyond <= 2 * beat
     };
-    let fitting = gaps.iter().filter(fits).count();
-    fitting as f64 >= HELD_OUTPUT_SHARE * gaps.len() as f64
+    let fitting = gaps.of_length.iter().filter(|(gap, _)| fits(**gap));
+    let fitting: usize = fitting.map(|(_, count)| count).sum();
+    fitting as f64 >= HELD_OUTPUT_SHARE * gaps.count as f64
 }
 
 #[cfg(test)]
@@ -92,6 +124,22 @@ mod tests {
             })
             .collect();
         output_held_for(&Record::of_run(0.002, &input, &output).unwrap())
+    }
+
+    #[test]
+    fn an_input_that_moves_in_steps_of_equal_length_is_refreshed_and_levels_are_not() {
+        let of = |input: &[f64]| {
+            let output: Vec<f64> = (0..input.len()).map(|k| (k % 2) as f64).collect();
+            input_held_for(&Record::of_run(0.002, input, &output).unwrap())
+        };
+        let sine = |k: usize| (0.004 * k as f64).sin();
+        let refreshed: Vec<f64> = (0..3000).map(|k| sine(k / 10 * 10)).collect();
+        assert_eq!(of(&refreshed), Some(10));
+        assert_eq!(of(&(0..3000).map(sine).collect::<Vec<f64>>()), None);
+        let levels: Vec<f64> = (0..9000u32)
+            .map(|k| f64::from((20 * k).isqrt() % 3))
+            .collect();
+        assert_eq!(of(&levels), None);
     }
 
     #[test]

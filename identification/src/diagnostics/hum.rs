@@ -6,7 +6,9 @@
 //! frequencies of the motion: a line counts only where the reference has none, and where it is not small beside the
 //! motion of the same frequency.
 
+use std::cell::LazyCell;
 use std::f64::consts::{LN_2, TAU};
+use std::ops::Deref;
 
 use serde::{Deserialize, Serialize};
 
@@ -71,8 +73,8 @@ pub(crate) fn hum(runs: &[Simulated<'_>]) -> Vec<HumLine> {
     let Some(longest) = (0..errors.len()).max_by_key(|&run| errors[run].len()) else {
         return Vec::new();
     };
-    let motion = centred(&runs[longest].output);
-    let reference = power(&centred(runs[longest].run.input()));
+    let motion = LazyCell::new(|| centred(&runs[longest].output));
+    let reference = LazyCell::new(|| power(&centred(runs[longest].run.input())));
     let mut lines = Vec::new();
     while lines.len() < LINES
         && let Some(omega) = strongest(&errors[longest], &reference)
@@ -109,20 +111,35 @@ fn centred(values: &[f64]) -> Vec<f64> {
 fn power(values: &[f64]) -> Vec<f64> {
     let forward = servoid_fft::forward(values.len().next_power_of_two());
     let (mut block, mut spectrum) = (forward.make_input_vec(), forward.make_output_vec());
-    for (k, (windowed, value)) in block.iter_mut().zip(values).enumerate() {
-        *windowed = value * hann(k, values.len());
-    }
+    block[..values.len()].copy_from_slice(&windowed(values));
     forward
         .process(&mut block, &mut spectrum)
         .expect("buffers come from the plan");
     spectrum.iter().map(|value| value.norm_sqr()).collect()
 }
 
+/// Frequencies on both sides of a line.
+fn beside(power: &[f64], j: usize) -> [&[f64]; 2] {
+    let reach = NEIGHBOURS + OF_LINE;
+    [
+        &power[j - reach..j - OF_LINE],
+        &power[j + OF_LINE + 1..=j + reach],
+    ]
+}
+
+/// Whether [`above_neighbours`] can be beyond [`ABOVE_NEIGHBOURS`]: half of the neighbours are low enough. To count them is
+/// cheap, and there are hardly any frequencies where they are.
+fn may_be_line(power: &[f64], j: usize) -> bool {
+    /// Beyond all rounding.
+    const MARGIN: f64 = 1.0 + 1e-9;
+    let limit = MARGIN * power[j] * LN_2 / ABOVE_NEIGHBOURS;
+    let low = |part: &[f64]| part.iter().map(|p| u32::from(*p < limit)).sum::<u32>();
+    beside(power, j).map(low).iter().sum::<u32>() as usize > NEIGHBOURS
+}
+
 /// Power over that of the neighbours.
 fn above_neighbours(power: &[f64], j: usize) -> f64 {
-    let reach = NEIGHBOURS + OF_LINE;
-    let before = &power[j - reach..j - OF_LINE];
-    let mut beside = [before, &power[j + OF_LINE + 1..=j + reach]].concat();
+    let mut beside = beside(power, j).concat();
     let middle = beside.len() / 2;
     let median = *beside.select_nth_unstable_by(middle, f64::total_cmp).1;
     power[j] * LN_2 / median.max(f64::MIN_POSITIVE)
@@ -130,7 +147,7 @@ fn above_neighbours(power: &[f64], j: usize) -> f64 {
 
 /// The frequency of the line that is farthest above its neighbours \[rad/sample\], where the reference has none; `None`
 /// where there is none.
-fn strongest(errors: &[f64], reference: &[f64]) -> Option<f64> {
+fn strongest(errors: &[f64], reference: &impl Deref<Target = Vec<f64>>) -> Option<f64> {
     let count = errors.len();
     let power = power(errors);
     let size = count.next_power_of_two();
@@ -138,28 +155,36 @@ fn strongest(errors: &[f64], reference: &[f64]) -> Option<f64> {
     let lowest = (CYCLES * size / count.max(1)).max(reach);
     let candidates = lowest..power.len().saturating_sub(reach);
     let line = candidates
+        .filter(|j| may_be_line(&power, *j))
         .map(|j| (j, above_neighbours(&power, j)))
         .filter(|(_, ratio)| *ratio > ABOVE_NEIGHBOURS)
         .max_by(|a, b| a.1.total_cmp(&b.1));
     let bin = line?.0;
+    let reference: &[f64] = reference;
     let of_reference = (bin - OF_LINE..=bin + OF_LINE)
         .filter(|j| (reach..reference.len() - reach).contains(j))
         .any(|j| above_neighbours(reference, j) > LINE_OF_REFERENCE);
     (!of_reference).then(|| refined(errors, TAU * bin as f64 / size as f64, TAU / size as f64))
 }
 
-fn hann(k: usize, count: usize) -> f64 {
-    1.0 - (TAU * (k as f64 + 0.5) / count as f64).cos()
+/// `values` times Hann's window.
+fn windowed(values: &[f64]) -> Vec<f64> {
+    let count = values.len() as f64;
+    let hann = |k: usize| 1.0 - (TAU * (k as f64 + 0.5) / count).cos();
+    (0..)
+        .zip(values)
+        .map(|(k, value)| value * hann(k))
+        .collect()
 }
 
 /// The frequency of the largest power within a bin of `omega`, by golden section.
 fn refined(errors: &[f64], omega: f64, bin: f64) -> f64 {
     const GOLDEN: f64 = 0.618_034;
+    let errors = windowed(errors);
     let power_at = |omega: f64| {
         let (mut re, mut im) = (0.0, 0.0);
-        for (k, error) in errors.iter().enumerate() {
+        for (k, weighted) in errors.iter().enumerate() {
             let (sin, cos) = (omega * k as f64).sin_cos();
-            let weighted = error * hann(k, errors.len());
             re += weighted * cos;
             im += weighted * sin;
         }

@@ -3,6 +3,7 @@
 mod advice;
 mod correlogram;
 mod early_motion;
+mod end_level;
 mod explanation;
 mod feedback;
 mod filtered_rows;

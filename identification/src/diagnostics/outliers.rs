@@ -250,7 +250,8 @@ struct Scale {
 impl Scale {
     /// `None` where there is no noise.
     fn of(runs: &[Simulated<'_>], motions: &[Vec<f64>], fit: &GlsFit, step: f64) -> Option<Self> {
-        let mut rows: Vec<(f64, f64)> = Vec::new();
+        let samples = motions.iter().map(Vec::len).sum();
+        let mut rows: Vec<(f64, f64)> = Vec::with_capacity(samples);
         for (run, motion) in runs.iter().zip(motions) {
             let errors = one_step_errors(run.own_errors(), &fit.ar);
             let squares = errors.iter().map(|error| error * error);
@@ -263,17 +264,22 @@ impl Scale {
             );
         }
         let largest_motion = rows.iter().map(|row| row.0).fold(0.0, f64::max);
-        let scale = |in_motion: bool| {
-            let chosen = rows
-                .iter()
-                .filter(|row| (row.0 > IN_MOTION * largest_motion) == in_motion);
-            let (motions, squares): (Vec<f64>, Vec<f64>) = chosen.copied().unzip();
-            Some((median(motions)?, median(squares)? / MEDIAN_OF_SQUARES))
+        let chosen = |in_motion: bool| {
+            let is_chosen =
+                move |row: &&(f64, f64)| (row.0 > IN_MOTION * largest_motion) == in_motion;
+            rows.iter().filter(is_chosen)
         };
-        let (_, at_rest) = scale(false).or_else(|| scale(true))?;
-        let even = at_rest + step * step;
-        let in_motion =
-            scale(true).map_or(0.0, |(motion, square)| ((square - even) / motion).max(0.0));
+        let square = |in_motion: bool| {
+            let squares = chosen(in_motion).map(|row| row.1).collect();
+            median(squares).map(|square| square / MEDIAN_OF_SQUARES)
+        };
+        let moving = square(true);
+        let even = square(false).or(moving)? + step * step;
+        let in_motion = moving.and_then(|square| {
+            let motion = median(chosen(true).map(|row| row.0).collect())?;
+            Some(((square - even) / motion).max(0.0))
+        });
+        let in_motion = in_motion.unwrap_or(0.0);
         (even > 0.0).then_some(Self {
             even,
             in_motion,

@@ -17,26 +17,23 @@ pub(super) struct Course<'a> {
     pub(super) in_motion: Vec<bool>,
 }
 
-/// The distance of sample `k` from the lines through the two samples before and the two after it, where it is on one side of
-/// both in all `courses`: the least of all. 0 elsewhere, and where one of these samples is missing.
-fn stands_out(courses: &[&[f64]], k: usize) -> f64 {
-    let of = |course: &&[f64]| {
-        let before = k.checked_sub(2).and_then(|from| course.get(from..k))?;
-        let after = course.get(k + 1..k + 3)?;
-        Some([
-            course[k] - (2.0 * before[1] - before[0]),
-            course[k] - (2.0 * after[0] - after[1]),
-        ])
-    };
-    let all: Option<Vec<[f64; 2]>> = courses.iter().map(of).collect();
-    let all = all.unwrap_or_default().concat();
-    let on_one_side = all.iter().all(|by| *by > 0.0) || all.iter().all(|by| *by < 0.0);
-    match on_one_side && !all.is_empty() {
-        true => all
-            .iter()
-            .fold(f64::INFINITY, |least, by| least.min(by.abs())),
-        false => 0.0,
+/// The distance of each sample from the lines through the two samples before and the two after it, where it is on one side of
+/// both in all `courses`, which are of one length: the least of all. 0 elsewhere, and where one of these samples is missing.
+fn stand_out<const COURSES: usize>(courses: [&[f64]; COURSES]) -> Vec<f64> {
+    let mut distances = vec![0.0; courses[0].len()];
+    for k in 2..distances.len().saturating_sub(2) {
+        let all = courses.map(|course| {
+            [
+                course[k] - (2.0 * course[k - 1] - course[k - 2]),
+                course[k] - (2.0 * course[k + 1] - course[k + 2]),
+            ]
+        });
+        let all = || all.as_flattened().iter();
+        if all().all(|by| *by > 0.0) || all().all(|by| *by < 0.0) {
+            distances[k] = all().fold(f64::INFINITY, |least, by| least.min(by.abs()));
+        }
     }
+    distances
 }
 
 /// How far each sample stands out, in output and errors, and in the output alone.
@@ -47,13 +44,9 @@ struct Distances {
 
 impl Distances {
     fn of(course: &Course<'_>) -> Self {
-        let all = |courses: &[&[f64]]| {
-            let samples = 0..course.errors.len();
-            samples.map(|k| stands_out(courses, k)).collect()
-        };
         Self {
-            both: all(&[course.measured, course.errors]),
-            measured: all(&[course.measured]),
+            both: stand_out([course.measured, course.errors]),
+            measured: stand_out([course.measured]),
         }
     }
 }

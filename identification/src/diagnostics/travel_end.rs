@@ -3,9 +3,12 @@
 //! Where many strokes end there, no linear servo describes the record. The rests of held commands lie on a line, one end of which is flat:
 //! commands that differ by a notable part of the range reach the same angle. That needs no model.
 //!
-//! Where few do, their errors look like glitches, or like slow noise. There the model goes beyond the farthest that the output ever was,
+//! Where one of several levels lies beyond the stop, that level falls short of the line through the others ([`super::end_level`]).
+//!
+//! Where few strokes do, their errors look like glitches, or like slow noise. There the model goes beyond the farthest that the output ever was,
 //! and the output is at its farthest. Neither a linear model nor a servo model has a stop.
 
+use super::end_level::ShortLevel;
 use super::simulation_error::{Simulated, one_step_errors, simulated_whole};
 use crate::data::{EXACTLY, Hold, Moments, Record, Run, holds, last_quarter, mean_output};
 use crate::estimation::GlsFit;
@@ -33,11 +36,20 @@ impl TravelEnd {
         is_linear: bool,
         (moments, fit): (&Moments, &GlsFit),
     ) -> Option<Self> {
-        let of_rests = of_rests(record);
-        if of_rests.is_some() || !is_linear {
-            return of_rests;
+        if let Some(found) = of_rests(record) {
+            return Some(found);
         }
         let runs = simulated_whole(record, moments, fit);
+        if let Some(found) = ShortLevel::of(&runs, fit.impulse().len(), fit.theta()[0]) {
+            return Some(Self {
+                rest: found.rest,
+                commands: (found.level, found.level),
+                count: 1,
+            });
+        }
+        if !is_linear {
+            return None;
+        }
         let ends = [1.0, -1.0].map(|sign| Touched::by(&runs, sign, moments.centre.1));
         let found = ends.into_iter().find(|end| end.is_beyond_chance(fit))?;
         let mut strokes = found.strokes;

@@ -17,7 +17,8 @@
 //! with the filtered rows z (a sandwich: Eicker 1967, White 1980). Noise in motion is white before the filter, so
 //! it reaches d+1 rows at once: hence x. D whitens both noises together, so what is white in the mean is not white
 //! at rest: γ(i) = -τ² mean v² sum_j d_j d_(j+i) for 0 < i <= d. A variance of a few numbers is used in place of each single ε², because
-//! a point of a step response rests on as many errors as the reference has edges, which are far too few.
+//! a point of a step response rests on as many errors as the reference has edges, which are far too few. These numbers are estimates, too:
+//! where τ² has much of a variance, its own uncertainty is in the degrees of freedom.
 
 use faer::Mat;
 use serde::{Deserialize, Serialize};
@@ -25,8 +26,8 @@ use serde::{Deserialize, Serialize};
 use crate::data::Moments;
 use crate::diagnostics::filtered_rows::filtered;
 use crate::diagnostics::simulation_error::{Simulated, one_step_errors};
-use crate::estimation::{GlsFit, noise_filter};
-use crate::numerics::{chi_square_upper_tail, dot, normal_upper_quantile};
+use crate::estimation::{GlsFit, NoiseInMotion, noise_filter};
+use crate::numerics::{chi_square_upper_tail, dot, normal_upper_quantile, outer_square};
 use crate::thresholds::RESIDUAL_SIGNIFICANCE;
 
 /// Parts of the record that may differ in their noise.
@@ -93,7 +94,8 @@ pub(crate) fn allow_for_uneven_noise(
     // The fitted parameters take their share of the errors.
     let absorbed = fit.rows as f64 / fit.degrees_of_freedom();
     let mean_motion = rows.iter().map(|row| row.motion).sum::<f64>() / rows.len() as f64;
-    let in_motion = (motion_variance(&rows) * absorbed).min(most_in_motion(fit, mean_motion));
+    let (in_motion, relative_variance) = motion_variance(&rows).unwrap_or_default();
+    let in_motion = (in_motion * absorbed).min(most_in_motion(fit, mean_motion));
     let levels = Levels::of(&rows, in_motion, absorbed);
     if in_motion == 0.0 && levels.are_even {
         return None;
@@ -103,10 +105,19 @@ pub(crate) fn allow_for_uneven_noise(
         mean_motion,
         levels,
     };
-    let meat = Rows { runs, moments, fit }.meat(&rows, &speeds, &found);
+    let (at_rest, moving) = Rows { runs, moments, fit }.meat(&rows, &speeds, &found);
     let inverse = &fit.solution.inverse;
-    let further = &(inverse * meat) * inverse - inverse;
+    let between = |meat: Mat<f64>| &(inverse * meat) * inverse;
+    let mut further = between(at_rest) - inverse;
+    let moving = moving.map(|moving| NoiseInMotion {
+        covariance: between(moving),
+        relative_variance,
+    });
+    if let Some(moving) = &moving {
+        further += &moving.covariance;
+    }
     fit.spread_further(1.0, Some(further));
+    fit.further.in_motion = moving;
     Some(UnevenNoise {
         jitter_s: in_motion.sqrt() * moments.sample_period_s(),
         loudest_over_quietest: found.levels.loudest_over_quietest(),
@@ -180,8 +191,8 @@ fn rows(runs: &[Simulated<'_>], speeds: &[Vec<f64>], moments: &Moments, fit: &Gl
     rows
 }
 
-/// τ², or 0 where squared errors are not related to q beyond chance. Parts may differ in their level.
-fn motion_variance(rows: &[Row]) -> f64 {
+/// τ² and its relative variance, where squared errors are related to q beyond chance. Parts may differ in their level.
+fn motion_variance(rows: &[Row]) -> Option<(f64, f64)> {
     let mean = |of: &dyn Fn(&Row) -> f64| -> Vec<f64> {
         let mut sums = [(0.0, 0.0); PARTS];
         for row in rows {
@@ -200,11 +211,7 @@ fn motion_variance(rows: &[Row]) -> f64 {
         variance += term * term;
     }
     let beyond_chance = product > normal_upper_quantile(RESIDUAL_SIGNIFICANCE) * variance.sqrt();
-    if beyond_chance && own > 0.0 {
-        product / own
-    } else {
-        0.0
-    }
+    (beyond_chance && own > 0.0).then(|| (product / own, variance / (product * product)))
 }
 
 /// The noise of the parts, that of motion taken out.
@@ -261,8 +268,13 @@ struct Rows<'a> {
 }
 
 impl Rows<'_> {
-    /// S over the variance of the fit, for as many rows as the fit has.
-    fn meat(&self, rows: &[Row], speeds: &[Vec<f64>], found: &Found) -> Mat<f64> {
+    /// The parts of S of the noise at rest and in motion, over the variance of the fit, for as many rows as the fit has.
+    fn meat(
+        &self,
+        rows: &[Row],
+        speeds: &[Vec<f64>],
+        found: &Found,
+    ) -> (Mat<f64>, Option<Mat<f64>>) {
         let scale = self.fit.rows as f64 / rows.len() as f64 / self.fit.variance;
         let at_rest: Vec<_> = rows
             .iter()
@@ -276,7 +288,7 @@ impl Rows<'_> {
             .collect();
         let even = self.columns(&at_rest, &[1.0]);
         if found.in_motion == 0.0 {
-            return &even * even.transpose();
+            return (outer_square(&even), None);
         }
         let d = noise_filter(&self.fit.ar);
         let at_rest = &even * correlated(&even, &self.correlation_at_rest(&d, found));
@@ -291,7 +303,7 @@ impl Rows<'_> {
             })
             .collect();
         let moving = self.columns(&moving, &d);
-        at_rest + &moving * moving.transpose()
+        (at_rest, Some(outer_square(&moving)))
     }
 
     /// γ(1) .. γ(d), relative to the noise at rest.

@@ -58,10 +58,20 @@ impl Default for GlsOptions {
 pub struct FurtherSpread {
     /// Added to (Z_D'Z_D)^-1: noise that is not even, or cut at its tails, and what was estimated for each run.
     pub noise: Option<Mat<f64>>,
+    /// The part of [`Self::noise`] that grows with motion.
+    pub in_motion: Option<NoiseInMotion>,
     /// By how much a slow end that is not in the response moves the coordinates and the offset, in standard deviations of ε.
     pub slow_end: Option<Vec<f64>>,
     /// What differs from run to run.
     pub runs: Option<RunSpread>,
+}
+
+/// Noise that is there in motion only.
+pub struct NoiseInMotion {
+    /// Its covariance of the coordinates and the offset, over the variance of ε.
+    pub covariance: Mat<f64>,
+    /// Variance of the estimate of its variance, relative to the square of that.
+    pub relative_variance: f64,
 }
 
 /// Differences between the runs of one servo, as far as the mean of these runs has them.

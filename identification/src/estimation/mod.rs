@@ -19,11 +19,11 @@ pub(crate) use accurate_fit::accurate_fit;
 pub(crate) use conditioning::WELL_CONDITIONED;
 pub use excitation::Excitation;
 pub(crate) use fsf_basis::FsfBasis;
-pub(crate) use gls::{GlsFit, GlsOptions, RunSpread};
+pub(crate) use gls::{GlsFit, GlsOptions, NoiseInMotion, RunSpread};
 pub use least_squares::Solver;
 pub(crate) use least_squares::{
-    Coordinates, NormalEquations, RowInformation, complete_bank_rss, filtered_input_moments,
-    residual_moments_of_lags, solve_moments,
+    Coordinates, Edges, NormalEquations, RowInformation, complete_bank_rss, filtered_input_moments,
+    lower_input_moments, residual_moments_of_lags, solve_moments,
 };
 pub use nested_banks::BankCandidate;
 pub(crate) use nested_banks::NestedBanks;

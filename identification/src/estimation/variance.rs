@@ -15,7 +15,7 @@ use faer::Mat;
 use crate::estimation::least_squares::RowInformation;
 use crate::estimation::noise_model::noise_filter;
 use crate::estimation::{GlsFit, RunSpread};
-use crate::numerics::dot;
+use crate::numerics::{add_combination, dot, student_critical};
 
 /// Standard deviations of linear functions of the response: points of a step response, or real and
 /// imaginary parts of a frequency response.
@@ -23,7 +23,7 @@ use crate::numerics::dot;
 pub struct CurveVariance {
     /// Standard deviation of each.
     pub sd: Vec<f64>,
-    /// Degrees of freedom of each standard deviation.
+    /// Degrees of freedom of each standard deviation, as far as it is that of noise.
     pub degrees_of_freedom: Vec<f64>,
     /// Correlation of each with the next; one fewer.
     pub neighbour_correlation: Vec<f64>,
@@ -39,8 +39,6 @@ pub struct RunPart {
     pub sd: Vec<f64>,
     /// Standard deviation of each from the noise.
     pub noise_sd: Vec<f64>,
-    /// Degrees of freedom of the noise.
-    pub noise_degrees: Vec<f64>,
     /// Correlation of the noise of each with that of the next.
     pub noise_correlation: Vec<f64>,
     /// Degrees of freedom: runs less one.
@@ -90,7 +88,19 @@ impl CurveVariance {
         let sd = |v: f64| (fit.variance * v).sqrt();
         let noise_correlation =
             neighbour_correlation(f, product, |i| (variance[i - 1] * variance[i]).sqrt());
-        let noise_degrees: Vec<f64> = (0..f).map(|i| 2.0 / noise(i)).collect();
+        let in_motion = fit.further.in_motion.as_ref();
+        let in_motion = in_motion.map(|moving| {
+            let covariance = moving.covariance.as_ref().submatrix(0, 0, p + 1, p);
+            (covariance * &functions, moving.relative_variance)
+        });
+        let of_motion = |i: usize| match &in_motion {
+            Some((moving, relative_variance)) if variance[i] > 0.0 => {
+                let share = dot(moving.col_as_slice(i), functions.col_as_slice(i)) / variance[i];
+                relative_variance * share * share
+            }
+            _ => 0.0,
+        };
+        let noise_degrees: Vec<f64> = (0..f).map(|i| 2.0 / (noise(i) + of_motion(i))).collect();
         let noise_sd: Vec<f64> = variance.iter().copied().map(sd).collect();
         let Some(spread) = &fit.further.runs else {
             return Self {
@@ -100,20 +110,13 @@ impl CurveVariance {
                 of_runs: None,
             };
         };
-        let (along, degrees) = (along_directions(spread, &functions), spread.degrees);
+        let along = along_directions(spread, &functions);
         let of_runs = |i: usize, k: usize| dot(along.col_as_slice(i), along.col_as_slice(k));
         let runs: Vec<f64> = (0..f).map(|i| of_runs(i, i)).collect();
-        let together = |i: usize| {
-            // A slow end says nothing of the scatter of runs.
-            let slow = slow_end[i].powi(2);
-            let parts = (variance[i] - slow).powi(2) / noise_degrees[i]
-                + (runs[i] + slow).powi(2) / degrees;
-            (variance[i] + runs[i]).powi(2) / parts.max(f64::MIN_POSITIVE)
-        };
         let sum = |i: usize| variance[i] + runs[i];
         Self {
             sd: (0..f).map(|i| sd(sum(i))).collect(),
-            degrees_of_freedom: (0..f).map(together).collect(),
+            degrees_of_freedom: noise_degrees,
             neighbour_correlation: neighbour_correlation(
                 f,
                 |i, k| product(i, k) + of_runs(i, k),
@@ -122,12 +125,28 @@ impl CurveVariance {
             of_runs: Some(RunPart {
                 sd: runs.iter().copied().map(sd).collect(),
                 noise_sd,
-                noise_degrees,
                 noise_correlation,
-                degrees,
+                degrees: spread.degrees,
                 directions: along.nrows(),
             }),
         }
+    }
+
+    /// The half width of an interval of each, in its standard deviations, where it is `normal` with endless degrees of freedom.
+    ///
+    /// Noise and what differs from run to run have their own critical values (Howe, 1974). One for the sum of both, with
+    /// degrees of freedom by Satterthwaite, is too small where few runs happen to differ by little: with three runs, intervals of 99 % held 97 %.
+    pub fn critical(&self, normal: f64) -> Vec<f64> {
+        let of_noise = student_critical(normal, &self.degrees_of_freedom);
+        let Some(runs) = &self.of_runs else {
+            return of_noise;
+        };
+        let of_runs = student_critical(normal, &[runs.degrees])[0];
+        let both = |(i, of_noise): (usize, f64)| match self.sd[i] > 0.0 {
+            true => (of_noise * runs.noise_sd[i]).hypot(of_runs * runs.sd[i]) / self.sd[i],
+            false => of_noise,
+        };
+        of_noise.into_iter().enumerate().map(both).collect()
     }
 
     /// Of the functions in the rows of `map`, from the covariance of the parameters.
@@ -231,12 +250,8 @@ impl ShiftedProducts {
         let n = fit.coordinates.basis.settling();
         let mut filtered = Mat::<f64>::zeros(n + d.len() - 1, n);
         for b in 0..n {
-            for (j, dj) in d.iter().enumerate() {
-                let source = information.moments.uu.col_as_slice(b + j);
-                for (target, source) in filtered.col_as_slice_mut(b).iter_mut().zip(source) {
-                    *target += dj * source;
-                }
-            }
+            let column = |j: usize| information.moments.uu.col_as_slice(b + j);
+            add_combination(filtered.col_as_slice_mut(b), d, column);
         }
         let products = filtered * &lags;
         Self::ByLags(lags, products)

@@ -41,6 +41,16 @@ impl Disturbances {
         self.outliers.taken_out.is_empty() && self.hum.is_empty()
     }
 
+    /// Whether something was taken out of runs as wholes.
+    pub(super) fn is_of_runs(&self) -> bool {
+        !self.offsets.is_empty() || !self.trends.is_empty()
+    }
+
+    /// Whether nothing was taken out.
+    pub(super) fn is_empty(&self) -> bool {
+        self.is_without_errors() && !self.is_of_runs()
+    }
+
     /// The runs of a record that they were taken out of, with their offsets again.
     pub(super) fn with_offsets<'a>(&self, record: &Record<'a>) -> Vec<Run<'a>> {
         let runs = record.runs().iter().enumerate();
@@ -53,7 +63,7 @@ impl Disturbances {
 
     /// `record` without them.
     pub(super) fn removed_from<'a>(&self, record: &Record<'a>) -> Record<'a> {
-        if self.is_without_errors() && self.offsets.is_empty() && self.trends.is_empty() {
+        if self.is_empty() {
             return record.clone();
         }
         let mut runs: Vec<Run<'a>> = record.runs().to_vec();

@@ -1,12 +1,14 @@
 //! A fitted candidate, and what its errors show.
 
+use std::cell::OnceCell;
+
 use super::candidate::Candidate;
 use super::estimate::Estimate;
 use super::task::Task;
 use crate::diagnostics::{
-    AllowedEnd, Feedback, Linearity, Misfit, PriorOutcome, RunComparison, SlowEnd, UnevenNoise,
-    against_standstill, allow_for_run_offsets, allow_for_run_trends, allow_for_scatter,
-    allow_for_uneven_noise, simulated, test_linearity,
+    AllowedEnd, Feedback, Linearity, Misfit, PriorOutcome, RunComparison, SlowColumns, SlowEnd,
+    UnevenNoise, against_standstill, allow_for_run_offsets, allow_for_run_trends,
+    allow_for_scatter, allow_for_uneven_noise, simulated, test_linearity,
 };
 use crate::error::Error;
 
@@ -20,6 +22,9 @@ pub(super) struct Fitted {
     pub(super) misfit: Option<Misfit>,
     /// That the response goes on beyond N, where it does.
     pub(super) slow_end: Option<SlowEnd>,
+    /// The input behind slow lags beside this estimate, once they were asked for. They depend on its response, not on what its
+    /// covariance has beside that of even noise.
+    pub(super) slow_columns: OnceCell<Option<SlowColumns>>,
     /// The slow end that is part of the covariance.
     pub(super) allowed_end: Option<AllowedEnd>,
     /// Whether the input is such that the response may end anywhere after N.
@@ -55,6 +60,7 @@ impl Fitted {
             linearity: None,
             misfit: None,
             slow_end: None,
+            slow_columns: OnceCell::new(),
             allowed_end: None,
             end_is_unseen: false,
             feedback: None,

@@ -14,10 +14,11 @@ mod estimate;
 mod expected;
 mod fitted;
 mod gates;
+mod own_fits;
 mod plan;
 mod prior;
 mod responses;
-mod slow_end;
+mod slow_end_allowance;
 mod task;
 mod undisturbed;
 
@@ -32,7 +33,7 @@ use candidate::Candidate;
 use disturbances::Disturbances;
 use fitted::Fitted;
 use responses::Responses;
-use slow_end::allowing_for_slow_end;
+use slow_end_allowance::allowing_for_slow_end;
 use task::Task;
 use undisturbed::Undisturbed;
 

@@ -5,7 +5,7 @@
 
 use super::estimate::Estimate;
 use super::fitted::Fitted;
-use super::slow_end::slow_columns;
+use super::slow_end_allowance::slow_columns;
 use super::task::Task;
 use crate::diagnostics::PriorOutcome;
 use crate::estimation::{FsfBasis, Regularised};
@@ -48,6 +48,7 @@ pub(super) fn under_prior(task: &Task<'_>, fitted: Fitted) -> Fitted {
         contradiction,
     });
     regularised.carry_into(&mut found.estimate.fit);
+    found.slow_columns.take();
     found
 }
 

@@ -90,8 +90,8 @@ impl<'a> Undisturbed<'a> {
             outliers: self.disturbances.outliers.clone(),
             ..Disturbances::default()
         };
-        let runs = next.removed_from(complete);
-        let simulated = simulated_whole(&runs, moments, fit);
+        let first = next.removed_from(complete);
+        let simulated = simulated_whole(&first, moments, fit);
         let (offsets, trends) = match detrend {
             Detrend::None => (Vec::new(), false),
             Detrend::Auto => (run_offsets(&simulated, settling, false), drift(&simulated)),
@@ -102,16 +102,23 @@ impl<'a> Undisturbed<'a> {
         if trends {
             next.trends = self.slopes();
         }
-        let runs = next.removed_from(complete);
         let rmse = (square(information, fit) / information.rows() as f64).sqrt();
         let step = Quantisation::of(complete, rmse).map_or(0.0, |found| found.step);
         // Rounding that noise hardly dithers repeats itself with the reference.
         if Quantisation::of(complete, 0.0).is_none_or(|found| rmse > found.step) {
-            next.hum = hum(&simulated_whole(&runs, moments, fit));
+            let runs = next.removed_from(complete);
+            next.hum = match next.is_of_runs() {
+                true => hum(&simulated_whole(&runs, moments, fit)),
+                false => hum(&simulated),
+            };
         }
+        let as_simulated = next.is_empty();
         next.outliers = Outliers::default();
         let runs = next.removed_from(complete);
-        next.outliers = outliers(&simulated_whole(&runs, moments, fit), moments, fit, step);
+        next.outliers = match as_simulated {
+            true => outliers(&simulated, moments, fit, step),
+            false => outliers(&simulated_whole(&runs, moments, fit), moments, fit, step),
+        };
         next
     }
 

@@ -8,19 +8,11 @@ const DIRECT_PRODUCTS: usize = 1 << 16;
 pub fn causal_filter(impulse: &[f64], input: &[f64], at_rest: Option<f64>) -> Vec<f64> {
     let lags = impulse.len();
     let history = lags.saturating_sub(1);
-    let mut padded = vec![at_rest.unwrap_or(f64::NAN); history];
-    padded.extend_from_slice(input);
-    let mut present = 0;
-    let complete: Vec<bool> = padded
-        .iter_mut()
-        .map(|value| {
-            present = if value.is_nan() { 0 } else { present + 1 };
-            if value.is_nan() {
-                *value = 0.0;
-            }
-            present >= lags
-        })
-        .collect();
+    let at_rest = at_rest.filter(|value| !value.is_nan());
+    let present = |value: &f64| if value.is_nan() { 0.0 } else { *value };
+    let mut padded = Vec::with_capacity(history + input.len());
+    padded.resize(history, at_rest.unwrap_or(0.0));
+    padded.extend(input.iter().map(present));
     let mut output = if lags * input.len() <= DIRECT_PRODUCTS {
         padded
             .windows(lags.max(1))
@@ -30,8 +22,11 @@ pub fn causal_filter(impulse: &[f64], input: &[f64], at_rest: Option<f64>) -> Ve
         overlap_save(impulse, &padded)
     };
     output.truncate(input.len());
-    for (value, complete) in output.iter_mut().zip(&complete[history..]) {
-        if !complete {
+    // Inputs since the last missing one.
+    let mut known = at_rest.map_or(0, |_| history);
+    for (value, u) in output.iter_mut().zip(input) {
+        known = if u.is_nan() { 0 } else { known + 1 };
+        if known < lags {
             *value = f64::NAN;
         }
     }
@@ -51,6 +46,8 @@ fn overlap_save(impulse: &[f64], padded: &[f64]) -> Vec<f64> {
         .process(&mut block, &mut response)
         .expect("buffers come from the plan");
     let mut spectrum = forward.make_output_vec();
+    let mut scratch = forward.make_scratch_vec();
+    let mut scratch_back = inverse.make_scratch_vec();
     let mut output = Vec::with_capacity(padded.len());
     let step = size - history;
     for start in (0..padded.len().saturating_sub(history)).step_by(step) {
@@ -58,14 +55,14 @@ fn overlap_save(impulse: &[f64], padded: &[f64]) -> Vec<f64> {
         block[..end - start].copy_from_slice(&padded[start..end]);
         block[end - start..].fill(0.0);
         forward
-            .process(&mut block, &mut spectrum)
+            .process_with_scratch(&mut block, &mut spectrum, &mut scratch)
             .expect("buffers come from the plan");
         for (value, factor) in spectrum.iter_mut().zip(&response) {
             *value = *value * *factor / size as f64;
         }
         // The imaginary parts at zero and at the Nyquist frequency vanish, as the inverse requires.
         inverse
-            .process(&mut spectrum, &mut block)
+            .process_with_scratch(&mut spectrum, &mut block, &mut scratch_back)
             .expect("buffers come from the plan");
         output.extend_from_slice(&block[history..end - start]);
     }

@@ -102,7 +102,7 @@ pub enum Check {
     StillRising,
     /// Whether samples are there twice.
     SameData,
-    /// Whether all recordings seem to be in the same units.
+    /// Whether all recordings, and both columns of each, seem to be in the same units.
     UnitMix,
     /// Whether commands change at their rows.
     CommandEdges,

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::data::Timing;
 use crate::estimation::{Coordinates, CurveVariance};
-use crate::numerics::{pointwise_critical, student_critical};
+use crate::numerics::pointwise_critical;
 use crate::options::LEVELS;
 use crate::results::usable_numbers::is_sized;
 use crate::results::validity::Bounds;
@@ -186,10 +186,10 @@ impl FrequencyBounds {
     /// `bias` bounds the other errors of G; it is empty where there are none.
     #[must_use]
     pub(crate) fn new(values: &[f64], spread: &CurveVariance, level: f64, bias: Vec<f64>) -> Self {
-        let single = student_critical(pointwise_critical(level), &spread.degrees_of_freedom);
+        let single = spread.critical(pointwise_critical(level));
         // Radius of the joint region of two normal quantities: -2 ln(1 - level), squared.
         let joint = (-2.0 * (1.0 - level).ln()).sqrt();
-        let joint = student_critical(joint, &spread.degrees_of_freedom);
+        let joint = spread.critical(joint);
         let mut bounds = Self {
             level,
             magnitude_db_lower: Vec::new(),

@@ -141,7 +141,11 @@ impl StepBounds {
             let critical = student_critical(normal, degrees);
             critical.iter().zip(sd).map(|(c, sd)| c * sd).collect()
         };
-        let together = |normal: f64| student(normal, &spread.sd, &spread.degrees_of_freedom);
+        let together = |normal: f64| -> Vec<f64> {
+            let critical = spread.critical(normal);
+            let each = critical.iter().zip(&spread.sd);
+            each.map(|(c, sd)| c * sd).collect()
+        };
         let (lower, upper) = bounds(together(pointwise_critical(level)));
         let pointwise = PointwiseBand { lower, upper };
         // What differs from run to run moves all points together, in a few directions: these and the noise each have
@@ -149,7 +153,7 @@ impl StepBounds {
         let (lower, upper) = bounds(match &spread.of_runs {
             None => together(critical_value),
             Some(runs) => {
-                let noise = student(critical_value, &runs.noise_sd, &runs.noise_degrees);
+                let noise = student(critical_value, &runs.noise_sd, &spread.degrees_of_freedom);
                 let each = pointwise_critical(1.0 - (1.0 - level) / runs.directions.max(1) as f64);
                 let degrees = vec![runs.degrees; runs.sd.len()];
                 let of_runs = student(each, &runs.sd, &degrees);

@@ -5,7 +5,7 @@ use faer::Mat;
 use super::long_fit_noise;
 use super::settling_choice::SettlingCandidate;
 use crate::data::Moments;
-use crate::estimation::{Coordinates, FsfBasis, NormalEquations};
+use crate::estimation::{Coordinates, Edges, FsfBasis, lower_input_moments, noise_filter};
 use crate::numerics::{backward_solve, dot, factorised, forward_solve, inverse_of_lower};
 use crate::options::NoiseOrder;
 use crate::thresholds::{DETECTION, IMMATERIAL_TAIL};
@@ -25,7 +25,7 @@ pub(crate) struct LongFit {
     total: f64,
     /// Smallest variance of ε that is taken seriously.
     floor: f64,
-    /// F': column m holds the weights of `projected` in the step response at m; (N+1) x N.
+    /// F': column m+1 holds the weights of `projected` in the step response at m; (N+1) x (N+1).
     weights: Mat<f64>,
     /// Running sums of those columns, where averages are looked at.
     sums: Option<Mat<f64>>,
@@ -36,24 +36,22 @@ impl LongFit {
     pub(crate) fn new(moments: &Moments, settling: usize, order: NoiseOrder) -> Option<Self> {
         let basis = FsfBasis::full(settling).ok()?;
         let coordinates = Coordinates::new(basis);
-        let factorised =
-            |ar: &[f64]| OffsetFirst::new(&NormalEquations::new(moments, &coordinates, ar));
+        let factorised = |ar: &[f64]| OffsetFirst::new(moments, &coordinates, ar);
         let ar = long_fit_noise::alternate(moments, order, |ar| {
             let solution = factorised(ar)?.solution();
             Some((solution[1..].to_vec(), solution[0]))
         })?;
         let factor = factorised(&ar)?;
-        let inverse = inverse_of_lower(&factor.lower);
-        // Row j of L^-1 holds the weights of z_j in each parameter; running sums over the lags
-        // make them the weights in the step response.
-        let mut weights = Mat::<f64>::zeros(settling + 1, settling);
+        // Row j of L^-1 holds the weights of z_j in each parameter, the offset first; running sums over the lags make them the
+        // weights in the step response.
+        let mut weights = inverse_of_lower(&factor.lower);
         let mut sum = vec![0.0; settling + 1];
         for m in 0..settling {
             let scale = factor.scale[m + 1];
-            for (sum, weight) in sum.iter_mut().zip(inverse.col_as_slice(m + 1)) {
-                *sum += scale * weight;
+            for (sum, weight) in sum.iter_mut().zip(weights.col_as_slice_mut(m + 1)) {
+                *sum += scale * *weight;
+                *weight = *sum;
             }
-            weights.col_as_slice_mut(m).copy_from_slice(&sum);
         }
         let spread = moments.output_spread() / moments.rows.max(1) as f64;
         Some(Self {
@@ -68,6 +66,11 @@ impl LongFit {
         })
     }
 
+    /// The weights of `projected` in the step response at `m`.
+    fn weights_at(&self, m: usize) -> &[f64] {
+        self.weights.col_as_slice(m + 1)
+    }
+
     /// Variance of ε for the settling time `n`.
     fn variance(&self, n: usize) -> f64 {
         let rss = self.total - self.projected[..=n].iter().map(|z| z * z).sum::<f64>();
@@ -78,12 +81,13 @@ impl LongFit {
     /// Looks for the end of the response in its averages too: under a smooth input the noise of a step
     /// response is a ripple, which hides a tail in every single sample but not in their mean.
     pub(crate) fn with_averages(self) -> Self {
-        let mut sums = self.weights.clone();
-        for m in 1..self.settling {
-            for j in 0..=self.settling {
-                let before = sums[(j, m - 1)];
-                sums[(j, m)] += before;
+        let mut sums = Mat::<f64>::zeros(self.settling + 1, self.settling);
+        let mut sum = vec![0.0; self.settling + 1];
+        for m in 0..self.settling {
+            for (sum, weight) in sum.iter_mut().zip(self.weights_at(m)) {
+                *sum += weight;
             }
+            sums.col_as_slice_mut(m).copy_from_slice(&sum);
         }
         Self {
             sums: Some(sums),
@@ -95,7 +99,7 @@ impl LongFit {
     fn moving_on_average(&self, n: usize, sigma: f64) -> Option<usize> {
         let sums = self.sums.as_ref()?;
         let z = &self.projected[..=n];
-        let last = &self.weights.col_as_slice(n - 1)[..=n];
+        let last = &self.weights_at(n - 1)[..=n];
         let end = dot(last, z);
         let width = n / AVERAGED;
         let share = (width as f64).recip();
@@ -124,7 +128,7 @@ impl LongFit {
 
     /// The last sample at which the response of settling time `n` is not yet at its final value.
     fn moving_until(&self, n: usize, sigma: f64) -> Option<usize> {
-        let weights = |m: usize| &self.weights.col_as_slice(m)[..=n];
+        let weights = |m: usize| &self.weights_at(m)[..=n];
         let z = &self.projected[..=n];
         let last = weights(n - 1);
         let end = dot(last, z);
@@ -142,7 +146,7 @@ impl LongFit {
     fn contradictions(&self, grid: &[usize]) -> Vec<f64> {
         let mut largest = vec![0.0f64; grid.len()];
         for m in 0..self.settling {
-            let column = self.weights.col_as_slice(m);
+            let column = self.weights_at(m);
             let (mut difference, mut variance) = (0.0, 0.0);
             let mut end = self.settling + 1;
             for (largest, n) in largest.iter_mut().zip(grid).rev() {
@@ -169,38 +173,36 @@ struct OffsetFirst {
 }
 
 impl OffsetFirst {
-    fn new(equations: &NormalEquations) -> Option<Self> {
-        let a = &equations.a;
-        let last = a.nrows() - 1;
-        let original = |k: usize| if k == 0 { last } else { k - 1 };
-        let scale = |k: usize| a[(original(k), original(k))].sqrt().recip();
-        let scale: Vec<f64> = (0..=last).map(scale).collect();
+    fn new(moments: &Moments, coordinates: &Coordinates, ar: &[f64]) -> Option<Self> {
+        let Edges {
+            edge,
+            offset_square,
+            offset_output,
+            c,
+        } = Edges::new(moments, coordinates, ar);
         // The lower triangle is all that the factor needs.
-        let mut turned = Mat::<f64>::zeros(last + 1, last + 1);
-        turned[(0, 0)] = 1.0;
-        let edge = &a.col_as_slice(last)[..last];
-        for ((target, entry), s) in
-            (turned.col_as_slice_mut(0)[1..].iter_mut().zip(edge)).zip(&scale[1..])
-        {
-            *target = scale[0] * s * entry;
-        }
-        for k in 1..=last {
-            let source = &a.col_as_slice(k - 1)[k - 1..last];
-            let target = &mut turned.col_as_slice_mut(k)[k..];
-            for ((target, entry), s) in target.iter_mut().zip(source).zip(&scale[k..]) {
-                *target = scale[k] * s * entry;
+        let settling = coordinates.basis.settling();
+        let mut a = lower_input_moments(&moments.uu, settling, &noise_filter(ar), (1, 0));
+        a[(0, 0)] = offset_square;
+        a.col_as_slice_mut(0)[1..].copy_from_slice(edge.col_as_slice(1));
+        let scale: Vec<f64> = (0..=settling).map(|k| a[(k, k)].sqrt().recip()).collect();
+        for (k, of_column) in scale.iter().enumerate() {
+            let below = &mut a.col_as_slice_mut(k)[k..];
+            for (entry, of_row) in below.iter_mut().zip(&scale[k..]) {
+                *entry *= of_column * of_row;
             }
         }
-        let lower = factorised(turned)?;
-        let b: Vec<f64> = (0..=last)
-            .map(|k| equations.b[original(k)] * scale[k])
-            .collect();
+        let lower = factorised(a)?;
+        let b = [offset_output]
+            .into_iter()
+            .chain(edge.col_as_slice(0).iter().copied());
+        let b: Vec<f64> = b.zip(&scale).map(|(b, s)| b * s).collect();
         let projected = forward_solve(&lower, &b);
         Some(Self {
             lower,
             scale,
             projected,
-            total: equations.c,
+            total: c,
         })
     }
 

@@ -50,6 +50,16 @@ fn clocks_that_differ_slow_sensors_and_stops_take_the_level() {
         // A few strokes end there, and some.
         (Logger { stop: 9.0, ..sound }, Some(Reason::TravelEnd)),
         (Logger { stop: 6.0, ..sound }, Some(Reason::TravelEnd)),
+        // One of five levels lies beyond it.
+        (
+            Logger {
+                stop: 9.7,
+                levels: 5,
+                ..sound
+            },
+            Some(Reason::TravelEnd),
+        ),
+        (Logger { levels: 5, ..sound }, None),
     ];
     for (logger, expected) in loggers {
         for seed in 1..4 {

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 use servoid_dynamics::{Friction, Grid, Load, ServoParameters, Start, simulate};
-use servoid_identification::results::Model;
+use servoid_identification::results::{Model, Reason};
 use servoid_identification::thresholds::MISFIT_SIGNIFICANCE;
 use servoid_identification::{Options, Record, identify};
 
@@ -67,27 +67,23 @@ fn linear_servos_pass_as_often_as_the_level_says() {
 }
 
 #[test]
-fn limits_under_held_steps_are_said_and_bounds_keep_their_level() {
-    let strokes = sizes(1.0, 150);
-    let levels = stairs(&[-6.0, -3.0, 0.0, 3.0, 6.0], 4, 150);
-    for (input, limit) in [
-        (&strokes, Limit::Rate(100.0, 100.0)),
-        (&levels, Limit::Clip(-4.5, 6.5)),
-    ] {
-        let model = identified(input, &limited(0.7, 60.0, limit, input, input[0]), 3);
-        assert!(
-            !model.linear,
-            "{limit:?}: {:?} {:?}",
-            model.residuals, model.advice
-        );
-        assert!(
-            model.bounds.valid().is_some(),
-            "{limit:?}: {:?}",
-            model.bounds.withdrawn()
-        );
-        // Not longer than a hold: later is the answer to the next step.
-        assert!(model.structure.settling_samples <= 150, "{limit:?}");
-    }
+fn a_limited_speed_under_held_steps_is_said_and_bounds_keep_their_level() {
+    let (input, limit) = (sizes(1.0, 150), Limit::Rate(100.0, 100.0));
+    let model = identified(&input, &limited(0.7, 60.0, limit, &input, input[0]), 3);
+    assert!(!model.linear, "{:?} {:?}", model.residuals, model.advice);
+    let withdrawn = model.bounds.withdrawn();
+    assert!(withdrawn.is_none(), "{withdrawn:?}");
+    // Not longer than a hold: later is the answer to the next step.
+    assert!(model.structure.settling_samples <= 150);
+}
+
+#[test]
+fn stops_that_the_outer_levels_of_stairs_lie_beyond_take_the_level() {
+    let input = stairs(&[-6.0, -3.0, 0.0, 3.0, 6.0], 4, 150);
+    let limit = Limit::Clip(-4.5, 6.5);
+    let model = identified(&input, &limited(0.7, 60.0, limit, &input, input[0]), 3);
+    assert!(!model.linear);
+    assert_eq!(model.bounds.withdrawn(), Some(Reason::TravelEnd));
 }
 
 /// A servo of 45 rad/s that friction holds up to `resting_error` degrees off its target.

@@ -1,6 +1,7 @@
 //! Findings on the input and the frequencies taken from it: whether they determine the response.
 
-use super::evidence::Evidence;
+use super::evidence::{Evidence, two_digits};
+use crate::diagnostics::held_output::input_held_for;
 use crate::diagnostics::output_lead::output_lead;
 use crate::results::{Advice, Check, Withheld};
 use crate::thresholds::{
@@ -105,16 +106,29 @@ pub(super) fn feedback(evidence: &Evidence<'_>) -> Option<Advice> {
             FEEDBACK_SIGNIFICANCE,
         ),
     };
+    let (held, sent) = match evidence.recorded.and_then(input_held_for) {
+        Some(samples) => (
+            format!(
+                " So it looks, too, where the servo is sent a finer command than the column has, which changes every {} ms only: then it moves before \
+                 its command does.",
+                two_digits(1e3 * samples as f64 * evidence.model.sample_period_s)
+            ),
+            " Write the command with every sample, as it was sent.",
+        ),
+        None => (String::new(), ""),
+    };
     Some(Advice::new(
         Check::Feedback,
         format!(
             "No bounds can be given, because the input follows the output, as where a controller computes the command from the \
-             measured motion: {shown_by}. The response is a mixture of the servo and that controller."
+             measured motion: {shown_by}. The response is a mixture of the servo and that controller.{held}"
         ),
         value,
         threshold,
-        "Record in open loop, with a command that was planned before; or take the command that goes into the servo and the \
-         servo's own motion, not an error or a sum of both.",
+        format!(
+            "Record in open loop, with a command that was planned before; or take the command that goes into the servo and the \
+             servo's own motion, not an error or a sum of both.{sent}"
+        ),
     ))
 }
 

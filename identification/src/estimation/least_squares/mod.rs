@@ -23,7 +23,8 @@ mod triangular;
 
 pub use coordinates::Coordinates;
 pub(crate) use normal_equations::{
-    NormalEquations, complete_bank_rss, filtered_input_moments, solve_moments,
+    Edges, NormalEquations, complete_bank_rss, filtered_input_moments, lower_input_moments,
+    solve_moments,
 };
 pub(crate) use residual_moments::residual_moments_of_lags;
 pub use row_information::{RowInformation, Solver};

@@ -7,8 +7,59 @@ use super::solution::Solution;
 use crate::data::Moments;
 use crate::estimation::noise_model::noise_filter;
 use crate::numerics::{
-    backward_solve, condition, dot, factorised, forward_solve, inverse_of_square, times,
+    add_combination, backward_solve, condition, dot, factorised, forward_solve, inverse_of_square,
+    mirror, times,
 };
+
+/// What D-filtered normal equations have beside the coordinates' part of A.
+pub(crate) struct Edges {
+    /// Of each coordinate: its products with the filtered output, and with the filtered offset.
+    pub(crate) edge: Mat<f64>,
+    /// Product of the filtered offset with itself.
+    pub(crate) offset_square: f64,
+    /// The same with the filtered output.
+    pub(crate) offset_output: f64,
+    /// Sum of squares of the filtered output.
+    pub(crate) c: f64,
+}
+
+impl Edges {
+    pub(crate) fn new(moments: &Moments, coordinates: &Coordinates, ar: &[f64]) -> Self {
+        let n = coordinates.basis.settling();
+        let d = noise_filter(ar);
+        let gain: f64 = d.iter().sum();
+        // Columns: cross moments with the filtered output, and with the filtered offset.
+        let mut edge = Mat::<f64>::zeros(n, 2);
+        for (i, di) in d.iter().enumerate() {
+            for (j, dj) in d.iter().enumerate() {
+                let output = &moments.uy.col_as_slice(j)[i..];
+                for (sum, uy) in edge.col_as_slice_mut(0).iter_mut().zip(output) {
+                    *sum += di * dj * uy;
+                }
+            }
+            for (sum, u) in edge.col_as_slice_mut(1).iter_mut().zip(&moments.u[i..]) {
+                *sum += di * gain * u;
+            }
+        }
+        let c = d
+            .iter()
+            .enumerate()
+            .map(|(i, di)| {
+                di * d
+                    .iter()
+                    .enumerate()
+                    .map(|(j, dj)| dj * moments.yy[(i, j)])
+                    .sum::<f64>()
+            })
+            .sum();
+        Self {
+            edge: coordinates.compress(edge),
+            offset_square: gain * gain * moments.rows as f64,
+            offset_output: gain * dot(&d, &moments.y),
+            c,
+        }
+    }
+}
 
 /// D-filtered normal equations A x = b with the offset as last parameter.
 pub(crate) struct NormalEquations {
@@ -23,7 +74,8 @@ impl NormalEquations {
         let (n, d) = (coordinates.basis.settling(), noise_filter(ar));
         match coordinates.impulse_map() {
             None => {
-                let bordered = bordered_input_moments(&moments.uu, n, &d, 1);
+                let mut bordered = lower_input_moments(&moments.uu, n, &d, (0, 1));
+                mirror(&mut bordered);
                 Self::with_bordered(moments, coordinates, ar, bordered)
             }
             Some(_) => {
@@ -53,42 +105,20 @@ impl NormalEquations {
         ar: &[f64],
         mut a: Mat<f64>,
     ) -> Self {
-        let n = coordinates.basis.settling();
-        let d = noise_filter(ar);
-        let gain: f64 = d.iter().sum();
-        // Columns: cross moments with the filtered output, and with the filtered offset.
-        let mut edge = Mat::<f64>::zeros(n, 2);
-        for (i, di) in d.iter().enumerate() {
-            for (j, dj) in d.iter().enumerate() {
-                let output = &moments.uy.col_as_slice(j)[i..];
-                for (sum, uy) in edge.col_as_slice_mut(0).iter_mut().zip(output) {
-                    *sum += di * dj * uy;
-                }
-            }
-            for (sum, u) in edge.col_as_slice_mut(1).iter_mut().zip(&moments.u[i..]) {
-                *sum += di * gain * u;
-            }
-        }
-        let edge = coordinates.compress(edge);
+        let Edges {
+            edge,
+            offset_square,
+            offset_output,
+            c,
+        } = Edges::new(moments, coordinates, ar);
         let p = coordinates.len();
         for k in 0..p {
             a[(k, p)] = edge[(k, 1)];
             a[(p, k)] = edge[(k, 1)];
         }
-        a[(p, p)] = gain * gain * moments.rows as f64;
-        let mut b: Vec<f64> = (0..p).map(|k| edge[(k, 0)]).collect();
-        b.push(gain * dot(&d, &moments.y));
-        let c = d
-            .iter()
-            .enumerate()
-            .map(|(i, di)| {
-                di * d
-                    .iter()
-                    .enumerate()
-                    .map(|(j, dj)| dj * moments.yy[(i, j)])
-                    .sum::<f64>()
-            })
-            .sum();
+        a[(p, p)] = offset_square;
+        let mut b = edge.col_as_slice(0).to_vec();
+        b.push(offset_output);
         Self { a, b, c }
     }
 
@@ -96,10 +126,9 @@ impl NormalEquations {
     pub(crate) fn equilibrated(&self) -> (Mat<f64>, Vec<f64>) {
         let p = self.b.len();
         let scale: Vec<f64> = (0..p).map(|k| self.a[(k, k)].sqrt().recip()).collect();
-        (
-            Mat::from_fn(p, p, |i, j| self.a[(i, j)] * scale[i] * scale[j]),
-            scale,
-        )
+        let mut scaled = self.a.clone();
+        scale_both_sides(&mut scaled, &scale);
+        (scaled, scale)
     }
 }
 
@@ -127,52 +156,36 @@ pub(crate) fn complete_bank_rss(moments: &Moments, settling: usize) -> Option<f6
 
 /// sum_ij d_i d_j R[i:i+N, j:j+N].
 pub(crate) fn filtered_input_moments(uu: &Mat<f64>, n: usize, d: &[f64]) -> Mat<f64> {
-    bordered_input_moments(uu, n, d, 0)
-}
-
-/// [`filtered_input_moments`], and as many further rows and columns of zeros.
-fn bordered_input_moments(uu: &Mat<f64>, n: usize, d: &[f64], border: usize) -> Mat<f64> {
-    // Columns filtered along their lags, of which each is needed by as many columns as D has coefficients.
-    let mut once = vec![vec![0.0; n]; d.len()];
-    let mut products = Mat::<f64>::zeros(n + border, n + border);
-    for column in 0..n + d.len() - 1 {
-        let first = (column + 1).saturating_sub(d.len());
-        let filtered = &mut once[column % d.len()][first..];
-        filtered.fill(0.0);
-        for (i, di) in d.iter().enumerate() {
-            let source = &uu.col_as_slice(column)[first + i..];
-            for (target, source) in filtered.iter_mut().zip(source) {
-                *target += di * source;
-            }
-        }
-        // The last column that `first` needs is complete.
-        if column + 1 >= d.len() {
-            let target = &mut products.col_as_slice_mut(first)[first..n];
-            for (j, dj) in d.iter().enumerate() {
-                let source = &once[(first + j) % d.len()][first..];
-                for (target, source) in target.iter_mut().zip(source) {
-                    *target += dj * source;
-                }
-            }
-        }
-    }
+    let mut products = lower_input_moments(uu, n, d, (0, 0));
     mirror(&mut products);
     products
 }
 
-/// Copies the lower triangle of a square matrix into the upper one. In tiles, whose columns stay at hand while they are
-/// read across.
-fn mirror(matrix: &mut Mat<f64>) {
-    const TILE: usize = 32;
-    let size = matrix.nrows();
-    for start in (0..size).step_by(TILE) {
-        let rows = start..(start + TILE).min(size);
-        for column in start + 1..size {
-            for row in rows.start..rows.end.min(column) {
-                matrix[(row, column)] = matrix[(column, row)];
-            }
+/// The lower triangle of [`filtered_input_moments`], with so many rows and columns of zeros before and after it.
+pub(crate) fn lower_input_moments(
+    uu: &Mat<f64>,
+    n: usize,
+    d: &[f64],
+    (before, after): (usize, usize),
+) -> Mat<f64> {
+    // Columns filtered along their lags, of which each is needed by as many columns as D has coefficients.
+    let mut once = vec![vec![0.0; n]; d.len()];
+    let size = before + n + after;
+    let mut products = Mat::<f64>::zeros(size, size);
+    for column in 0..n + d.len() - 1 {
+        let first = (column + 1).saturating_sub(d.len());
+        let filtered = &mut once[column % d.len()][first..];
+        filtered.fill(0.0);
+        let lags = &uu.col_as_slice(column)[first..];
+        add_combination(filtered, d, |i| &lags[i..]);
+        // The last column that `first` needs is complete.
+        if column + 1 >= d.len() {
+            let column = products.col_as_slice_mut(before + first);
+            let target = &mut column[before + first..before + n];
+            add_combination(target, d, |j| &once[(first + j) % d.len()][first..]);
         }
     }
+    products
 }
 
 /// Cholesky factor of equilibrated normal equations.
@@ -211,12 +224,17 @@ impl Factored {
 
     fn inverse(&self) -> Mat<f64> {
         let mut inverse = inverse_of_square(&self.lower);
-        for j in 0..self.scale.len() {
-            for i in 0..self.scale.len() {
-                inverse[(i, j)] *= self.scale[i] * self.scale[j];
-            }
-        }
+        scale_both_sides(&mut inverse, &self.scale);
         inverse
+    }
+}
+
+/// Rows and columns of a square matrix times their `scale`.
+fn scale_both_sides(matrix: &mut Mat<f64>, scale: &[f64]) {
+    for (column, of_column) in scale.iter().enumerate() {
+        for (entry, of_row) in matrix.col_as_slice_mut(column).iter_mut().zip(scale) {
+            *entry *= of_row * of_column;
+        }
     }
 }
 
@@ -238,7 +256,14 @@ pub(crate) fn solve_moments(equations: &NormalEquations) -> Option<Solution> {
 /// Condition number of the coordinates' part of A, the offset (last) projected out.
 pub(super) fn centred_condition(a: &Mat<f64>, inverse: &Mat<f64>) -> f64 {
     let p = a.nrows() - 1;
-    let centred = Mat::from_fn(p, p, |i, j| a[(i, j)] - a[(i, p)] * a[(p, j)] / a[(p, p)]);
+    let mut centred = a.as_ref().submatrix(0, 0, p, p).to_owned();
+    let offset = &a.col_as_slice(p)[..p];
+    for (column, of_column) in offset.iter().enumerate() {
+        let share = of_column / a[(p, p)];
+        for (entry, of_row) in centred.col_as_slice_mut(column).iter_mut().zip(offset) {
+            *entry -= of_row * share;
+        }
+    }
     let block = inverse.as_ref().submatrix(0, 0, p, p).to_owned();
     condition(&centred, &block)
 }

@@ -2,8 +2,10 @@
 
 use faer::Mat;
 
-use super::kernel::{Kernel, NUMBERS};
-use crate::numerics::{backward_solve, cholesky, dot, forward_solve, inverse_of_square, times};
+use super::kernel::{Entries, Kernel, NUMBERS};
+use crate::numerics::{
+    backward_solve, dot, factorised, forward_solve, lower_inverse_of_square, mirror,
+};
 
 /// An estimate of the impulse response without a prior, in standard deviations of ε.
 pub(super) struct Free<'a> {
@@ -16,7 +18,7 @@ pub(super) struct Free<'a> {
 /// The estimate under a prior: h ~ N(0, S), S = K + V.
 pub(super) struct Marginal {
     /// K of each kernel.
-    pub(super) kernels: Vec<Mat<f64>>,
+    pub(super) kernels: Vec<Entries>,
     /// Lower Cholesky factor of S.
     pub(super) factor: Mat<f64>,
     /// L^-1 h.
@@ -29,13 +31,13 @@ impl Marginal {
         let samples = free.response.len();
         let kernels: Vec<_> = kernels
             .iter()
-            .map(|kernel| kernel.covariance(samples))
+            .map(|kernel| kernel.entries(samples))
             .collect();
         let mut sum = free.covariance.clone();
         for kernel in &kernels {
-            sum += kernel;
+            kernel.add_below(&mut sum);
         }
-        let factor = cholesky(&sum)?;
+        let factor = factorised(sum)?;
         let whitened = forward_solve(&factor, free.response);
         Some(Self {
             kernels,
@@ -49,8 +51,7 @@ impl Marginal {
         let alpha = backward_solve(&self.factor, &self.whitened);
         let mut mean = vec![0.0; alpha.len()];
         for kernel in &self.kernels {
-            let part = times(kernel, &alpha);
-            mean.iter_mut().zip(part).for_each(|(sum, h)| *sum += h);
+            kernel.add_times(&alpha, &mut mean);
         }
         mean
     }
@@ -61,19 +62,23 @@ impl Marginal {
         2.0 * diagonal.sum::<f64>() + dot(&self.whitened, &self.whitened)
     }
 
-    /// Its derivatives by the numbers of all kernels: tr((S^-1 - αα') dK), α = S^-1 h.
-    pub(super) fn gradient(&self, kernels: &[Kernel]) -> Vec<f64> {
-        let mut weights = inverse_of_square(&self.factor);
-        let alpha = backward_solve(&self.factor, &self.whitened);
-        for (j, a) in alpha.iter().enumerate() {
-            for (weight, b) in weights.col_as_slice_mut(j).iter_mut().zip(&alpha) {
-                *weight -= a * b;
-            }
+    /// K of all kernels together.
+    pub(super) fn prior(&self) -> Mat<f64> {
+        let samples = self.whitened.len();
+        let mut prior = Mat::zeros(samples, samples);
+        for kernel in &self.kernels {
+            kernel.add_below(&mut prior);
         }
-        let slopes = kernels.iter().zip(&self.kernels);
-        slopes
-            .flat_map(|(kernel, covariance)| kernel.weighted_slopes(covariance, &weights))
-            .collect()
+        mirror(&mut prior);
+        prior
+    }
+
+    /// Its derivatives by the numbers of all kernels: tr((S^-1 - αα') dK), α = S^-1 h.
+    pub(super) fn gradient(&self) -> Vec<f64> {
+        let inverse = lower_inverse_of_square(&self.factor);
+        let alpha = backward_solve(&self.factor, &self.whitened);
+        let slopes = |kernel: &Entries| kernel.weighted_slopes(&inverse, &alpha);
+        self.kernels.iter().flat_map(slopes).collect()
     }
 }
 

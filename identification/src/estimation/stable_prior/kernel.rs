@@ -1,5 +1,6 @@
 //! The prior covariance of an impulse response that dies out and is smooth.
 
+use crate::numerics::dot;
 use faer::Mat;
 
 /// A kernel: K(i, j) = c λ^((i+j)/2) ρ^|i-j|, i and j from 1 ("diagonal/correlated", Chen, Ohlsson and Ljung, Automatica 2012),
@@ -42,43 +43,92 @@ impl Kernel {
         (value, [1.0, 1.0 + of_decay / both, of_length / both])
     }
 
-    /// K, `samples` x `samples`.
-    pub(super) fn covariance(&self, samples: usize) -> Mat<f64> {
+    /// Its entries for a response of so many samples.
+    pub(super) fn entries(&self, samples: usize) -> Entries {
         let half_decay = (-0.5 * (-self.log_decay).exp()).exp();
         let likeness = (-(-self.log_length).exp()).exp();
-        let power = |of: f64, last: usize| -> Vec<f64> {
-            std::iter::successors(Some(1.0), |value| Some(value * of))
-                .take(last + 1)
+        let power = |of: f64, first: f64| -> Vec<f64> {
+            std::iter::successors(Some(first), |value| Some(value * of))
+                .take(samples)
                 .collect()
         };
-        let decay = power(half_decay, samples);
-        let like = power(likeness, samples);
-        let size = self.log_size.exp();
-        Mat::from_fn(samples, samples, |i, j| {
-            size * decay[i + 1] * decay[j + 1] * like[i.abs_diff(j)]
-        })
+        Entries {
+            kernel: *self,
+            size: self.log_size.exp(),
+            decay: power(half_decay, half_decay),
+            like: power(likeness, 1.0),
+        }
+    }
+}
+
+/// K of a response: what its entries are products of.
+pub(super) struct Entries {
+    kernel: Kernel,
+    /// c.
+    size: f64,
+    /// λ^(i/2), i from 1.
+    decay: Vec<f64>,
+    /// ρ^k, k from 0.
+    like: Vec<f64>,
+}
+
+impl Entries {
+    /// Column `j` of K from its diagonal downwards.
+    fn below(&self, j: usize) -> impl Iterator<Item = f64> {
+        let scale = self.size * self.decay[j];
+        let pairs = self.decay[j..].iter().zip(&self.like);
+        pairs.map(move |(decay, like)| scale * decay * like)
     }
 
-    /// The sums over `weights` times the derivatives of K by its three numbers.
-    pub(super) fn weighted_slopes(
-        &self,
-        covariance: &Mat<f64>,
-        weights: &Mat<f64>,
-    ) -> [f64; NUMBERS] {
-        let (decay, length) = ((-self.log_decay).exp(), (-self.log_length).exp());
-        let mut sums = [0.0; NUMBERS];
-        for j in 0..covariance.ncols() {
-            let columns = covariance
-                .col_as_slice(j)
-                .iter()
-                .zip(weights.col_as_slice(j));
-            for (i, (k, weight)) in columns.enumerate() {
-                let product = k * weight;
-                sums[0] += product;
-                sums[1] += product * (i + j + 2) as f64;
-                sums[2] += product * i.abs_diff(j) as f64;
+    /// Adds the lower triangle of K.
+    pub(super) fn add_below(&self, matrix: &mut Mat<f64>) {
+        for j in 0..self.decay.len() {
+            let column = &mut matrix.col_as_slice_mut(j)[j..];
+            for (entry, k) in column.iter_mut().zip(self.below(j)) {
+                *entry += k;
             }
         }
+    }
+
+    /// Adds K x. With the sums over the samples before and after each, which are the neighbour's times ρ, that is as much work as
+    /// there are samples.
+    pub(super) fn add_times(&self, x: &[f64], sum: &mut [f64]) {
+        let likeness = self.like.get(1).copied().unwrap_or(0.0);
+        let scaled: Vec<f64> = self.decay.iter().zip(x).map(|(d, x)| d * x).collect();
+        let mut before = 0.0;
+        for (i, value) in scaled.iter().enumerate() {
+            before = likeness * before + value;
+            sum[i] += self.size * self.decay[i] * before;
+        }
+        let mut after = 0.0;
+        for (i, value) in scaled.iter().enumerate().rev() {
+            sum[i] += self.size * self.decay[i] * after;
+            after = likeness * (after + value);
+        }
+    }
+
+    /// The sums over the symmetric weights W - xx' times the derivatives of K by its three numbers. Of W the lower triangle is read.
+    pub(super) fn weighted_slopes(&self, weights: &Mat<f64>, x: &[f64]) -> [f64; NUMBERS] {
+        let samples = x.len();
+        let mut sums = [0.0; NUMBERS];
+        let mut products = vec![0.0; samples];
+        let (ones, apart): (Vec<f64>, Vec<f64>) = (0..samples).map(|i| (1.0, i as f64)).unzip();
+        for j in 0..samples {
+            let of_column = weights.col_as_slice(j)[j..].iter().zip(&x[j..]);
+            let weights = of_column.map(|(weight, with)| weight - x[j] * with);
+            let below = &mut products[j..];
+            for (product, (k, weight)) in below.iter_mut().zip(self.below(j).zip(weights)) {
+                *product = k * weight;
+            }
+            // What is below the diagonal counts twice. i + j = (i - j) + 2 j.
+            let (sum, apart) = (dot(below, &ones), dot(below, &apart));
+            let all = 2.0 * sum - below[0];
+            sums[0] += all;
+            sums[1] += 2.0 * apart + all * (2 * j + 2) as f64;
+            sums[2] += 2.0 * apart;
+        }
+        let decay = (-self.kernel.log_decay).exp();
+        let length = (-self.kernel.log_length).exp();
         [sums[0], sums[1] * decay / 2.0, sums[2] * length]
     }
 }

@@ -31,7 +31,7 @@ use bfgs::descend;
 use contradiction::contradiction;
 use evidence::{Free, kernels_of};
 use kernel::Kernel;
-use objective::Objective;
+use objective::{Evaluated, Objective};
 use slow_kernel::SlowEnd;
 
 /// Time constants from which the search sets out, as shares of N.
@@ -63,12 +63,10 @@ impl Regularised {
             response: &response,
             covariance: &covariance,
         };
-        let (objective, numbers) = found_numbers(free)?;
-        let (marginal, ..) = objective.at(&numbers)?;
+        let (objective, numbers, lowest) = found_numbers(free)?;
+        let marginal = lowest.marginal;
         let whiten = inverse_of_lower(&marginal.factor);
-        let mut prior = Mat::<f64>::zeros(size, size);
-        marginal.kernels.iter().for_each(|kernel| prior += kernel);
-        let of_prior = &whiten * &prior;
+        let of_prior = &whiten * marginal.prior();
         let of_noise = &whiten * all.as_ref().submatrix(0, 0, size, size + 1);
         let mut posterior = posterior(&of_prior, &of_noise, all[(size, size)]);
         let directions = uncertain::directions(&objective, &numbers)?;
@@ -102,6 +100,7 @@ impl Regularised {
         fit.solution.coordinates = self.coordinates;
         fit.solution.inverse = self.covariance;
         fit.further.noise = None;
+        fit.further.in_motion = None;
     }
 }
 
@@ -118,24 +117,24 @@ fn posterior(of_prior: &Mat<f64>, of_noise: &Mat<f64>, offset: f64) -> Mat<f64> 
     })
 }
 
-/// The objective, and the numbers of the two kernels that minimise it.
-fn found_numbers(free: Free<'_>) -> Option<(Objective<'_>, Vec<f64>)> {
+/// The objective, the numbers of the two kernels that minimise it, and what it is there.
+fn found_numbers(free: Free<'_>) -> Option<(Objective<'_>, Vec<f64>, Evaluated)> {
     let mut objective = Objective {
         free,
         slow_end: None,
     };
     let starts = DECAYS.iter().map(|share| start(&objective.free, *share));
-    let first = starts.min_by(|a, b| objective.of_one(a).total_cmp(&objective.of_one(b)))?;
-    let (single, _) = descend(|numbers| objective.value(numbers), &first.numbers())?;
-    let (marginal, ..) = objective.at(&single)?;
+    let starts = starts.map(|kernel| (objective.of_one(&kernel), kernel));
+    let (_, first) = starts.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let (single, lowest) = descend(|numbers| objective.of_response(numbers), &first.numbers())?;
     let slow_end = SlowEnd {
-        gain: marginal.mean().iter().sum(),
+        gain: lowest.marginal.mean().iter().sum(),
     };
     let fast = Kernel::of(&single);
     let both = [fast.numbers(), slow_end.expected(&fast).numbers()].concat();
     objective.slow_end = Some(slow_end);
-    let (both, _) = descend(|numbers| objective.value(numbers), &both)?;
-    Some((objective, both))
+    let (both, lowest) = descend(|numbers| objective.of_response(numbers), &both)?;
+    Some((objective, both, lowest))
 }
 
 /// A kernel of this time constant, as large as the response.

@@ -1,7 +1,8 @@
 //! What the numbers of the kernels minimise.
 
+use super::bfgs::Point;
 use super::evidence::{Free, Marginal, kernels_of};
-use super::kernel::Kernel;
+use super::kernel::{Kernel, NUMBERS};
 use super::slow_kernel::SlowEnd;
 
 /// Longest time constant of a kernel, in N.
@@ -15,27 +16,45 @@ pub(super) struct Objective<'a> {
     pub(super) slow_end: Option<SlowEnd>,
 }
 
-impl Objective<'_> {
-    /// The marginal, the value and its gradient; `None` where they cannot be computed.
-    pub(super) fn at(&self, numbers: &[f64]) -> Option<(Marginal, f64, Vec<f64>)> {
-        let kernels = kernels_of(numbers);
-        let marginal = Marginal::of(&self.free, &kernels)?;
-        let mut gradient = marginal.gradient(&kernels);
-        let mut value = marginal.value();
-        if let (Some(expected), [fast, slow]) = (&self.slow_end, &kernels[..]) {
-            let (penalty, slopes) = expected.penalty(fast, slow);
-            value += penalty;
-            gradient
-                .iter_mut()
-                .zip(slopes)
-                .for_each(|(sum, slope)| *sum += slope);
-        }
-        value.is_finite().then_some((marginal, value, gradient))
+/// The objective at some numbers.
+pub(super) struct Evaluated {
+    pub(super) marginal: Marginal,
+    value: f64,
+    /// The derivatives of what is known of a slow end.
+    slopes: [f64; 2 * NUMBERS],
+}
+
+impl Point for Evaluated {
+    fn value(&self) -> f64 {
+        self.value
     }
 
-    /// [`Objective::at`] without the marginal, where the kernels are those of a response: that of one sample alone, or of one
-    /// that never ends, can have any size.
-    pub(super) fn value(&self, numbers: &[f64]) -> Option<(f64, Vec<f64>)> {
+    fn gradient(&self) -> Vec<f64> {
+        let of_data = self.marginal.gradient().into_iter();
+        of_data.zip(self.slopes).map(|(a, b)| a + b).collect()
+    }
+}
+
+impl Objective<'_> {
+    /// `None` where it cannot be computed.
+    pub(super) fn at(&self, numbers: &[f64]) -> Option<Evaluated> {
+        let kernels = kernels_of(numbers);
+        let marginal = Marginal::of(&self.free, &kernels)?;
+        let (penalty, slopes) = match (&self.slow_end, &kernels[..]) {
+            (Some(expected), [fast, slow]) => expected.penalty(fast, slow),
+            _ => (0.0, [0.0; 2 * NUMBERS]),
+        };
+        let value = marginal.value() + penalty;
+        value.is_finite().then_some(Evaluated {
+            marginal,
+            value,
+            slopes,
+        })
+    }
+
+    /// [`Objective::at`], where the kernels are those of a response: that of one sample alone, or of one that never ends, can
+    /// have any size.
+    pub(super) fn of_response(&self, numbers: &[f64]) -> Option<Evaluated> {
         let longest = (TIMES_LONGEST * self.free.response.len() as f64).ln();
         let is_response = |kernel: &Kernel| {
             (0.0..longest).contains(&kernel.log_decay) && kernel.log_length.abs() < LENGTHS.ln()
@@ -44,7 +63,6 @@ impl Objective<'_> {
             return None;
         }
         self.at(numbers)
-            .map(|(_, value, gradient)| (value, gradient))
     }
 
     /// The value for a single kernel.

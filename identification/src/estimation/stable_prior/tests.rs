@@ -1,8 +1,9 @@
 //! The fit under the prior against the slow way.
 
+use super::bfgs::Point;
 use super::evidence::{Free, Marginal};
 use super::*;
-use crate::numerics::{cholesky, inverse_of_square, times};
+use crate::numerics::{cholesky, inverse_of_square, mirror, times};
 use approx::assert_relative_eq;
 
 const SAMPLES: usize = 24;
@@ -26,7 +27,9 @@ fn kernels() -> [Kernel; 2] {
 #[test]
 fn the_kernel_is_its_formula() {
     let kernel = Kernel::of(&[0.3f64.ln(), 5f64.ln(), 8f64.ln()]);
-    let found = kernel.covariance(6);
+    let mut found = Mat::<f64>::zeros(6, 6);
+    kernel.entries(6).add_below(&mut found);
+    mirror(&mut found);
     let (decay, likeness) = ((-1.0f64 / 5.0).exp(), (-1.0f64 / 8.0).exp());
     for (i, j) in [(0usize, 0usize), (2, 5), (5, 1)] {
         let (a, b) = (i as f64 + 1.0, j as f64 + 1.0);
@@ -47,8 +50,8 @@ fn the_gradient_is_the_quotient_of_differences() {
         free,
         slow_end: Some(SlowEnd { gain: 3.0 }),
     };
-    let value = |numbers: &[f64]| objective.value(numbers).unwrap().0;
-    let (_, found) = objective.value(&numbers).unwrap();
+    let value = |numbers: &[f64]| objective.of_response(numbers).unwrap().value();
+    let found = objective.of_response(&numbers).unwrap().gradient();
     for k in 0..numbers.len() {
         let at = |side: f64| {
             let mut moved = numbers.clone();
@@ -71,7 +74,7 @@ fn the_fit_is_that_of_least_squares_with_the_prior_as_rows() {
     };
     let marginal = Marginal::of(&free, &kernels()).unwrap();
     let inverse = |matrix: &Mat<f64>| inverse_of_square(&cholesky(matrix).unwrap());
-    let prior = &marginal.kernels[0] + &marginal.kernels[1];
+    let prior = marginal.prior();
     let expected = inverse(&(inverse(&covariance) + inverse(&prior)));
     let whiten = inverse_of_lower(&marginal.factor);
     // An offset that has nothing to do with the response, of variance 3.

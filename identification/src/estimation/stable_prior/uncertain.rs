@@ -6,6 +6,7 @@
 use crate::numerics::symmetric_eigen;
 use faer::Mat;
 
+use super::bfgs::Point;
 use super::objective::Objective;
 
 /// Half a step of the differences. The numbers are logarithms.
@@ -19,8 +20,8 @@ pub(super) fn directions(objective: &Objective<'_>, numbers: &[f64]) -> Option<M
     let at = |k: usize, side: f64| {
         let mut moved = numbers.to_vec();
         moved[k] += side * STEP;
-        let (marginal, _, gradient) = objective.at(&moved)?;
-        Some((marginal.mean(), gradient))
+        let found = objective.at(&moved)?;
+        Some((found.marginal.mean(), found.gradient()))
     };
     let (mut slopes, mut curvature) = (
         Mat::<f64>::zeros(objective.free.response.len(), size),

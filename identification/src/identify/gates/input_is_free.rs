@@ -11,7 +11,9 @@ use crate::diagnostics::{Feedback, feedback, simulated};
 use crate::error::Error;
 use crate::estimation::CurveVariance;
 use crate::identify::fitted::Fitted;
+use crate::identify::own_fits::p_of_own_fits;
 use crate::identify::task::Task;
+use crate::thresholds::SCATTER_SIGNIFICANCE;
 
 pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
     if fitted.misfit.is_some() {
@@ -29,7 +31,19 @@ pub(super) fn tested(task: &Task<'_>, fitted: &Fitted) -> Option<Feedback> {
     let (moments, fit) = (&estimate.information.moments, &estimate.fit);
     let record = task.record?;
     let runs = simulated(record, moments, fit);
-    Some(feedback(record, &runs, moments, fit, at_once(fitted)))
+    let found = feedback(record, &runs, moments, fit, at_once(fitted));
+    // Where runs differ, inputs to come must explain their own fits, too.
+    let apart = fitted.linearity.and_then(|found| found.runs);
+    let differ = apart.is_some_and(|runs| runs.p < SCATTER_SIGNIFICANCE);
+    let p_of = |task: &Task<'_>, fitted: &Fitted| Some(tested(task, fitted)?.p);
+    let own = match found.is_followed() && differ {
+        true => p_of_own_fits(task, fitted, p_of),
+        false => None,
+    };
+    Some(Feedback {
+        p: own.map_or(found.p, |p| p.max(found.p)),
+        ..found
+    })
 }
 
 /// The response at lag 0: in standard deviations, positive in the direction of what follows, and as a share of the largest
@@ -42,7 +56,8 @@ fn at_once(fitted: &Fitted) -> (f64, f64) {
     }
     let step = basis.step_response(&estimate.fit.theta());
     let map = estimate.coordinates.step_map();
-    let variance = CurveVariance::of_fit(&estimate.information, &estimate.fit, &map);
+    let first_point = map.as_ref().subrows(0, 1).to_owned();
+    let variance = CurveVariance::of_fit(&estimate.information, &estimate.fit, &first_point);
     let largest = step.iter().fold(0.0, |most: f64, g| most.max(g.abs()));
     match (step.first(), step.last(), variance.sd.first()) {
         (Some(first), Some(last), Some(sd)) if *sd > 0.0 => {

@@ -7,14 +7,13 @@
 //! given. A servo that is not linear leaves errors that look like slow ends, and so do steps of the sensor and left-out frequencies.
 
 use super::errors_are_noise;
-use crate::data::Run;
 use crate::diagnostics::SlowEnd;
 use crate::error::Error;
 use crate::estimation::FsfBasis;
 use crate::identify::fitted::Fitted;
-use crate::identify::slow_end::slow_columns;
+use crate::identify::own_fits::p_of_own_fits;
+use crate::identify::slow_end_allowance::slow_columns;
 use crate::identify::task::Task;
-use crate::numerics::chi_square_upper_tail;
 use crate::selection::Choice;
 use crate::thresholds::{SLOW_END_SIGNIFICANCE, UNSETTLED_SIGNIFICANCE};
 
@@ -67,29 +66,8 @@ pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
 /// and what is bent looks like a slow end.
 fn significant(task: &Task<'_>, fitted: &Fitted, significance: f64) -> Option<SlowEnd> {
     let end = slow_columns(task, fitted)?.test();
-    let is_seen = end.p < significance && p_of_runs(task, fitted).is_none_or(|p| p < significance);
+    let p_of = |task: &Task<'_>, fitted: &Fitted| Some(slow_columns(task, fitted)?.test().p);
+    let p_of_runs = || p_of_own_fits(task, fitted, p_of);
+    let is_seen = end.p < significance && p_of_runs().is_none_or(|p| p < significance);
     is_seen.then_some(end)
-}
-
-/// The probability of the ends of all runs, each by a fit of its own: -2 Σ ln p is χ² of two degrees of freedom a run (Fisher, 1932).
-/// `None` of a single run, and where none of them can say.
-fn p_of_runs(task: &Task<'_>, fitted: &Fitted) -> Option<f64> {
-    let record = task.record.filter(|record| record.runs().len() > 1)?;
-    let plan = &fitted.candidate.plan;
-    let of_run = |run: &Run<'_>| {
-        let alone = record.with_runs(vec![run.clone()]);
-        let task = Task {
-            record: Some(&alone),
-            ..*task
-        };
-        let candidate = fitted.candidate.with(&task, plan.basis, plan.order);
-        let fitted = Fitted::new(&task, candidate).ok()?;
-        Some(slow_columns(&task, &fitted)?.test().p)
-    };
-    let found: Vec<f64> = record.runs().iter().filter_map(of_run).collect();
-    let sum: f64 = found
-        .iter()
-        .map(|p| -2.0 * p.max(f64::MIN_POSITIVE).ln())
-        .sum();
-    (!found.is_empty()).then(|| chi_square_upper_tail(sum, 2 * found.len()))
 }

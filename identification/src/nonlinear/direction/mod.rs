@@ -16,7 +16,7 @@
 //! 2 % of the stroke. Other nonlinearities of a symmetric servo, such as limited speed or play, also affect
 //! δ: by up to 1.4 % on simulated servos, outside the bounds in one run of six.
 
-mod slow_end;
+mod slow_end_of_split;
 mod split_fit;
 #[cfg(test)]
 mod tests;
@@ -37,7 +37,7 @@ use crate::results::{
     Biases, Bounds, Interval, Model, Reason, SelectedBy, StepBounds, StepResponse, fit_percent,
 };
 use crate::thresholds::{ASYMMETRY_FALSE_ALARM, MATERIAL_ASYMMETRY};
-use slow_end::allow_for_slow_end;
+use slow_end_of_split::allow_for_slow_end;
 use split_fit::SplitFit;
 use two_inputs::TwoInputMoments;
 

@@ -16,6 +16,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::open_question::OpenQuestion;
 use crate::data::{EXACTLY, Run, holds, last_quarter, mean_output};
+use crate::numerics::median;
 use crate::results::Interval;
 use crate::thresholds::{
     HARD_STOP, HYSTERESIS_FALSE_ALARM, LEVELS_FOR_ENDS, RANGE_END_FALSE_ALARM, SOFT_END,
@@ -302,7 +303,7 @@ impl Table {
         } else {
             (Some(gains.remove(0)), &self.levels[..2])
         };
-        let (Some(gain), others) = (gain, median(&mut gains)) else {
+        let Some((gain, others)) = gain.zip(median(gains)) else {
             return end;
         };
         let share: f64 = neighbours
@@ -312,9 +313,17 @@ impl Table {
         let sd = (self.variance * share).sqrt() / (neighbours[1].command - neighbours[0].command);
         let ratio = gain / others;
         end.gain_ratio = self.within(ratio, sd / others.abs());
-        let softens = SOFT_END - ratio > self.critical(RANGE_END_FALSE_ALARM) * sd / others.abs();
+        let beyond_chance = self.critical(RANGE_END_FALSE_ALARM) * sd / others.abs();
+        let softens = SOFT_END - ratio > beyond_chance;
         (end.softens, end.remedy) = (Some(softens), None);
         end.statement = match (softens, ratio < HARD_STOP) {
+            (false, _) if 1.0 - ratio > beyond_chance => format!(
+                "The {name} end falls short: {:.3} is reached at a command of {:.3}, with {:.1} % of the gain elsewhere, by a stop or by \
+                 a gain that falls.",
+                level.mean,
+                level.command,
+                100.0 * ratio
+            ),
             (false, _) => format!(
                 "No stop at the {name} end: {:.3} is reached at a command of {:.3}, with {:.0} % of \
                  the gain elsewhere.",
@@ -348,14 +357,4 @@ fn absolute(interval: Interval) -> Interval {
         lower.abs().min(upper.abs())
     };
     Interval::new(value.abs(), nearest, lower.abs().max(upper.abs()))
-}
-
-fn median(values: &mut [f64]) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let half = values.len() / 2;
-    if values.len() % 2 == 1 {
-        values[half]
-    } else {
-        f64::midpoint(values[half - 1], values[half])
-    }
 }

@@ -7,11 +7,12 @@ use crate::data::{Quantisation, Record};
 use crate::diagnostics::{PriorOutcome, SlowColumns, end_is_unseen, simulated_whole};
 
 /// The input behind slow lags beside all lags up to N. `None` where its share of the errors says nothing of a slow end.
-pub(super) fn slow_columns(task: &Task<'_>, fitted: &Fitted) -> Option<SlowColumns> {
+pub(super) fn slow_columns<'a>(task: &Task<'_>, fitted: &'a Fitted) -> Option<&'a SlowColumns> {
     let record = with_noise_for_errors(task, fitted)?;
     let estimate = &fitted.estimate;
     let (moments, fit) = (&estimate.information.moments, &estimate.fit);
-    SlowColumns::new(&simulated_whole(record, moments, fit), moments, fit)
+    let found = || SlowColumns::new(&simulated_whole(record, moments, fit), moments, fit);
+    fitted.slow_columns.get_or_init(found).as_ref()
 }
 
 /// The record, where its errors are such that their share behind a slow lag says something of a slow end.
@@ -48,8 +49,9 @@ pub(super) fn allowing_for_slow_end(task: &Task<'_>, mut fitted: Fitted) -> Fitt
         return fitted;
     }
     let ratio = task.disturbances.outliers.variance_ratio();
-    let columns = slow_columns(task, &fitted);
-    fitted.end_is_unseen = end_is_unseen(columns.as_ref(), fitted.estimate.fit.theta()[0]);
+    slow_columns(task, &fitted);
+    let columns = fitted.slow_columns.get().and_then(Option::as_ref);
+    fitted.end_is_unseen = end_is_unseen(columns, fitted.estimate.fit.theta()[0]);
     fitted.allowed_end = columns.map(|columns| columns.allow_in(&mut fitted.estimate.fit, ratio));
     fitted
 }
