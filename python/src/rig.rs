@@ -126,7 +126,7 @@ pub(crate) fn simulate(
         let simulated = SimulatedServo {
             servo: &servo,
             controller,
-            seed,
+            seed: Some(seed),
         };
         let us_per_degree = RigFile::default().servo.us_per_degree;
         let reference = reference.spec()?.resolve(us_per_degree)?.reference;

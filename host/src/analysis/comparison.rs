@@ -11,8 +11,8 @@ use anyhow::{Context, Result, anyhow, bail};
 use serde::Serialize;
 use servoid_identification::Error;
 use servoid_identification::comparison::{
-    Comparison, ComparisonOptions, ServoModelComparison, Verdict, compare, compare_models,
-    compare_servo_models,
+    Comparison, ComparisonOptions, SCHEMA, ServoModelComparison, Subject, Verdict, compare,
+    compare_models, compare_servo_models,
 };
 use servoid_identification::results::Advice;
 use servoid_identification::servo_model::Watch;
@@ -57,13 +57,98 @@ fn without_options(error: Error) -> anyhow::Error {
             "a comparison needs at least {needed} samples of each side in one piece, and one side has {samples} in all: record longer and \
              without gaps"
         ),
-        Error::PeriodMismatch { expected, found } => anyhow!(
-            "one side was recorded every {} ms and the other every {} ms, and only what was recorded alike can be compared: record both at one \
-             rate of pulses ('servoid init --pulse-rate'), or both with the same time between rows",
-            1e3 * expected,
-            1e3 * found
-        ),
+        other => with_machines(other),
+    }
+}
+
+/// Two sides with different times between samples.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "{}, and step responses are compared sample by sample: record both at one rate of pulses ('servoid init --pulse-rate'), or both with \
+     the same time between rows; or compare the servos as machines, whose models are continuous in time: recordings with \
+     'servoid compare --servo-model', models as 'servoid identify --servo-model' writes them",
+    self.in_words()
+)]
+struct PeriodsDiffer(f64, f64);
+
+impl PeriodsDiffer {
+    fn in_words(&self) -> String {
+        let [a, b] = [self.0, self.1].map(|period_s| 1e3 * period_s);
+        format!("one side has samples every {a} ms and the other every {b} ms")
+    }
+}
+
+/// An error of a comparison of step responses, which says where a comparison of the servos as machines is left.
+fn with_machines(error: Error) -> anyhow::Error {
+    match error {
+        Error::PeriodMismatch { expected, found } => PeriodsDiffer(expected, found).into(),
         other => other.into(),
+    }
+}
+
+/// What is said of the step responses of two sides.
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+pub enum StepResponses {
+    /// They are compared.
+    Compared(Box<Comparison>),
+    /// They cannot be compared, and the servos as machines can.
+    NotCompared(NotCompared),
+}
+
+/// What the document of a comparison has where step responses are not compared.
+#[derive(Debug, Serialize)]
+pub struct NotCompared {
+    schema: u32,
+    verdict: Verdict,
+    of: Subject,
+    margin_percent: f64,
+    bounds: (),
+    withdrawn: (),
+    p_value: (),
+    summary: String,
+    advice: Vec<Advice>,
+}
+
+impl StepResponses {
+    /// The comparison that was `found`. Sides with different times between samples are no error where the servos are compared as
+    /// `machines`.
+    fn of(found: Result<Comparison>, machines: bool, margin_percent: f64) -> Result<Self> {
+        let error = match found {
+            Ok(found) => return Ok(Self::Compared(Box::new(found))),
+            Err(error) => error,
+        };
+        let Some(periods) = error.downcast_ref::<PeriodsDiffer>().filter(|_| machines) else {
+            return Err(error);
+        };
+        Ok(Self::NotCompared(NotCompared {
+            schema: SCHEMA,
+            verdict: Verdict::Undecided,
+            of: Subject::Runs,
+            margin_percent,
+            bounds: (),
+            withdrawn: (),
+            p_value: (),
+            summary: format!(
+                "The step responses are not compared, because {}.",
+                periods.in_words()
+            ),
+            advice: Vec::new(),
+        }))
+    }
+
+    fn compared(&self) -> Option<&Comparison> {
+        match self {
+            Self::Compared(found) => Some(found),
+            Self::NotCompared(_) => None,
+        }
+    }
+
+    fn advice(&mut self) -> &mut Vec<Advice> {
+        match self {
+            Self::Compared(found) => &mut found.advice,
+            Self::NotCompared(found) => &mut found.advice,
+        }
     }
 }
 
@@ -80,7 +165,7 @@ fn say_first(found: &mut Comparison, finding: Option<Advice>) {
 pub struct Compared {
     /// The step responses and what follows from them.
     #[serde(flatten)]
-    pub found: Comparison,
+    pub found: StepResponses,
     /// The servos as machines, where they are compared.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub servo_model: Option<ServoModelComparison>,
@@ -94,7 +179,7 @@ pub struct Compared {
 
 impl Compared {
     /// Compares recordings. Servo models are compared if `servo_model` asks for it, and where the step responses have no
-    /// bounds; `watch` begins the search for them.
+    /// bounds; `watch` begins the search for them. Where it asks for them, the sides may have different times between samples.
     ///
     /// # Errors
     /// As [`compared`].
@@ -106,16 +191,19 @@ impl Compared {
         watch: impl FnOnce() -> W,
     ) -> Result<Self> {
         let level = options.identification.level;
-        let mut found = compared([a, b], names, options)?;
-        let servos = servo_fit::are_compared(servo_model, &found)
+        let margin_percent = options.margin_percent;
+        let found = compared([a, b], names, options);
+        let mut found = StepResponses::of(found, servo_model, margin_percent)?;
+        let wanted = |found| servo_fit::are_compared(servo_model, found);
+        let servos = (found.compared().is_none_or(wanted))
             .then(|| servo_fit::find_both([a, b], level, &watch()));
         let (servo_model, no_servo_model) = match servos {
             Some(Ok([a, b])) => (Some(compare_servo_models(&a.model, &b.model)), None),
             Some(Err(reason)) => (None, Some(reason)),
             None => (None, None),
         };
-        found.advice.extend(a.about.advice.iter().cloned());
-        found.advice.extend(b.about.advice.iter().cloned());
+        let of_files = a.about.advice.iter().chain(&b.about.advice);
+        found.advice().extend(of_files.cloned());
         Ok(Self {
             found,
             servo_model,
@@ -127,7 +215,7 @@ impl Compared {
     /// Compares models; `servo_model` demands that both have one.
     ///
     /// # Errors
-    /// Different units, models that are not of one sample period, and a servo model that is missing.
+    /// Different units, linear models alone that are not of one sample period, and a servo model that is missing.
     pub fn models(
         [a, b]: [&ModelFile; 2],
         names: [&str; 2],
@@ -135,10 +223,8 @@ impl Compared {
         servo_model: bool,
     ) -> Result<Self> {
         a.metadata.same_units(names[0], &b.metadata, names[1])?;
-        let found = compare_models(&a.model, &b.model, options);
-        let mut found = found.with_context(|| names.join(" against "))?;
-        let same = fingerprint::advice_on_sides(&a.fingerprints, &b.fingerprints);
-        say_first(&mut found, same);
+        let found = compare_models(&a.model, &b.model, options).map_err(with_machines);
+        let found = found.with_context(|| names.join(" against "));
         let servos = [a.servo_model()?, b.servo_model()?];
         for (name, servo) in names.iter().zip(&servos) {
             if servo_model && servo.is_none() {
@@ -147,6 +233,11 @@ impl Compared {
         }
         let [of_a, of_b] = servos;
         let both = of_a.zip(of_b);
+        let mut found = StepResponses::of(found, both.is_some(), options.margin_percent)?;
+        if let StepResponses::Compared(found) = &mut found {
+            let same = fingerprint::advice_on_sides(&a.fingerprints, &b.fingerprints);
+            say_first(found, same);
+        }
         Ok(Self {
             found,
             servo_model: both.map(|(a, b)| compare_servo_models(&a.model, &b.model)),
@@ -158,13 +249,17 @@ impl Compared {
     /// The comparison as text.
     #[must_use]
     pub fn as_text(&self, names: [&str; 2]) -> String {
-        let mut text = summary::of_comparison(names[0], names[1], &self.found);
+        let mut text = match &self.found {
+            StepResponses::Compared(found) => summary::of_comparison(names[0], names[1], found),
+            StepResponses::NotCompared(found) => summary::wrapped(&found.summary, 0) + "\n",
+        };
         let units = self.metadata.units();
         if let Some(servos) = &self.servo_model {
             let sentence = summary::sentence_on_servo_models("A", "B", servos, units);
             let sentence = summary::wrapped(&sentence, 0);
             let table = summary::of_servo_models("A", "B", servos, units);
-            let decided = self.found.verdict != Verdict::Undecided;
+            let compared = self.found.compared();
+            let decided = compared.is_some_and(|found| found.verdict != Verdict::Undecided);
             text = match decided || servos.bounds.valid().is_none() {
                 true => format!("{text}\n{sentence}\n{table}"),
                 // The answer comes first.

@@ -1,5 +1,8 @@
 //! The linear model of a data set, with the advice that its files ask for.
 
+use super::angle_units::advice_on_gain;
+use super::command_edges::commands_between_rows;
+use super::duration_in_words::in_words;
 use crate::data::dataset::Dataset;
 use crate::presentation::summary::percent;
 use anyhow::{Context, Result};
@@ -17,7 +20,11 @@ pub fn identified(data: &Dataset, name: &str, options: &Options) -> Result<Ident
     found.model.advice.extend(data.about.advice.iter().cloned());
     let doubtful = unlikely_period(data.record.sample_period_s());
     let doubtful = doubtful.or_else(|| unlikely_duration(&found.model));
-    found.model.advice.splice(0..0, doubtful);
+    let mixed = advice_on_gain(&found.model, data.about.units());
+    found
+        .model
+        .advice
+        .splice(0..0, doubtful.into_iter().chain(mixed));
     let of_data = commands_between_rows(data, &found);
     let of_data = of_data
         .into_iter()
@@ -70,35 +77,6 @@ fn unlikely_period(seconds: f64) -> Option<Advice> {
             rounded(1e3 * rather)
         ),
     ))
-}
-
-/// Scatter of edges from row to row that looks like commands which change between rows, as shares of the time between rows: uniform, it is
-/// 0.29 of it, of which a servo that follows slowly shows a part. What scatters by more has another cause.
-const BETWEEN_ROWS: std::ops::RangeInclusive<f64> = 0.05..=0.5;
-
-/// That commands may have changed between the rows of a file.
-fn commands_between_rows(data: &Dataset, found: &Identification) -> Option<Advice> {
-    let scatter_s = found.explanation.uneven_noise?.jitter_s;
-    let period_s = data.record.sample_period_s();
-    let share = scatter_s / period_s;
-    // Errors of a servo that is not linear, and steps of a coarse sensor, scatter from stroke to stroke, too.
-    let has_bounds = found.model.bounds.valid().is_some();
-    let is_plain = found.model.linear && has_bounds && found.explanation.resolution.is_none();
-    (is_plain && data.about.commands_at_rows && BETWEEN_ROWS.contains(&share)).then(|| {
-        Advice::new(
-            Check::CommandEdges,
-            format!(
-                "The motion scatters from stroke to stroke as if commands changed {} or so from their rows. A logger with a clock of its own \
-                 does that: then all times are half a row, {}, too early, which no bound contains.",
-                in_words(scatter_s),
-                in_words(0.5 * period_s)
-            ),
-            share,
-            *BETWEEN_ROWS.start(),
-            "If such a logger wrote the file, say --polled: times are corrected, and their intervals allow for the rest. Better, record by the \
-             clock of the commands.",
-        )
-    })
 }
 
 /// That the servo turns the other way, where command and position are both degrees.
@@ -182,22 +160,6 @@ fn unlikely_duration(model: &Model) -> Option<Advice> {
             in_words(model.sample_period_s)
         ),
     ))
-}
-
-/// "12 ms"
-fn in_words(seconds: f64) -> String {
-    let number = |value: f64| {
-        let digits = (2.0 - value.abs().log10().floor()).clamp(0.0, 6.0) as usize;
-        let text = format!("{value:.digits$}");
-        match text.contains('.') {
-            true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-            false => text,
-        }
-    };
-    match seconds >= 1.0 {
-        true => format!("{} s", number(seconds)),
-        false => format!("{} ms", number(1e3 * seconds)),
-    }
 }
 
 /// The first digits of a number.

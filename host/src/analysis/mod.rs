@@ -1,10 +1,14 @@
 //! What the commands and the Python package do with data and models: identification with all that may follow it, comparison
 //! and validation, each with the document that `--json` prints, and recordings of simulated servos.
 
+mod angle_units;
+mod command_edges;
 mod comparison;
+mod duration_in_words;
 mod identification;
 mod identified;
 mod json;
+mod model_lag;
 pub mod servo_fit;
 mod simulation;
 mod validation;

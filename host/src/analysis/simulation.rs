@@ -9,6 +9,9 @@ use anyhow::Result;
 use servoid_protocol::Reference;
 use std::path::Path;
 
+/// The seed where none is given.
+const USUAL_SEED: u64 = 1;
+
 /// A simulated servo as `servoid simulate` takes it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SimulatedServo<'a> {
@@ -16,24 +19,37 @@ pub struct SimulatedServo<'a> {
     pub servo: &'a str,
     /// The controller that drives it, where the model has several.
     pub controller: Option<f64>,
-    /// Seed of the noise.
-    pub seed: u64,
+    /// Seed of the noise; `None` for that of the options of the servo, or else 1.
+    pub seed: Option<u64>,
 }
 
 impl SimulatedServo<'_> {
     /// The port of its rig.
     ///
     /// # Errors
-    /// There is no such servo.
+    /// There is no such servo, or its seed is given twice.
     pub fn address(&self) -> Result<String, SimulatedServoError> {
         let Self {
             servo,
             controller,
             seed,
         } = self;
-        let keys = if servo.contains('?') { '&' } else { '?' };
-        let servo =
-            simulated_servo::with_controller(&format!("{servo}{keys}seed={seed}"), *controller);
+        let keys = servo.split_once('?').map(|(_, keys)| keys);
+        let has_seed = keys.is_some_and(|keys| keys.split('&').any(|key| key.starts_with("seed=")));
+        let servo = match (seed, has_seed) {
+            (None, true) => (*servo).to_owned(),
+            (Some(seed), true) => {
+                return Err(SimulatedServoError::TwoSeeds {
+                    servo: (*servo).to_owned(),
+                    seed: *seed,
+                });
+            }
+            (seed, false) => {
+                let joint = if keys.is_some() { '&' } else { '?' };
+                format!("{servo}{joint}seed={}", seed.unwrap_or(USUAL_SEED))
+            }
+        };
+        let servo = simulated_servo::with_controller(&servo, *controller);
         simulated_servo::options(&servo)?;
         Ok(format!("sim:{servo}"))
     }
@@ -70,5 +86,35 @@ impl SimulatedServo<'_> {
         };
         let writer = RecordingWriter::begin(reserved, &header);
         Ok(capture.record(&mut client, writer, stop, &mut |_| {})?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_seed_is_that_of_the_text_or_beside_it_and_not_both() {
+        let address = |servo, seed| {
+            let servo = SimulatedServo {
+                servo,
+                controller: None,
+                seed,
+            };
+            servo.address().map_err(|error| error.to_string())
+        };
+        assert_eq!(address("bench", None).unwrap(), "sim:bench?seed=1");
+        assert_eq!(
+            address("bench?noise=none", Some(3)).unwrap(),
+            "sim:bench?noise=none&seed=3"
+        );
+        assert_eq!(
+            address("aircraft?seed=2", None).unwrap(),
+            "sim:aircraft?seed=2"
+        );
+        assert_eq!(
+            address("aircraft?seed=2", Some(3)).unwrap_err(),
+            "the seed is given twice, in `aircraft?seed=2` and as 3 beside it: leave one of them out"
+        );
     }
 }

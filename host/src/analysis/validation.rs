@@ -1,5 +1,6 @@
 //! A model against recordings that it was not identified from.
 
+use super::model_lag::Lag;
 use crate::data::dataset::Dataset;
 use crate::data::fingerprint;
 use crate::data::model_file::ModelFile;
@@ -43,8 +44,12 @@ impl Validated {
         let fit_of_servo = servo.as_ref().map(|servo| servo.model.fit);
         let own_of_servo = fit_of_servo.map(|fit| fit.simulation_percent);
         let own_rmse_of_servo = fit_of_servo.map(|fit| fit.rmse);
+        let runs = data.record.runs();
+        let lag = |simulated: &[Vec<f64>]| Lag::of(runs, simulated, data.record.sample_period_s());
+        let mut lag_of_servo = None;
         let servo = servo.map(|servo| -> Result<Validation> {
             let controllers = data.controllers.among(&servo.controller_names)?;
+            lag_of_servo = lag(&servo.model.simulate(&data.record, &controllers));
             Ok(servo.model.validate(&data.record, &controllers)?)
         });
         let servo_model = servo.transpose()?;
@@ -57,10 +62,13 @@ impl Validated {
         let own = fingerprint::advice_on_validation(&file.fingerprints, &own);
         let unit = metadata.units().output.unwrap_or_default();
         let own_rmse = file.model.fit.rmse;
-        let of_linear = validation.as_ref();
-        let of_linear = of_linear.and_then(|found| larger_error("linear", found, own_rmse, unit));
+        let of_linear = validation.as_ref().and_then(|found| {
+            let simulated: Vec<_> = runs.iter().map(|run| file.model.simulate(run)).collect();
+            larger_error("linear", found, lag(&simulated), own_rmse, unit)
+        });
         let of_servo = servo_model.as_ref().zip(own_rmse_of_servo);
-        let of_servo = of_servo.and_then(|(found, own)| larger_error("servo", found, own, unit));
+        let of_servo =
+            of_servo.and_then(|(found, own)| larger_error("servo", found, lag_of_servo, own, unit));
         let own = only_servo
             .into_iter()
             .chain(own)
@@ -86,8 +94,17 @@ impl Validated {
 /// recording of a sensor to the next.
 const LARGER_ERROR: f64 = 2.0;
 
+/// A shift in time is the cause where it leaves less than this share of the error.
+const OF_A_LAG: f64 = 0.5;
+
 /// That a model does not hold for a recording as it did for its own.
-fn larger_error(kind: &str, found: &Validation, own_rmse: f64, unit: &str) -> Option<Advice> {
+fn larger_error(
+    kind: &str,
+    found: &Validation,
+    lag: Option<Lag>,
+    own_rmse: f64,
+    unit: &str,
+) -> Option<Advice> {
     let times = found.rmse / own_rmse;
     let in_unit = |error: f64| {
         format!("{} {unit}", four_digits(error))
@@ -95,13 +112,21 @@ fn larger_error(kind: &str, found: &Validation, own_rmse: f64, unit: &str) -> Op
             .to_owned()
     };
     let without_bias = (found.rmse.powi(2) - found.bias.powi(2)).max(0.0).sqrt();
-    let remedy = match without_bias < LARGER_ERROR * own_rmse {
-        true => format!(
+    let lag = lag.filter(|lag| lag.left < OF_A_LAG * without_bias);
+    let remedy = match (without_bias < LARGER_ERROR * own_rmse, lag) {
+        (true, _) => format!(
             "It is an offset of {}, without which the error is {}: the zero of the sensor has moved, or that of the command, or a load.",
             in_unit(found.bias),
             in_unit(without_bias)
         ),
-        false => "Where the servo is the same, the motion is not: identify from recordings of both kinds of motion (strokes as large, as small and as \
+        (false, Some(lag)) => format!(
+            "It is a delay: this recording is {:.1} ms {} than the model, and shifted by that it leaves an error of {}. If the servo is the same, look at \
+             how the command is written (at the moment at which it is sent, by the clock of the position), and at the logger.",
+            1e3 * lag.seconds.abs(),
+            if lag.seconds > 0.0 { "later" } else { "earlier" },
+            in_unit(lag.left)
+        ),
+        (false, None) => "Where the servo is the same, the motion is not: identify from recordings of both kinds of motion (strokes as large, as small and as \
              quick as these), and take the servo model where the servo is not linear."
             .to_owned(),
     };
@@ -142,5 +167,40 @@ fn of_its_own_period(error: Error) -> anyhow::Error {
             1e3 * expected
         ),
         other => other.into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_delay_is_named_where_it_is_most_of_the_error() {
+        let found = Validation {
+            fit_percent: 80.0,
+            rmse: 0.8,
+            bias: 0.0,
+            samples_used: 1000,
+            runs_from_rest: 0,
+        };
+        let remedy = |left: f64| {
+            let lag = Some(Lag {
+                seconds: -0.02,
+                left,
+            });
+            larger_error("linear", &found, lag, 0.05, "deg").map(|advice| advice.remedy)
+        };
+        let delay = remedy(0.06).unwrap();
+        assert!(
+            delay.starts_with(
+                "It is a delay: this recording is 20.0 ms earlier than the model, and shifted by that it leaves an error of 0.06000 deg."
+            ),
+            "{delay}"
+        );
+        assert!(
+            remedy(0.6)
+                .unwrap()
+                .starts_with("Where the servo is the same")
+        );
     }
 }

@@ -4,7 +4,7 @@ use super::input::TableArgs;
 use super::output::{Output, stem, wrong_usage};
 use super::servo_search::ServoSearch;
 use crate::analysis::{Identified, IdentifyRequest};
-use crate::data::dataset::suggestion::quoted;
+use crate::data::dataset::suggested_columns::quoted;
 use crate::data::dataset::{Dataset, listed};
 use crate::presentation::plots::{self, Figure};
 use anyhow::Result;

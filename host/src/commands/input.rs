@@ -1,7 +1,7 @@
 //! The input of commands: recordings, CSV files of other programs, and models.
 
 use super::output::{Talk, stem, wrong_usage};
-use crate::data::dataset::suggestion::quoted;
+use crate::data::dataset::suggested_columns::quoted;
 use crate::data::dataset::{self, Dataset, DatasetOptions, TimeUnit};
 use crate::instrument::simulated_servo::SimulatedServoError;
 use anyhow::Result;
@@ -130,9 +130,9 @@ impl TableArgs {
 
 /// That there is no such simulated servo; a text that describes none is wrong usage.
 pub(super) fn no_servo(error: SimulatedServoError) -> anyhow::Error {
-    use SimulatedServoError::{NoControllers, Options, Unknown};
+    use SimulatedServoError::{NoControllers, Options, TwoSeeds, Unknown};
     match error {
-        Options(_) | Unknown(_) | NoControllers(_) => wrong_usage(error),
+        Options(_) | Unknown(_) | NoControllers(_) | TwoSeeds { .. } => wrong_usage(error),
         other => other.into(),
     }
 }

@@ -2,7 +2,7 @@
 //! without `--force`.
 
 use crate::analysis::to_json;
-use crate::data::dataset::suggestion::quoted;
+use crate::data::dataset::suggested_columns::quoted;
 use crate::data::recording::{WriteError, write_file};
 use crate::presentation::plots::{Figure, draw};
 use anyhow::{Context, Result};

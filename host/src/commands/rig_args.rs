@@ -62,12 +62,12 @@ impl RigFileArgs {
     /// is not that of a simulated servo, unless its port is.
     pub(super) fn read(&self, port: Option<&str>, talk: Talk) -> Result<RigSource> {
         if let Some(path) = &self.rig {
-            return RigSource::of(path);
+            return RigSource::of(path, talk);
         }
         if self.no_rig || !Path::new(FOUND).exists() {
             return Ok(RigSource::default());
         }
-        let found = RigSource::of(Path::new(FOUND))?;
+        let found = RigSource::of(Path::new(FOUND), talk)?;
         let simulated = |port: &str| port::simulated_servo(port).map(str::to_owned);
         if let Some(port) = port
             && let Some(servo) = simulated(port)
@@ -92,10 +92,15 @@ pub(super) struct RigSource {
 }
 
 impl RigSource {
-    fn of(path: &Path) -> Result<Self> {
+    /// That of the file at `path`; its user hears what it leaves out.
+    fn of(path: &Path, talk: Talk) -> Result<Self> {
+        let text = RigFile::text(path)?;
+        let file = RigFile::parse(&text, path)?;
+        let remark = rig_remarks::sections_left_out(path, &text);
+        remark.into_iter().for_each(|remark| talk.say(remark));
         Ok(Self {
             path: Some(path.to_owned()),
-            file: RigFile::read(path)?,
+            file,
         })
     }
 }
@@ -132,10 +137,15 @@ fn port_of(given: Option<&str>, file: &RigFile) -> Result<String> {
 const BENCH: &str = "bench";
 
 impl RigArgs {
+    /// The rig file, named or found, for who does not move the servo.
+    pub(super) fn unmoved(&self, talk: Talk) -> Result<RigSource> {
+        self.file.read(self.port.as_deref(), talk)
+    }
+
     /// The rig file, named or found. Where there is none, its user hears which pulses the servo gets.
     pub(super) fn source(&self, talk: Talk) -> Result<RigSource> {
         let port = self.port.as_deref();
-        let source = self.file.read(port, talk)?;
+        let source = self.unmoved(talk)?;
         if source.path.is_none() {
             talk.say(rig_remarks::pulses_without_file(port)?);
         }

@@ -4,6 +4,7 @@ use crate::data::rig_file::RigFile;
 use crate::data::sensor_preset::SensorKind;
 use crate::instrument::port;
 use anyhow::{Result, bail};
+use std::path::Path;
 
 /// The pulses that a servo gets where no file names them.
 ///
@@ -26,6 +27,48 @@ pub(super) fn pulses_without_file(address: Option<&str>) -> Result<String> {
         limits.longest_us,
         servo.neutral_us
     ))
+}
+
+/// The sections that a rig file with this `text` leaves out, and what is taken for them.
+pub(super) fn sections_left_out(path: &Path, text: &str) -> Option<String> {
+    let RigFile { servo, limits, .. } = RigFile::default();
+    let sections = [
+        (
+            "servo",
+            format!(
+                "pulses are {}, neutral at {} µs, {} µs for a degree",
+                servo.pulse_type, servo.neutral_us, servo.us_per_degree
+            ),
+        ),
+        (
+            "sensor",
+            format!(
+                "the sensor is a {} by its data sheet",
+                SensorKind::default().preset().name
+            ),
+        ),
+        (
+            "limits",
+            format!(
+                "pulses are {} to {} µs long",
+                limits.shortest_us, limits.longest_us
+            ),
+        ),
+    ];
+    let stated: toml::Table = toml::from_str(text).ok()?;
+    let left_out = sections.into_iter();
+    let left_out = left_out.filter(|(section, _)| !stated.contains_key(*section));
+    let (names, taken): (Vec<_>, Vec<_>) = left_out
+        .map(|(section, taken)| (format!("[{section}]"), taken))
+        .unzip();
+    (!names.is_empty()).then(|| {
+        format!(
+            "{} has no {}, so {}; 'servoid init' writes a whole file",
+            path.display(),
+            names.join(", no "),
+            taken.join(", and ")
+        )
+    })
 }
 
 /// Why the sensor's delay in `file` is not that of the rig at `address`, where it cannot be.
@@ -75,6 +118,24 @@ mod tests {
         assert_eq!(said("/dev/ttyUSB0", 4.0, 2.0), None);
         // A potentiometer does not lag.
         assert_eq!(said("/dev/ttyUSB0", 0.0, 0.05), None);
+    }
+
+    #[test]
+    fn sections_that_a_file_leaves_out_are_named() {
+        let said = |text: &str| sections_left_out(Path::new("rig.toml"), text);
+        let of_nothing = said("").unwrap();
+        assert!(
+            of_nothing.starts_with(
+                "rig.toml has no [servo], no [sensor], no [limits], so pulses are wide, neutral at 1500 µs"
+            ),
+            "{of_nothing}"
+        );
+        let calibrated = said("[servo]\n[sensor]\nzero_counts = 8192.0").unwrap();
+        assert!(
+            calibrated.contains("no [limits], so pulses are 1000 to 2000 µs long"),
+            "{calibrated}"
+        );
+        assert_eq!(said("[servo]\n[sensor]\n[limits]"), None);
     }
 
     #[test]

@@ -30,9 +30,9 @@ pub(super) struct Simulate {
     /// The controller that drives it, where the model has several
     #[arg(long, value_name = "NAME", value_parser = super::value_parsers::finite)]
     controller: Option<f64>,
-    /// Seed of the noise; equal seeds give equal recordings
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
+    /// Seed of the noise; equal seeds give equal recordings [default: 1]
+    #[arg(long)]
+    seed: Option<u64>,
     /// The recording to write
     #[arg(long, short, value_name = "FILE.csv", value_hint = ValueHint::FilePath)]
     out: PathBuf,

@@ -282,9 +282,13 @@ impl RigFile {
 
     /// Reads and checks a rig file; the error names the key that is wrong.
     pub fn read(path: &Path) -> Result<Self, RigFileError> {
-        let text = std::fs::read_to_string(path)
-            .map_err(|reason| RigFileError::Unreadable(path.to_owned(), reason))?;
-        Self::parse(&text, path)
+        Self::parse(&Self::text(path)?, path)
+    }
+
+    /// The text of a rig file.
+    pub fn text(path: &Path) -> Result<String, RigFileError> {
+        std::fs::read_to_string(path)
+            .map_err(|reason| RigFileError::Unreadable(path.to_owned(), reason))
     }
 
     /// Reads and checks the text of a rig file; `path` is what error texts call it.

@@ -15,6 +15,10 @@ const BLOCKS: usize = 400;
 const STILL: f64 = 0.1;
 /// The part of a run, at least, in which it stands still, and in which it moves.
 const PART: f64 = 0.1;
+/// What counts as a stroke of the input, as a share of its travel: one to another level of some stairs, or across all of two.
+const STROKE: f64 = 0.3;
+/// Travel of an output that follows a stroke, as a share of its whole travel.
+const FOLLOWED: f64 = 0.25;
 /// Strokes of the input that show that the output should move.
 const STROKES: usize = 3;
 /// How long the longest of these is, at least, relative to the shortest that the output has followed.
@@ -58,7 +62,7 @@ fn stopped_at(run: &Run<'_>) -> Option<usize> {
     let longest = between(late).map(|stroke| stroke.len()).max()?;
     let followed = |stroke: Range<usize>| {
         let parts = run.output().get(stroke)?.chunks(size).filter_map(mean);
-        Some(span(parts)? >= 3.0 * STILL * travel)
+        Some(span(parts)? >= FOLLOWED * travel)
     };
     let shortest = between(early)
         .filter(|stroke| followed(stroke.clone()) == Some(true))
@@ -87,24 +91,18 @@ fn still_from(run: &Run<'_>, size: usize, travel: f64) -> Option<usize> {
     Some((moving + 1) * size)
 }
 
-/// The samples at which the input crosses the middle of its travel by a quarter of it.
+/// The samples at which the input has moved by [`STROKE`] of its travel since the one before.
 fn strokes(input: &[f64]) -> Option<Vec<usize>> {
-    let travel = span(input.iter().copied())?;
-    let middle = input.iter().copied().fold(f64::MAX, f64::min) + travel / 2.0;
-    let mut is_above = None;
-    let mut found = Vec::new();
-    for (k, u) in input.iter().enumerate() {
-        let above = match u - middle {
-            by if by > travel / 4.0 => true,
-            by if by < -travel / 4.0 => false,
-            _ => continue,
-        };
-        if is_above.is_some_and(|was| was != above) {
-            found.push(k);
-        }
-        is_above = Some(above);
-    }
-    Some(found)
+    let stroke = STROKE * span(input.iter().copied())?;
+    let mut from = input.iter().copied().find(|u| u.is_finite())?;
+    let has_moved = |(k, u): (usize, &f64)| {
+        let is_far = (u - from).abs() > stroke;
+        is_far.then(|| {
+            from = *u;
+            k
+        })
+    };
+    Some(input.iter().enumerate().filter_map(has_moved).collect())
 }
 
 #[cfg(test)]
@@ -149,6 +147,16 @@ mod tests {
         let shorter = square(2_000, |k| 80 - 70 * k / 2_000);
         let found = advice(&record(&shorter, 5.0, 1_000)).unwrap();
         assert!((10.0..10.6).contains(&found.value), "{}", found.value);
+    }
+
+    #[test]
+    fn a_servo_that_dies_under_stairs_has_a_time() {
+        // To any of six levels, none of them the last.
+        let level = |k: usize| (k * k + k / 3) % 6;
+        let stairs: Vec<f64> = (0..2_000).map(|k| level(k / 50) as f64 - 2.5).collect();
+        let found = advice(&record(&stairs, 5.0, 1_200)).unwrap();
+        assert!((11.5..12.1).contains(&found.value), "{}", found.value);
+        assert_eq!(advice(&record(&stairs, 5.0, usize::MAX)), None);
     }
 
     #[test]

@@ -26,6 +26,14 @@ pub enum SimulatedServoError {
     /// The options are wrong.
     #[error(transparent)]
     Options(#[from] OptionsError),
+    /// The seed stands in the text of the servo, and beside it.
+    #[error("the seed is given twice, in `{servo}` and as {seed} beside it: leave one of them out")]
+    TwoSeeds {
+        /// The text of the servo.
+        servo: String,
+        /// The other seed.
+        seed: u64,
+    },
     /// A controller was named of a servo that is no model.
     #[error(
         "the servo `{0}` has no controllers to choose from: only a servo model may have several"

@@ -1,6 +1,6 @@
 //! The sensor's scale, the servo's, and the ends of its travel.
 
-use crate::support::{arg, refusal, run};
+use crate::support::{arg, refusal, run, servoid};
 use servoid::data::rig_file::RigFile;
 
 const PAIRS: &str = "--pairs=-20=6001,-10=7000,0=8001,10=9000,20=10001";
@@ -29,6 +29,19 @@ fn a_calibration_goes_into_the_rig_file_and_leaves_the_rest() {
     assert!(rig.sensor.zero_sd_deg > 0.0 && rig.sensor.scale_sd_percent > 0.0);
     assert!(std::fs::read_to_string(&new).unwrap().contains("# mine"));
     assert!(refusal(&args).contains("--force"));
+}
+
+#[test]
+fn the_example_of_the_help_is_no_doubt_and_says_nothing_of_pulses() {
+    let dir = tempfile::tempdir().unwrap();
+    let example = "--pairs=-20=6008,-10=7100,0=8192,10=9284,20=10377";
+    let out = dir.path().join("rig.toml");
+    let said = servoid(&["calibrate", "--no-rig", example, "-o", arg(&out)])
+        .output()
+        .unwrap();
+    let [printed, said] = [said.stdout, said.stderr].map(|text| String::from_utf8(text).unwrap());
+    assert!(printed.contains("degrees_per_count"), "{printed}");
+    assert!(!said.contains("pulses"), "{said}");
 }
 
 #[test]

@@ -319,6 +319,37 @@ fn servos_that_no_step_response_compares_are_compared_as_machines_and_that_is_sa
 }
 
 #[test]
+fn sides_with_different_times_between_samples_are_compared_as_machines_alone() {
+    let dir = tempfile::tempdir().unwrap();
+    let table = rate_limited(dir.path(), "10.csv", 1, 300.0);
+    let models = ["10.json", "20.json"].map(|name| dir.path().join(name));
+    let columns = ["--input", "u_deg", "--output", "y_deg", "--period", "0.01"];
+    let out = ["--servo-model", "-o", arg(&models[0])];
+    run(&[&["identify", "-q", arg(&table)], &columns[..], &out].concat());
+    let mut coarser = json(&models[0]);
+    coarser["sample_period_s"] = 0.02.into();
+    std::fs::write(&models[1], coarser.to_string()).unwrap();
+    let compare = ["compare", arg(&models[0]), arg(&models[1])];
+    let text = run(&compare);
+    let why = "The step responses are not compared, because one side has samples every 10 ms and the other every 20 ms.";
+    assert!(
+        text.starts_with("As machines") && text.contains(why),
+        "{text}"
+    );
+    let document: Value =
+        serde_json::from_str(&run(&[&compare[..], &["--json"]].concat())).unwrap();
+    assert_eq!(document["verdict"], "undecided");
+    assert_eq!(document["summary"], why);
+    assert!(document["servo_model"]["quantities"].is_array());
+    // Without a servo model on both sides nothing is left, and the error says what would be.
+    let mut linear = json(&models[0]);
+    linear.as_object_mut().unwrap().remove("servo_model");
+    std::fs::write(&models[0], linear.to_string()).unwrap();
+    let refused = refusal(&compare);
+    assert!(refused.contains("as machines"), "{refused}");
+}
+
+#[test]
 #[ignore = "ten seconds: cargo test -p servoid --test integration -- --ignored a_plan_says_what_of"]
 fn a_plan_says_what_of_the_servo_model_comes_out_determined() {
     let dir = tempfile::tempdir().unwrap();

@@ -106,7 +106,10 @@ fn reading(text: &str) -> Result<Reading, String> {
 impl Calibrate {
     pub(super) fn run(self) -> Result<String> {
         let mut before = String::new();
-        let source = self.rig.source(self.output.talk)?;
+        let source = match self.pairs.is_empty() {
+            true => self.rig.source(self.output.talk)?,
+            false => self.rig.unmoved(self.output.talk)?,
+        };
         if let Some(path) = &source.path {
             let text = std::fs::read_to_string(path);
             before = text.with_context(|| format!("the rig file {path:?} cannot be read"))?;

@@ -5,7 +5,7 @@ use super::error::DatasetFault;
 use super::loaded::{Loaded, run};
 use super::options::DatasetOptions;
 use super::time_column::{self, TimeUnit};
-use super::{sentinel_values, suggestion, wrapped_angle};
+use super::{sentinel_values, suggested_columns, wrapped_angle};
 use crate::data::table::{Table, TableFault, unit_of};
 use crate::data::timeline::{self, Stretch, TimeColumn};
 use clap::ValueEnum;
@@ -21,7 +21,7 @@ pub(super) fn from_table(
     let (Some(input), Some(output)) = (&options.input, &options.output) else {
         return Err(DatasetFault::Unnamed {
             columns: table.columns_clause(),
-            options: suggestion::options(table.columns()),
+            options: suggested_columns::options(table.columns()),
         });
     };
     let names = [table.column(input)?, table.column(output)?];
@@ -148,7 +148,7 @@ const MOST_NAMES: usize = 9;
 /// A remark where a column that is not used seems to name several controllers.
 fn controllers_not_named(table: &Table, options: &DatasetOptions) -> Option<String> {
     let used = [&options.input, &options.output, &options.controller];
-    let column = suggestion::controller(table.columns())?;
+    let column = suggested_columns::controller(table.columns())?;
     if options.controller.is_some() || used.contains(&&Some(column.clone())) {
         return None;
     }
@@ -162,7 +162,7 @@ fn controllers_not_named(table: &Table, options: &DatasetOptions) -> Option<Stri
             "column {column:?} has the values {}; where it is a controller or its gain, --controller {} lets the servo model have one mechanism under \
              several controllers",
             all.join(", "),
-            suggestion::quoted(column)
+            suggested_columns::quoted(column)
         )
     })
 }

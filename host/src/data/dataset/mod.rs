@@ -15,7 +15,7 @@ mod loaded;
 mod options;
 mod sensor_delay;
 mod sentinel_values;
-pub(crate) mod suggestion;
+pub(crate) mod suggested_columns;
 mod time_column;
 mod wrapped_angle;
 

@@ -45,7 +45,9 @@ pub fn mistyped_angle(readings: &[Reading]) -> Option<MistypedAngle> {
             others_within_deg: line.largest_residual_deg,
         };
         let off = (found.expected_deg - reading.angle_deg).abs();
-        (off > FARTHER * line.largest_residual_deg).then_some(found)
+        // Readings of whole counts may lie on a line by chance.
+        let within = line.largest_residual_deg.max(line.degrees_per_count.abs());
+        (off > FARTHER * within).then_some(found)
     };
     let mut all = (0..readings.len()).filter_map(apart);
     all.next().filter(|_| all.next().is_none())
@@ -74,6 +76,11 @@ mod tests {
                 .to_string()
                 .starts_with("the angle 40 was given at 8633.0 counts")
         );
+        let whole_counts = [-20.0, -10.0, 0.0, 10.0, 20.0]
+            .into_iter()
+            .zip([6008.0, 7100.0, 8192.0, 9284.0, 10377.0])
+            .map(|(angle_deg, counts)| Reading { angle_deg, counts });
+        assert_eq!(mistyped_angle(&whole_counts.collect::<Vec<_>>()), None);
         // Two wrong ones leave nothing to hold them against.
         assert_eq!(mistyped_angle(&readings([8.0, -4.0, 0.0, 40.0, 8.0])), None);
     }

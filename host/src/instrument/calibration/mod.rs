@@ -9,18 +9,18 @@
 //! | `travel`       | neutral, gain and ends from a slow staircase over the pulses that the servo may be given |
 //! | `rig_text`     | puts the results into a rig file                                                      |
 
-mod estimate;
 mod followed;
 mod knee;
 mod least_squares;
+mod measured_value;
 mod mistyped_angle;
 mod mover;
 mod rig_text;
 mod sensor_scale;
 mod travel;
 
-pub use estimate::{Estimate, LEVEL};
 pub use followed::{NotFollowed, require_followed};
+pub use measured_value::{Estimate, LEVEL};
 pub use mistyped_angle::{MistypedAngle, mistyped_angle};
 pub use mover::{MoveError, Mover, Rest};
 pub use rig_text::{Found, put_into};

@@ -1,6 +1,6 @@
 //! Puts the results into the text of a rig file, which otherwise stays as it is.
 
-use super::estimate::{Estimate, LEVEL};
+use super::measured_value::{Estimate, LEVEL};
 use super::sensor_scale::Calibration;
 use toml_edit::{DocumentMut, Item, TableLike, Value};
 

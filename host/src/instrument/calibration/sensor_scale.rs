@@ -4,7 +4,7 @@
 //! taken as exact; the size of the errors follows from the scatter around the line (N. R. Draper and
 //! H. Smith, *Applied Regression Analysis*, 1998, §1.4).
 
-use super::estimate::{LEVEL, student};
+use super::measured_value::{LEVEL, student};
 use serde::Serialize;
 use servoid_identification::results::pointwise_critical;
 

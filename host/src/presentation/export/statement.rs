@@ -2,6 +2,7 @@
 
 use super::model::Export;
 use super::text::{Style, number};
+use crate::data::units::Units;
 use crate::presentation::summary;
 use servoid_identification::flight_model::FlightModel;
 use servoid_identification::results::{Bounds, Interval, SelectedBy};
@@ -105,19 +106,14 @@ impl Export<'_> {
 
     fn units_and_signs(&self) -> String {
         let units = self.metadata.units();
-        let of = |what: &str, unit: Option<&str>| match unit {
-            Some(unit) => format!("the {what} is in {unit}"),
-            None => format!("the unit of the {what} is that of the recording, and not known"),
-        };
         let gain = match (units.gain(), units.common()) {
             (Some(unit), _) => format!("the gain is position per command, in {unit}"),
             (None, Some(_)) => "the gain is position per command, without a unit".to_owned(),
             (None, None) => "the gain is position per command".to_owned(),
         };
         format!(
-            "Units and signs: {}, {}, {gain}, times are in seconds, frequencies in rad/s. A response has the sign of the gain times that of the command; frequency responses are for exp(+jwt), so that a lag has a negative phase.",
-            of("command", units.input),
-            of("position", units.output),
+            "Units and signs: {}, {gain}, times are in seconds, frequencies in rad/s. A response has the sign of the gain times that of the command; frequency responses are for exp(+jwt), so that a lag has a negative phase.",
+            units_in_words(units),
         )
     }
 
@@ -194,6 +190,19 @@ impl Export<'_> {
             n = structure.frequencies
         )
     }
+}
+
+/// "the command is in us, the position is in deg"
+pub(super) fn units_in_words(units: Units<'_>) -> String {
+    let of = |what: &str, unit: Option<&str>| match unit {
+        Some(unit) => format!("the {what} is in {unit}"),
+        None => format!("the unit of the {what} is that of the recording, and not known"),
+    };
+    format!(
+        "{}, {}",
+        of("command", units.input),
+        of("position", units.output)
+    )
 }
 
 /// The parameters of a low-order model in the order of its covariance.

@@ -1,7 +1,7 @@
 //! Figures as SVG files.
 
 use super::figure::{Band, Curve, Figure, Ink, Legend, Mark, Marks, Panel};
-use super::ticks::{Decades, QuarterTurns};
+use super::ticks::{decades, quarter_turns};
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::ValueFormatter;
 use plotters::prelude::*;
@@ -71,10 +71,10 @@ fn draw_panel<'a>(figure: &Figure, panel: &Panel, area: &Area<'a>) -> DrawResult
         .y_label_area_size(72);
     match (panel.x_logarithmic && x0 > 0.0, panel.is_phase()) {
         (true, true) => {
-            let (x, y) = (Decades::from(x0..x1), QuarterTurns::from(y));
+            let (x, y) = (decades(x0..x1), quarter_turns(y));
             draw_in(panel, builder.build_cartesian_2d(x, y)?)
         }
-        (true, false) => draw_in(panel, builder.build_cartesian_2d(Decades::from(x0..x1), y)?),
+        (true, false) => draw_in(panel, builder.build_cartesian_2d(decades(x0..x1), y)?),
         (false, _) => draw_in(panel, builder.build_cartesian_2d(x0..x1, y)?),
     }
 }

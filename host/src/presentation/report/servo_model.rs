@@ -50,11 +50,8 @@ fn table(part: &Part<'_>) -> Option<String> {
             [&row.name, &row.value, &row.unit, &row.interval].map(|text| escape(text));
         format!("<tr><th>{label}</th><td>{value}</td><td>{unit}</td><td>{interval}</td></tr>\n")
     };
-    let rows: String = model
-        .quantities
-        .iter()
-        .map(|quantity| row(summary::quantity_row(quantity, units)))
-        .collect();
+    let rows = summary::quantity_rows(&model.quantities, units).into_iter();
+    let rows: String = rows.map(|(_, found)| row(found)).collect();
     let advice: String = summary::advice_on_servo_model(model)
         .iter()
         .map(|advice| format!("<p>{}</p>\n", escape(advice)))

@@ -4,7 +4,9 @@ use super::comparison::verdict;
 use super::headline::stroke_in_words;
 use super::metrics::{self, MetricEntry, NONE};
 use super::numbers::{percent, with_bounds};
-use super::servo_model::{four_digits, per_60_degrees, quantity_row, scale_and_unit, shown_by};
+use super::servo_model::{
+    QuantityRow, four_digits, per_60_degrees, quantity_rows, scale_and_unit, shown_by,
+};
 use crate::data::units::Units;
 use servoid_identification::comparison::{Comparison, QuantityPair, ServoModelComparison};
 use servoid_identification::results::{Interval, Metrics, Model};
@@ -92,18 +94,16 @@ fn with_unit(value: String, unit: &str) -> String {
 
 /// Of a servo as a machine.
 pub(crate) fn of_machine(model: &ServoModel, units: Units<'_>) -> Vec<KeyFigure> {
-    let named = |name: &&str| model.quantities.iter().find(|found| found.name == **name);
+    let rows = quantity_rows(&model.quantities, units);
+    let named = |name: &&str| rows.iter().find(|(found, _)| found.name == **name);
     let same_both_ways = top_speeds(model).is_some_and(|[up, down]| up == down);
-    let known: Vec<&Quantity> = OF_A_MACHINE
+    let known = OF_A_MACHINE
         .iter()
         .filter(|name| !(same_both_ways && **name == "top speed downwards"))
-        .filter_map(named)
-        .collect();
+        .filter_map(named);
     // What the recording determines comes first.
-    let (determined, open): (Vec<&Quantity>, Vec<&Quantity>) =
-        known.into_iter().partition(|found| found.determined);
-    let figure = |quantity: &&Quantity| {
-        let row = quantity_row(quantity, units);
+    let (determined, open): (Vec<_>, Vec<_>) = known.partition(|(found, _)| found.determined);
+    let figure = |(quantity, row): &&(&Quantity, QuantityRow)| {
         let turn = per_60_degrees(quantity, units);
         let below = match (row.interval.is_empty(), turn) {
             (_, _) if !quantity.determined => {
@@ -112,15 +112,15 @@ pub(crate) fn of_machine(model: &ServoModel, units: Units<'_>) -> Vec<KeyFigure>
             }
             (true, None) => "no interval".to_owned(),
             (true, Some(turn)) => turn,
-            (false, None) => row.interval,
+            (false, None) => row.interval.clone(),
             (false, Some(turn)) => format!("{}; {turn}", row.interval),
         };
         KeyFigure {
-            label: match row.name.as_str() {
-                "top speed upwards" if same_both_ways => "top speed".to_owned(),
-                name => name.to_owned(),
+            label: match same_both_ways {
+                true => row.name.replace("top speed upwards", "top speed"),
+                false => row.name.clone(),
             },
-            value: with_unit(row.value, &row.unit),
+            value: with_unit(row.value.clone(), &row.unit),
             below,
         }
     };

@@ -56,8 +56,9 @@ pub(crate) fn run_offsets_in_words(model: &ServoModel, units: Units<'_>) -> Opti
     let (least, most) = ends(f64::min).zip(ends(f64::max))?;
     let unit = units.output.map(|unit| format!(" {unit}"));
     Some(format!(
-        "The runs rest at different positions: each has an offset of its own, {least:+.3} to {most:+.3}{} from their mean, which is \
+        "The {} runs rest at different positions: each has an offset of its own, {least:+.3} to {most:+.3}{} from their mean, which is \
          the offset here.",
+        model.run_offsets.len(),
         unit.unwrap_or_default()
     ))
 }
@@ -97,21 +98,12 @@ fn linear_models(found: &LinearModels, fit: &ServoFit) -> String {
     text
 }
 
-/// "delay 21.60 ms (21.10 .. 22.04)".
-pub(crate) fn quantity_text(quantity: &Quantity, units: Units<'_>) -> String {
-    let row = quantity_row(quantity, units);
-    let value = format!("{} {} {}", row.name, row.value, row.unit);
-    match row.interval.is_empty() {
-        true => value.trim_end().to_owned(),
-        false => format!("{} ({})", value.trim_end(), row.interval),
-    }
-}
-
 /// The table of quantities with its head.
 pub(crate) fn quantities(all: &[Quantity], level: Bounds<f64>, units: Units<'_>) -> String {
     let head = head_of_bounds(level);
     let mut text = format!("  {:34} {:>12} {:8} {head}\n", "", "value", "");
-    text.extend(all.iter().map(|quantity| row(quantity, units)));
+    let rows = quantity_rows(all, units).into_iter();
+    text.extend(rows.map(|(quantity, found)| row(&found, per_60_degrees(quantity, units))));
     text
 }
 
@@ -171,6 +163,18 @@ pub(super) fn shown_by(name: &str) -> Option<&'static str> {
     WHAT_SHOWS.iter().find(of).map(|(_, words, _)| *words)
 }
 
+/// The name of a quantity with the load that its number is for, where there is a load among `names`: speeds are those under the load in
+/// the middle of the commands, and accelerations those of the drive alone.
+pub(super) fn with_load<'q>(name: &str, names: impl IntoIterator<Item = &'q str>) -> String {
+    let load = match name {
+        _ if name.starts_with("top speed") => ", under load",
+        _ if name.starts_with("acceleration") => ", no load",
+        _ => "",
+    };
+    let is_loaded = names.into_iter().any(|name| name.starts_with("load"));
+    format!("{name}{}", if is_loaded { load } else { "" })
+}
+
 /// A quantity as a row of a table.
 pub(crate) struct QuantityRow {
     /// What it is.
@@ -183,8 +187,33 @@ pub(crate) struct QuantityRow {
     pub interval: String,
 }
 
+impl QuantityRow {
+    /// "delay 21.60 ms (21.10 .. 22.04)".
+    pub(crate) fn in_words(&self) -> String {
+        let value = format!("{} {} {}", self.name, self.value, self.unit);
+        match self.interval.is_empty() {
+            true => value.trim_end().to_owned(),
+            false => format!("{} ({})", value.trim_end(), self.interval),
+        }
+    }
+}
+
+/// The quantities of a servo as rows.
+pub(crate) fn quantity_rows<'q>(
+    all: &'q [Quantity],
+    units: Units<'_>,
+) -> Vec<(&'q Quantity, QuantityRow)> {
+    let names = || all.iter().map(|quantity| quantity.name.as_str());
+    let row = |quantity: &'q Quantity| {
+        let name = with_load(&quantity.name, names());
+        let row = quantity_row(quantity, units);
+        (quantity, QuantityRow { name, ..row })
+    };
+    all.iter().map(row).collect()
+}
+
 /// A quantity in the units that people use.
-pub(crate) fn quantity_row(quantity: &Quantity, units: Units<'_>) -> QuantityRow {
+fn quantity_row(quantity: &Quantity, units: Units<'_>) -> QuantityRow {
     let (scale, unit) = scale_and_unit(quantity.unit, units);
     let width = |least: f64, most: f64| scale * (most - least);
     let known = quantity.interval.valid();
@@ -234,14 +263,14 @@ pub(crate) fn quantity_row(quantity: &Quantity, units: Units<'_>) -> QuantityRow
     }
 }
 
-fn row(quantity: &Quantity, units: Units<'_>) -> String {
+fn row(row: &QuantityRow, turn: Option<String>) -> String {
     let QuantityRow {
         name,
         value,
         unit,
         interval,
-    } = quantity_row(quantity, units);
-    let turn = per_60_degrees(quantity, units).map(|turn| format!("  = {turn}"));
+    } = row;
+    let turn = turn.map(|turn| format!("  = {turn}"));
     let line = format!(
         "  {name:34} {value:>12} {unit:8} {interval}{}",
         turn.unwrap_or_default()
@@ -364,6 +393,31 @@ fn digits_beside(value: f64, count: usize, width: Option<f64>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn speeds_and_accelerations_say_which_load_they_are_for() {
+        let names = |load: Option<&str>| -> Vec<String> {
+            let all = ["top speed upwards", "acceleration upwards", "gain"];
+            let all: Vec<Quantity> = (all.into_iter().chain(load))
+                .map(|name| quantity(name, true, 390.0, 410.0))
+                .collect();
+            let rows = quantity_rows(&all, Units::default()).into_iter();
+            rows.map(|(_, row)| row.name).collect()
+        };
+        let loaded = names(Some("load at the middle"));
+        assert_eq!(
+            loaded[..3],
+            [
+                "top speed upwards, under load",
+                "acceleration upwards, no load",
+                "gain"
+            ]
+        );
+        assert_eq!(
+            names(None),
+            ["top speed upwards", "acceleration upwards", "gain"]
+        );
+    }
 
     fn quantity(name: &str, determined: bool, lower: f64, upper: f64) -> Quantity {
         Quantity {

@@ -13,8 +13,8 @@
 //! D. V. Hinkley, *Inference in two-phase regression*, JASA 66, 1971), and whether the servo stops there or
 //! only answers less is judged by the slope beyond it, over all places in that interval.
 
-use super::estimate::{Estimate, LEVEL, student};
 use super::knee;
+use super::measured_value::{Estimate, LEVEL, student};
 use super::mover::{MoveError, Mover, Rest};
 use crate::data::rig_file::{RigFile, SensorSection};
 use serde::Serialize;

@@ -3,6 +3,7 @@
 use super::exported::ExportedServo;
 use super::subject::ServoExport;
 use super::trial_command::{Difference, FINER, Trial};
+use crate::presentation::export::statement::units_in_words;
 use crate::presentation::export::text::number;
 use crate::presentation::summary;
 use crate::presentation::summary::four_digits;
@@ -55,35 +56,28 @@ impl ServoExport<'_> {
             self.units_and_signs(),
             PER_INERTIA.to_owned(),
             self.identified(),
-            self.quality(),
         ]);
+        let offset = summary::run_offsets_in_words(self.model, self.metadata.units());
+        paragraphs.extend(offset.map(|sentence| format!("Offset: {sentence}")));
+        paragraphs.push(self.quality());
         paragraphs
     }
 
     fn units_and_signs(&self) -> String {
-        let units = self.metadata.units();
-        let of = |what: &str, unit: Option<&str>| match unit {
-            Some(unit) => format!("the {what} is in {unit}"),
-            None => format!("the unit of the {what} is that of the recording, and not known"),
-        };
         format!(
-            "Units and signs: {}, {}, theta is in units of the command, times are in seconds. A positive load turns towards smaller angles. The offset that was identified is the position at rest under command 0; that of the parameters is without the load, and part of the position.",
-            of("command", units.input),
-            of("position", units.output),
+            "Units and signs: {}, theta is in units of the command, times are in seconds. A positive load turns towards smaller angles. The offset that was identified is the position at rest under command 0; that of the parameters is without the load, and part of the position.",
+            units_in_words(self.metadata.units()),
         )
     }
 
     /// The quantities with their intervals, where bounds hold.
     fn identified(&self) -> String {
         let units = self.metadata.units();
-        let of = |determined: bool| {
-            let quantities = self.model.quantities.iter();
-            quantities.filter(move |quantity| quantity.determined == determined)
-        };
-        let determined: Vec<String> = of(true)
-            .map(|quantity| summary::quantity_text(quantity, units))
-            .collect();
-        let open: Vec<&str> = of(false).map(|quantity| quantity.name.as_str()).collect();
+        let rows = summary::quantity_rows(&self.model.quantities, units).into_iter();
+        let (determined, open): (Vec<_>, Vec<_>) =
+            rows.partition(|(quantity, _)| quantity.determined);
+        let determined: Vec<String> = (determined.iter().map(|(_, row)| row.in_words())).collect();
+        let open: Vec<String> = open.into_iter().map(|(_, row)| row.name).collect();
         let intervals = match &self.model.covariance {
             Bounds::Valid(covariance) => format!(
                 "with intervals of {} %, which hold for other sets of terms that predict as well",

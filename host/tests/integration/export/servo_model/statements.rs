@@ -97,7 +97,7 @@ fn what_a_target_lacks_is_named_with_its_value() {
 }
 
 #[test]
-fn intervals_are_written_only_where_they_hold() {
+fn intervals_and_offsets_of_runs_are_written_only_where_there_are_any() {
     let folder = tempfile::tempdir().unwrap();
     let mut document = crate::support::json(&AIRCRAFT.file);
     let model = &mut document["servo_model"];
@@ -108,19 +108,24 @@ fn intervals_are_written_only_where_they_hold() {
     delay["withdrawn"] = json!(null);
     delay["value"] = json!(0.0216);
     delay["bounds"] = json!({ "value": 0.0216, "lower": 0.0211, "upper": 0.0222 });
+    model["run_offsets"] = json!([-0.1, 0.04, 0.06]);
     let valid = folder.path().join("valid.json");
     std::fs::write(&valid, document.to_string()).unwrap();
     for target in TARGETS {
         let with = prose(&export(&valid, 0, target, &[]).text);
         assert!(with.contains("intervals of 99 %"), "{target}");
         assert!(with.contains("delay 21.60 ms (21.10 .. 22.20)"), "{target}");
+        let mean = "The 3 runs rest at different positions: each has an offset of its own, -0.100 to +0.060 deg from their mean";
+        assert!(with.contains(mean), "{target}: {with}");
         let without = prose(&export(&AIRCRAFT.file, 0, target, &[]).text);
         assert!(
             without.contains("WARNING: no intervals can be given"),
             "{target}"
         );
         assert!(
-            !without.contains(" .. ") && !without.contains("99 %"),
+            !without.contains(" .. ")
+                && !without.contains("99 %")
+                && !without.contains("The 3 runs"),
             "{target}: {without}"
         );
     }
