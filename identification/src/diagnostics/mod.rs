@@ -2,7 +2,6 @@
 
 mod advice;
 mod correlogram;
-mod early_motion;
 mod end_level;
 mod explanation;
 mod feedback;
@@ -12,6 +11,7 @@ mod hum;
 mod initial_rest;
 mod input_origin;
 mod lag_drift;
+mod late_command;
 mod linearity;
 mod misfit;
 mod noise_prediction;

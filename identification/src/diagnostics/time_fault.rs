@@ -1,9 +1,9 @@
 //! What makes the times of a record another thing than what they are taken for: then no model of it describes a servo, and whatever else is
 //! found may be its consequence.
 
-use super::early_motion::{EarlyMotion, early_motion};
 use super::held_output::output_held_for;
 use super::lag_drift::{LagDrift, lag_drift};
+use super::late_command::{EarlyMotion, early_motion};
 use crate::data::{Moments, Record};
 use crate::estimation::GlsFit;
 use crate::results::Reason;

@@ -1,7 +1,7 @@
 //! Candidate: all frequencies, n = N.
 
 use super::long_fit::LongFit;
-use super::settling_choice::Choice;
+use super::settling_candidates::Choice;
 use super::settling_range::grid;
 use super::settling_search::Search;
 use crate::estimation::{Excitation, FIRST_ORDER, NestedBanks};

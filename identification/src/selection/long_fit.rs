@@ -3,7 +3,7 @@
 use faer::Mat;
 
 use super::long_fit_noise;
-use super::settling_choice::SettlingCandidate;
+use super::settling_candidates::SettlingCandidate;
 use crate::data::Moments;
 use crate::estimation::{Coordinates, Edges, FsfBasis, lower_input_moments, noise_filter};
 use crate::numerics::{backward_solve, dot, factorised, forward_solve, inverse_of_lower};

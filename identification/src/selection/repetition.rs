@@ -9,7 +9,7 @@
 //! repeats itself, it falls to nothing at once.
 
 use super::complete_bank;
-use super::settling_choice::Choice;
+use super::settling_candidates::Choice;
 use super::settling_range::odd_at_most;
 use super::settling_search::Search;
 use crate::data::Moments;

@@ -1,106 +1,45 @@
-//! A choice of the settling time, and the candidates that led to it.
+//! The settling time, the number of frequencies and the noise order, chosen from the data.
+//!
+//! **Settling time.** One long fit (N as long as the record allows) gives, through the nesting of
+//! Cholesky factors, the step response of every shorter N. For each N of a grid the time N0 is
+//! detected after which the response stays within [`DETECTION`](crate::thresholds::DETECTION) standard deviations
+//! of its final value. The shortest N is taken that is at least [`MARGIN`](crate::thresholds::MARGIN) times its own
+//! N0 and that the long fit does not contradict. Detection ends where a tail sinks into the noise; the margin
+//! covers the rest of the tail, which a band of a fraction of that width would otherwise miss.
+//!
+//! **Frequencies.** All of them, n = N: only a complete bank has a band whose label is earned. Where
+//! the input lacks high frequencies, that band would be useless; then n is what makes the band of noise
+//! *and* truncation together narrowest.
+//!
+//! **Noise order.** Bayes' information criterion over 0..8, at every pass of the alternation.
 
-use serde::{Deserialize, Serialize};
+use super::settling_candidates::Choice;
+use super::settling_search::Search;
+use super::{complete_bank, repetition, shorter_history, smooth_input};
+use crate::error::Error;
 
-use crate::thresholds::{CONTRADICTION, DETECTION, MARGIN};
+/// A way to a candidate; `None` where the input does not determine one.
+type Proposal = fn(&Search<'_>) -> Option<Choice>;
 
-/// One settling time that was considered.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct SettlingCandidate {
-    /// N \[samples\].
-    pub settling: usize,
-    /// N0: samples until the response of this N stays at its final value, as far as the noise shows.
-    pub detected: usize,
-    /// Largest difference from the long fit, in standard deviations.
-    pub contradiction: f64,
-    /// Whether it was acceptable.
-    pub accepted: bool,
-}
+/// The ways to a candidate in their order: the first that comes to one is taken.
+const PROPOSALS: [Proposal; 4] = [
+    // All frequencies, any N up to the longest that the record supports.
+    complete_bank::choose,
+    // All frequencies, any N up to where the input repeats itself.
+    repetition::choose,
+    // Either of these with a shorter longest N, which leaves more rows.
+    shorter_history::choose,
+    // As many frequencies as make the band narrowest.
+    smooth_input::choose,
+];
 
-impl SettlingCandidate {
-    /// Acceptable is an N that the long fit does not contradict, with the margin over its own N0.
-    pub(super) fn new(
-        settling: usize,
-        detected: usize,
-        contradiction: f64,
-        longest: usize,
-    ) -> Self {
-        Self {
-            settling,
-            detected,
-            contradiction,
-            accepted: (settling == longest || contradiction <= CONTRADICTION)
-                && settling as f64 >= MARGIN * detected as f64,
-        }
-    }
-}
-
-/// A choice of the settling time and the candidates that led to it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Choice {
-    /// N \[samples\].
-    pub settling: usize,
-    /// N0 of that N \[samples\].
-    pub detected: usize,
-    /// Whether some N was acceptable; otherwise N is the longest possible.
-    pub settled: bool,
-    /// The longest N possible \[samples\].
-    pub longest: usize,
-    /// Whether the input lacks high frequencies, so that n < N.
-    #[serde(alias = "low_passed")]
-    pub smooth_input: bool,
-    /// n, when the input lacks high frequencies.
-    pub frequencies: Option<usize>,
-    /// The lags that the input resolves, where it repeats itself after them \[samples\].
-    #[serde(default)]
-    pub repeats_after: Option<usize>,
-    /// Whether N is limited to the usual hold of the input, because the servo is not linear and seemed to
-    /// respond for longer.
-    #[serde(default)]
-    pub within_holds: bool,
-    /// Whether N is the longest because of a slow end that no single lag shows.
-    #[serde(default)]
-    pub for_slow_end: bool,
-    /// D of the long fit, to start from.
-    pub ar: Vec<f64>,
-    /// The settling times considered.
-    pub candidates: Vec<SettlingCandidate>,
-}
-
-impl Choice {
-    /// Takes settling times in ascending order up to the first that is accepted, or the longest.
-    pub(super) fn first_accepted(
-        all: impl Iterator<Item = SettlingCandidate>,
-        longest: usize,
-        ar: Vec<f64>,
-    ) -> Option<Self> {
-        let mut candidates = Vec::new();
-        for candidate in all {
-            candidates.push(candidate);
-            if candidate.accepted {
-                break;
-            }
-        }
-        let last = *candidates.last()?;
-        Some(Self {
-            settling: last.settling,
-            detected: last.detected,
-            settled: last.accepted,
-            longest,
-            smooth_input: false,
-            frequencies: None,
-            repeats_after: None,
-            within_holds: false,
-            for_slow_end: false,
-            ar,
-            candidates,
-        })
-    }
-}
-
-/// Standard deviations that are left of an exponential end after `times` the time up to which it is seen, of a response
-/// whose standard deviation is `noise` of its size. It is seen down to c of them, so the share (c s)^κ is left after κ
-/// times as long: c (c s)^(κ-1) standard deviations.
-pub(crate) fn hidden_end(noise: f64, times: f64) -> f64 {
-    DETECTION * (DETECTION * noise).powf(times - 1.0)
+/// Chooses N, and n where the input lacks high frequencies.
+///
+/// # Errors
+/// The input does not even excite a constant gain.
+pub(crate) fn choose_settling(search: &Search<'_>) -> Result<Choice, Error> {
+    PROPOSALS
+        .iter()
+        .find_map(|proposal| proposal(search))
+        .ok_or(Error::nothing_excited(search.longest))
 }

@@ -4,7 +4,7 @@
 //! longer than the rests, no row has a step in its recent past, and nothing seems to excite the response.
 //! A smooth input has no such steps, and gains nothing from other rows.
 
-use super::settling_choice::Choice;
+use super::settling_candidates::Choice;
 use super::settling_range::shorter;
 use super::settling_search::Search;
 use super::{complete_bank, repetition};

@@ -5,7 +5,7 @@
 //! that the truncation bound counts as part of the uncertainty.
 
 use super::long_fit_noise;
-use super::settling_choice::{Choice, SettlingCandidate};
+use super::settling_candidates::{Choice, SettlingCandidate};
 use super::settling_range::grid;
 use super::settling_search::Search;
 use crate::estimation::{

@@ -1,8 +1,8 @@
 //! The picture of a [`ScopeState`] on a terminal of any size.
 
-use super::charts;
 use super::state::ScopeState;
 use super::status_panel;
+use super::terminal_plots;
 use ratatui::Frame;
 use ratatui::layout::{Constraint, Layout, Rect};
 use ratatui::style::{Style, Stylize};
@@ -50,24 +50,24 @@ fn draw_body(frame: &mut Frame<'_>, area: Rect, state: &ScopeState) {
         let [left, text] =
             Layout::horizontal([Constraint::Fill(1), Constraint::Length(TEXT)]).areas(area);
         let [upper, lower] = Layout::vertical([Constraint::Fill(1); 2]).areas(left);
-        charts::trace(frame, upper, state);
-        charts::step(frame, lower, state);
+        terminal_plots::trace(frame, upper, state);
+        terminal_plots::step(frame, lower, state);
         status_panel::draw(frame, text, state);
     } else if area.width >= 2 * SMALLEST_PLOT.0 && area.height >= 2 * SMALLEST_PLOT.1 {
         let rows = PANEL.max(area.height / 2);
         let [upper, lower] =
             Layout::vertical([Constraint::Fill(1), Constraint::Length(rows)]).areas(area);
-        charts::trace(frame, upper, state);
+        terminal_plots::trace(frame, upper, state);
         let [left, text] =
             Layout::horizontal([Constraint::Fill(1), Constraint::Length(TEXT)]).areas(lower);
-        charts::step(frame, left, state);
+        terminal_plots::step(frame, left, state);
         status_panel::draw(frame, text, state);
     } else {
         let lines = status_panel::in_short(state);
         let [upper, lower] =
             Layout::vertical([Constraint::Fill(1), Constraint::Length(lines.len() as u16)])
                 .areas(area);
-        charts::trace(frame, upper, state);
+        terminal_plots::trace(frame, upper, state);
         frame.render_widget(Paragraph::new(lines), lower);
     }
 }

@@ -8,15 +8,15 @@
 //! [`ScopeState`] holds everything that is shown; [`draw`] depends on nothing else. The scope runs on a thread of
 //! its own, so a capture never waits for a picture.
 
-mod charts;
 mod drawing;
 mod render_thread;
 mod state;
 mod status_panel;
 pub(crate) mod terminal;
+mod terminal_plots;
 
-pub use charts::step_as_text;
 pub use drawing::draw;
 pub use state::{FrameSeen, Link, ScopeEvent, ScopeState};
+pub use terminal_plots::step_as_text;
 
 pub(crate) use render_thread::Scope;

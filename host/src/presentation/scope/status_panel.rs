@@ -1,7 +1,7 @@
 //! The numbers beside the plots.
 
-use super::charts::{POSITION, REFERENCE};
 use super::state::{Link, Phase, ScopeState};
+use super::terminal_plots::{POSITION, REFERENCE};
 use ratatui::Frame;
 use ratatui::layout::Rect;
 use ratatui::style::{Color, Stylize};
