@@ -6,6 +6,7 @@
 //!   tests run few seeds, the examples of the same names run hundreds and print the documentation's tables.
 //! - [`closed_loop`]: recordings whose input a controller computes from the output.
 //! - [`hard_lines`]: recordings with glitches, tails, jitter, hum and runs that differ, for [`coverage`].
+//! - [`drawn_lines`]: such recordings whose numbers are drawn.
 //! - [`loggers`]: recordings of one servo by loggers with faults of time.
 //! - [`compared_ends`]: comparisons of servos whose responses have slow ends.
 //! - [`servo_means`]: comparisons of servos whose runs scatter.
@@ -24,6 +25,7 @@ pub mod bad_line;
 pub mod closed_loop;
 pub mod compared_ends;
 pub mod coverage;
+pub mod drawn_lines;
 pub mod figures_coverage;
 pub mod hard_lines;
 #[cfg(feature = "rig")]
