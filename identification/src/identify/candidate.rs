@@ -103,11 +103,13 @@ impl Candidate {
         Ok(self)
     }
 
-    /// As one whose N is limited to the usual hold; `None` where no N up to it was acceptable.
-    pub(super) fn within_holds(self) -> Option<Self> {
-        let choice = self.plan.choice.filter(|choice| choice.settled)?;
+    /// As one whose N is limited to the usual hold; `None` where no N up to it was acceptable, unless the response is known to rest
+    /// by then.
+    pub(super) fn within_holds(self, rests: bool) -> Option<Self> {
+        let choice = (self.plan.choice).filter(|choice| choice.settled || rests)?;
         let choice = Some(Choice {
             within_holds: true,
+            settled: true,
             ..choice
         });
         let plan = Plan {

@@ -18,6 +18,8 @@ pub(super) struct Fitted {
     pub(super) estimate: Estimate,
     /// Of the last fit whose errors were tested as noise: one that was chosen by prediction is not.
     pub(super) linearity: Option<Linearity>,
+    /// The share of its largest value by which the response moves again a hold later, where it does: then N is no longer than a hold.
+    pub(super) moves_again: Option<f64>,
     /// Why the errors are not noise, and what was done about it; `None` when they are.
     pub(super) misfit: Option<Misfit>,
     /// That the response goes on beyond N, where it does.
@@ -58,6 +60,7 @@ impl Fitted {
             candidate,
             estimate,
             linearity: None,
+            moves_again: None,
             misfit: None,
             slow_end: None,
             slow_columns: OnceCell::new(),

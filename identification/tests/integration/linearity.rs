@@ -138,3 +138,46 @@ fn a_limited_servo_under_short_random_steps_gets_no_level() {
         );
     }
 }
+
+/// Stairs of equal holds over `levels`, again and again, 6000 samples in all.
+fn equal_holds(levels: &[f64], hold: usize) -> Vec<f64> {
+    let held = levels
+        .iter()
+        .flat_map(|level| std::iter::repeat_n(*level, hold));
+    held.cycle().take(6000).collect()
+}
+
+/// The motion of a servo behind gears with this much play.
+fn behind_play(motion: &[f64], play: f64) -> Vec<f64> {
+    let mut output = motion[0];
+    let mut follow = |angle: &f64| {
+        output = output.clamp(angle - play / 2.0, angle + play / 2.0);
+        output
+    };
+    motion.iter().map(&mut follow).collect()
+}
+
+#[test]
+fn play_under_equal_holds_is_no_late_part_of_the_response() {
+    let servo = Linear::second_order(1.0, 0.012, 0.8, 40.0);
+    let up_and_down = [0.0, 1.0, 2.0, 1.0, 0.0, -1.0, -2.0, -1.0].map(|level| 10.0 * level);
+    for hold in [200, 300] {
+        let input = equal_holds(&up_and_down, hold);
+        let motion = servo.respond(&input, input[0], 0.0);
+        let linear = identified(&input, &motion, 1);
+        assert!(
+            linear.linear && linear.bounds.valid().is_some(),
+            "{:?}",
+            linear.advice
+        );
+        for play in [0.9, 1.2, 2.0] {
+            let model = identified(&input, &behind_play(&motion, play), 2);
+            let withdrawn = model.bounds.withdrawn();
+            assert_eq!(withdrawn, Some(Reason::ErrorsNotNoise), "{hold} {play}");
+            let says =
+                (model.advice.iter()).any(|advice| advice.finding.contains("moves again by"));
+            assert!(says, "{hold} {play}: {:?}", model.advice);
+            assert!(model.structure.settling_samples <= hold);
+        }
+    }
+}

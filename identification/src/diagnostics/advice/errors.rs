@@ -40,6 +40,12 @@ pub(super) fn model_error(evidence: &Evidence<'_>) -> Option<Advice> {
         ),
     };
     let (reason, value, threshold) = reason_in_words(misfit);
+    let record = match misfit.evidence {
+        MisfitEvidence::MovesAgain(_) => {
+            "Record levels in random order, or holds of different lengths, to see what the answer depends on"
+        }
+        _ => "Record steps that are held until the servo rests, smaller ones and fewer a second",
+    };
     Some(Advice::new(
         Check::ModelError,
         format!(
@@ -48,9 +54,7 @@ pub(super) fn model_error(evidence: &Evidence<'_>) -> Option<Advice> {
         ),
         value,
         threshold,
-        format!(
-            "Record steps that are held until the servo rests, smaller ones and fewer a second; {use_of_model}."
-        ),
+        format!("{record}; {use_of_model}."),
     ))
 }
 
@@ -94,6 +98,15 @@ fn reason_in_words(misfit: &Misfit) -> (String, f64, f64) {
                 probability(found.p)
             );
             (words, unexplained, UNEXPLAINED_PERCENT)
+        }
+        MisfitEvidence::MovesAgain(share) => {
+            let percent = 100.0 * share;
+            let words = format!(
+                "the response to a step comes to rest, and moves again by {percent:.1} % of its end when the reference is changed next: the \
+                 servo's answer depends on the change before, as with play, friction or a dead band, and equal holds make that look like \
+                 a late part of the response"
+            );
+            (words, percent, MATERIAL_MISFIT_PERCENT)
         }
         MisfitEvidence::NoSteps(found, seen) => {
             let (percent, shown_by) = excess(&found);

@@ -50,6 +50,8 @@ pub enum MisfitEvidence {
     /// The simulation leaves much of the motion unexplained, and the runs differ by more than their noise: a
     /// model of all of them describes none.
     Runs(BetweenRuns),
+    /// The response comes to rest, and moves again by this share of its largest value when the input is changed next.
+    MovesAgain(f64),
     /// The servo is not linear, and only this share of the steps of the input are held until it has
     /// followed.
     NoSteps(Linearity, f64),

@@ -10,8 +10,8 @@
 use super::input_is_free;
 use crate::data::{Moments, share_held};
 use crate::diagnostics::{
-    BothEstimators, Feedback, Misfit, Prediction, explained_by_output, followed_after, rank,
-    settlings, unexcited_above_hz,
+    BothEstimators, Feedback, Misfit, MisfitEvidence, Prediction, explained_by_output,
+    followed_after, rank, settlings, unexcited_above_hz,
 };
 use crate::error::Error;
 use crate::estimation::{FsfBasis, GlsFit, GlsOptions, RowInformation};
@@ -33,14 +33,16 @@ pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
     let Some(both) = BothEstimators::new(information, fit, suspect) else {
         return Ok(fitted);
     };
-    let Some(evidence) = both.evidence(linearity, || share_followed(task, &fitted.estimate)) else {
+    let of_errors = || both.evidence(linearity, || share_followed(task, &fitted.estimate));
+    let moves_again = fitted.moves_again.map(MisfitEvidence::MovesAgain);
+    let Some(evidence) = moves_again.or_else(of_errors) else {
         return Ok(fitted);
     };
     let feedback = input_is_free::tested(task, &fitted).map(|found| Feedback {
         explained: task.recorded.and_then(explained_by_output),
         ..found
     });
-    let predictions = rank_by_prediction(task, &fitted.candidate);
+    let predictions = rank_by_prediction(task, &fitted);
     let (candidate, estimate) = match predictions.first() {
         Some(best) => fit_again(task, best_predictor(task, &fitted.candidate, *best)?)?,
         None => better_at_simulation(task, fitted, &both)?,
@@ -73,14 +75,16 @@ fn share_followed(task: &Task<'_>, estimate: &Estimate) -> f64 {
 }
 
 /// Structures and estimators by how well they predict parts of the record that they have not seen.
-fn rank_by_prediction(task: &Task<'_>, candidate: &Candidate) -> Vec<Prediction> {
+fn rank_by_prediction(task: &Task<'_>, fitted: &Fitted) -> Vec<Prediction> {
     let Some(record) = task.record else {
         return Vec::new();
     };
-    let options = task.options;
+    let (options, candidate) = (task.options, &fitted.candidate);
     let settling = candidate.plan.basis.settling();
     let tried = match &candidate.plan.choice {
         None => vec![settling],
+        // What comes after a hold predicts equal holds alone.
+        Some(choice) if fitted.moves_again.is_some() => settlings(settling, choice.longest),
         Some(choice) => {
             let longest = longest_for_prediction(record, options.longest_settling);
             settlings(settling, longest.max(choice.longest))

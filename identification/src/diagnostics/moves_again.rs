@@ -1,0 +1,38 @@
+//! Whether a response that has come to rest moves again a hold later.
+//!
+//! A servo with play, friction or a dead band answers a change of the command according to the change before. Where all holds are of one
+//! length, a linear model of more lags than a hold describes that without an error: as a late part of the response, which begins with the
+//! next change. Its bounds would be those of a response that no servo has. What dies out moves less after a moment than before it, so
+//! motion after the hold that is larger than in as long a time before its end shows such a servo.
+
+use crate::estimation::{CurveVariance, GlsFit, RowInformation};
+use crate::numerics::normal_upper_quantile;
+use crate::thresholds::{MATERIAL_MISFIT_PERCENT, MISFIT_SIGNIFICANCE};
+
+/// The share of its largest value by which the response of `fit` moves again after `hold` samples; `None` where it does not beyond
+/// chance, or by nothing that matters.
+pub(crate) fn moves_again(information: &RowInformation, fit: &GlsFit, hold: usize) -> Option<f64> {
+    let step = fit.coordinates.basis.step_response(&fit.theta());
+    let window = (hold / 2).min(step.len().saturating_sub(hold + 1));
+    let from_hold = |m: &usize| (step[*m] - step[hold]).abs();
+    let farthest = |samples: std::ops::Range<usize>| {
+        samples.max_by(|a, b| from_hold(a).total_cmp(&from_hold(b)))
+    };
+    let before = farthest(hold - window..hold)?;
+    let after = farthest(hold + 1..hold + window + 1)?;
+    let larger_by = from_hold(&after) - from_hold(&before);
+    let largest = step.iter().fold(0.0f64, |most, g| most.max(g.abs()));
+    if larger_by < MATERIAL_MISFIT_PERCENT / 100.0 * largest {
+        return None;
+    }
+    let map = fit.coordinates.step_map();
+    let signs = [after, before].map(|m| (step[m] - step[hold]).signum());
+    let contrast = faer::Mat::from_fn(1, map.ncols(), |_, j| {
+        signs[0] * (map[(after, j)] - map[(hold, j)])
+            - signs[1] * (map[(before, j)] - map[(hold, j)])
+    });
+    let sd = CurveVariance::of_fit(information, fit, &contrast).sd[0];
+    // The farthest of so many.
+    let chance = normal_upper_quantile(MISFIT_SIGNIFICANCE / window as f64) * sd;
+    (larger_by > chance).then(|| from_hold(&after) / largest)
+}
