@@ -44,6 +44,10 @@ pub(super) fn model_error(evidence: &Evidence<'_>) -> Option<Advice> {
         MisfitEvidence::MovesAgain(_) => {
             "Record levels in random order, or holds of different lengths, to see what the answer depends on"
         }
+        // Without rests a smooth motion lets what was before the record pass for an error.
+        _ if misfit.unexcited_above_hz.is_some() => {
+            "Record two seconds of rest before and after this motion, or steps that are held until the servo rests"
+        }
         _ => "Record steps that are held until the servo rests, smaller ones and fewer a second",
     };
     Some(Advice::new(
