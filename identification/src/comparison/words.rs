@@ -11,6 +11,9 @@ use crate::thresholds::NOTABLE_SHIFT_S;
 
 pub(super) fn summary(found: &Comparison, options: &ComparisonOptions) -> String {
     match found.bounds {
+        Bounds::Valid(bounds) if found.descriptions_of_different_motions => {
+            not_one_reference(found, &bounds, &options.input_unit)
+        }
         Bounds::Valid(bounds) => {
             format!("{} {}", answer(found, &bounds), feel(found, options))
         }
@@ -22,7 +25,21 @@ pub(super) fn summary(found: &Comparison, options: &ComparisonOptions) -> String
     }
 }
 
-fn answer(found: &Comparison, bounds: &ComparisonBounds) -> String {
+/// Why there is no verdict on sides that were asked for different motions, and what their responses are worth.
+fn not_one_reference(found: &Comparison, bounds: &ComparisonBounds, unit: &str) -> String {
+    let differ = found.motions.map_or_else(
+        || "the references differ".to_owned(),
+        |motions| motions.a.difference_in_words(&motions.b, unit),
+    );
+    format!(
+        "Not decided: {differ}. A servo that is limited in speed or torque, or has play, answers each of them differently, so that what \
+         differs may be the motion and not the servo. Record both sides with the same reference. Of the responses to the two motions, {}.",
+        apart(bounds)
+    )
+}
+
+/// How far apart the responses are where they differ most.
+fn apart(bounds: &ComparisonBounds) -> String {
     let ComparisonBounds {
         level,
         difference_percent: bounds,
@@ -33,21 +50,24 @@ fn answer(found: &Comparison, bounds: &ComparisonBounds) -> String {
         Direction::Up => " on the way up",
         Direction::Down => " on the way down",
     };
-    let apart = format!(
-        "where they differ most they are at least {:.1} % and at most {:.1} % of the step apart ({} % \
-         sure), most clearly {:.0} ms after a command{stroke}",
+    // Where they may not differ at all, there is no time at which they surely do.
+    let clearest = match bounds.at_least > 0.0 {
+        true => format!(", most clearly {:.0} ms after a command{stroke}", 1e3 * bounds.at_s),
+        false => String::new(),
+    };
+    format!(
+        "where they differ most they are at least {:.1} % and at most {:.1} % of the step apart ({} % sure){clearest}",
         bounds.at_least,
         bounds.at_most,
         rounded(100.0 * level),
-        1e3 * bounds.at_s
-    );
+    )
+}
+
+fn answer(found: &Comparison, bounds: &ComparisonBounds) -> String {
+    let apart = apart(bounds);
     let margin = found.margin_percent;
     let subject = subject(found);
     match found.verdict {
-        _ if found.descriptions_of_different_motions => format!(
-            "Not decided: the references differ and a servo is not linear, so that what differs may be the \
-             motion and not the servo; of the linear descriptions of the two motions, {apart}."
-        ),
         Verdict::Different => format!(
             "{subject} are different: {apart}, and {margin} % would still have counted as the same."
         ),

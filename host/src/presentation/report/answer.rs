@@ -97,7 +97,7 @@ fn verdict(page: &Page<'_>) -> String {
     match page.comparison {
         Some(found) => {
             let word = summary::verdict(found.verdict);
-            let sentence = summary::headline_of_comparison(names[0], names[1], found);
+            let sentence = summary::headline_of_comparison(names[0], names[1], found, units(page));
             paragraph(word, &format!("<b>{word}</b>. "), &sentence)
         }
         None => paragraph(

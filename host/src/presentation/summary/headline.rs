@@ -5,6 +5,7 @@ use super::first_finding::first_finding;
 use super::metrics::settling_time;
 use super::model_sentence::{certainty, hides_step};
 use super::numbers::percent;
+use crate::data::units::Units;
 use servoid_identification::comparison::{Comparison, ComparisonBounds, Direction, Verdict};
 use servoid_identification::results::{Advice, Bounds, Check, Interval, Model};
 
@@ -28,8 +29,8 @@ pub(crate) fn headline_of_model(model: &Model) -> String {
     motion + &certainty(model)
 }
 
-/// Whether two differ, and by how much; `a` and `b` are their names.
-pub(crate) fn headline_of_comparison(a: &str, b: &str, found: &Comparison) -> String {
+/// Whether two differ, and by how much; `a` and `b` are their names, `units` those of both.
+pub(crate) fn headline_of_comparison(a: &str, b: &str, found: &Comparison, units: Units) -> String {
     let same = |item: &&Advice| item.check == Check::SameData;
     if let Some(item) = found.advice.iter().find(same) {
         return format!("{} {}", item.finding, item.remedy);
@@ -51,8 +52,11 @@ pub(crate) fn headline_of_comparison(a: &str, b: &str, found: &Comparison) -> St
     let stroke = stroke_in_words(apart.stroke);
     let of = subject_in_words(found);
     if found.descriptions_of_different_motions {
+        let unit = units.input.unwrap_or_default();
+        let differ = found.motions.map(|both| both.a.difference_in_words(&both.b, unit));
         return format!(
-            "No verdict on {a} and {b}: their references differ and a servo is not linear, so what differs may be the motion and not the servo."
+            "No verdict on {a} and {b}: {}. What differs may be the motion and not the servo. Record both with the same reference.",
+            differ.as_deref().unwrap_or("the references differ")
         );
     }
     match found.verdict {
