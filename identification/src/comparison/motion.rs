@@ -5,14 +5,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::data::{Record, Run, usual_hold};
+use crate::data::{HELD, Record, Run, usual_hold};
 use crate::thresholds::{EQUALLY_LARGE, EQUALLY_LONG, HELD_WITHIN};
 
 /// More levels than this are many.
 const MOST_LEVELS: usize = 25;
-
-/// A hold has at least so many samples.
-const HELD: usize = 4;
 
 /// The reference of one side.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -12,7 +12,7 @@ use crate::thresholds::NOTABLE_SHIFT_S;
 pub(super) fn summary(found: &Comparison, options: &ComparisonOptions) -> String {
     match found.bounds {
         Bounds::Valid(bounds) if found.descriptions_of_different_motions => {
-            not_one_reference(found, &bounds, &options.input_unit)
+            not_one_reference(found, &bounds, options)
         }
         Bounds::Valid(bounds) => {
             format!("{} {}", answer(found, &bounds), feel(found, options))
@@ -26,11 +26,20 @@ pub(super) fn summary(found: &Comparison, options: &ComparisonOptions) -> String
 }
 
 /// Why there is no verdict on sides that were asked for different motions, and what their responses are worth.
-fn not_one_reference(found: &Comparison, bounds: &ComparisonBounds, unit: &str) -> String {
-    let differ = found.motions.map_or_else(
-        || "the references differ".to_owned(),
-        |motions| motions.a.difference_in_words(&motions.b, unit),
-    );
+fn not_one_reference(
+    found: &Comparison,
+    bounds: &ComparisonBounds,
+    options: &ComparisonOptions,
+) -> String {
+    let unit = &options.input_unit;
+    let of_records = found.motions;
+    let of_records = of_records.map(|both| both.a.difference_in_words(&both.b, unit));
+    let of_models = options.strokes_of_models.map(|[a, b]| {
+        let space = if unit.is_empty() { "" } else { " " };
+        let (a, b) = (four_digits(a), four_digits(b));
+        format!("the strokes differ, {a} against {b}{space}{unit}")
+    });
+    let differ = of_records.or(of_models).unwrap_or_default();
     format!(
         "Not decided: {differ}. A servo that is limited in speed or torque, or has play, answers each of them differently, so that what \
          differs may be the motion and not the servo. Record both sides with the same reference. Of the responses to the two motions, {}.",

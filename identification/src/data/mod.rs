@@ -9,8 +9,9 @@ mod timing;
 mod wrong_columns;
 
 pub(crate) use holds::{
-    EXACTLY, Hold, Stroke, holds, last_quarter, mean_output, share_held, strokes, usual_hold,
+    EXACTLY, HELD, Hold, Stroke, holds, last_quarter, mean_output, share_held, strokes, usual_hold,
 };
+pub use holds::only_stroke;
 pub use moments::{MomentStream, Moments};
 pub use quantisation::Quantisation;
 pub use record::{Record, Run};

@@ -302,6 +302,8 @@ impl Calibrate {
         let found = Found {
             sensor: sensor.zip(remark.as_deref()),
             us_per_degree: travel.map(|travel| travel.us_per_degree),
+            // Pulses, which need no angles.
+            limits_us: measured.travel.as_ref().map(Travel::before_stops_us).unwrap_or_default(),
         };
         let after = put_into(before, &found).map_err(anyhow::Error::msg)?;
         // A file that could not be read back is not written.

@@ -16,6 +16,8 @@ pub struct About {
     pub input_unit: Option<String>,
     /// The unit of what was measured, where the files state it and agree.
     pub output_unit: Option<String>,
+    /// The size of all strokes of the command, where they have one.
+    pub only_stroke: Option<f64>,
     /// Under what condition it was recorded, where the files state it and agree.
     pub condition: Option<String>,
     /// Where the data come from, file by file: name and value of each thing that is known.
@@ -159,6 +161,7 @@ impl From<&About> for ModelMetadata {
         let (input, output) = (about.input_unit.clone(), about.output_unit.clone());
         let mut metadata = Self::new(input, output, about.pulse_frame_s);
         metadata.sensor_delay_uncertainty_s = about.sensor_delay_uncertainty_s;
+        metadata.only_stroke = about.only_stroke;
         metadata
     }
 }

@@ -29,10 +29,10 @@ pub use time_column::TimeUnit;
 use crate::data::file_error::FileError;
 use crate::data::recording::{self, Recording};
 use crate::data::table::{Table, TableFault};
-use crate::data::{fingerprint, input_file, rest_error, servo_stopped};
+use crate::data::{fingerprint, input_file, rest_error, servo_stopped, unlike_runs};
 pub use controllers::{Controllers, UnknownController};
 use loaded::Loaded;
-use servoid_identification::Record;
+use servoid_identification::{Record, only_stroke};
 use std::path::{Path, PathBuf};
 
 /// A record, and where it comes from.
@@ -102,9 +102,11 @@ fn together<'a>(all: Loaded<'a>, names: &str) -> Result<Dataset<'a>, DatasetErro
     } = all;
     let record =
         Record::new(period_s, runs).map_err(|error| DatasetError::Data(names.to_owned(), error))?;
+    about.only_stroke = only_stroke(&record);
     // The zero of a rig is a matter of its calibration.
     let uncalibrated = about.calibrations.is_empty();
     let findings = [
+        unlike_runs::advice(&record, &about.provenance, about.input_unit.as_deref()),
         fingerprint::advice_on_repeats(&record),
         servo_stopped::advice(&record),
         uncalibrated

@@ -1,7 +1,8 @@
 //! Tables of gain, delay, rise time and the like.
 
+use super::model_sentence::stroke_in_words;
 use super::numbers::{decimals, head_of_bounds};
-use crate::data::units::Units;
+use crate::data::model_metadata::ModelMetadata;
 use servoid_identification::comparison::Comparison;
 use servoid_identification::results::{Interval, Metrics, Model, Reason};
 
@@ -168,12 +169,14 @@ impl MetricEntry {
 }
 
 /// The metrics of one model, a line each.
-pub(super) fn table(model: &Model, units: Units<'_>) -> String {
-    let gain = units.gain().unwrap_or_default();
+pub(super) fn table(model: &Model, of: &ModelMetadata) -> String {
+    let gain = of.units().gain().unwrap_or_default();
     let metrics = &model.metrics;
     let head = head_of_bounds(metrics.bounds.as_ref().map(|bounds| bounds.level));
     let missing = "not reached, as far as this recording shows";
-    let mut text = format!("\n  {:22} {:>10}       {head}\n", "", "value");
+    let strokes = stroke_in_words(of).map(|stroke| format!("strokes of {stroke}"));
+    let strokes = strokes.unwrap_or_default();
+    let mut text = format!("\n  {strokes:22} {:>10}       {head}\n", "value");
     for row in &ROWS {
         let interval = (row.of)(metrics);
         let (value, bounds) = row.cell(&interval);

@@ -17,6 +17,7 @@ pub use beyond_linear::{of_flight_model, of_limits};
 pub use comparison::of_comparison;
 pub(crate) use metrics::TableRow;
 pub use model_sentence::model_sentence;
+pub(crate) use model_sentence::stroke_in_words;
 pub(crate) use servo_comparison::{how_servo_models_are_compared, servo_model_rows};
 pub use servo_comparison::{of_servo_models, sentence_on_servo_models};
 pub use servo_model::of_servo_model;
@@ -39,10 +40,11 @@ pub(crate) use servo_model::{
     run_offsets_in_words, terms_in_words,
 };
 
-use crate::data::units::Units;
+use crate::data::model_metadata::ModelMetadata;
+use first_finding::is_said_before;
 use layout::findings;
 use numbers::rounded;
-use servoid_identification::results::{Advice, Bounds, Check, Model, SelectedBy, Validation};
+use servoid_identification::results::{Advice, Bounds, Model, SelectedBy, Validation};
 
 /// The level of a model's bounds, as text.
 pub(crate) fn level_text(model: &Model) -> String {
@@ -63,13 +65,14 @@ pub struct Extent<'a> {
 
 /// The results of one identification: the answer first.
 #[must_use]
-pub fn of_model(source: &str, model: &Model, units: Units<'_>, extent: Extent<'_>) -> String {
-    let sentence = wrapped(&model_sentence(model, units), 0);
+pub fn of_model(source: &str, model: &Model, of: &ModelMetadata, extent: Extent<'_>) -> String {
+    let units = of.units();
+    let sentence = wrapped(&model_sentence(model, of), 0);
     let (first, advice): (Vec<Advice>, Vec<Advice>) = model
         .advice
         .iter()
         .cloned()
-        .partition(|item| item.check.comes_first() || item.check == Check::Duration);
+        .partition(|item| item.check.comes_first() || is_said_before(item));
     let first = match findings(&first) {
         none if none.is_empty() => none,
         some => some + "\n",
@@ -88,7 +91,7 @@ pub fn of_model(source: &str, model: &Model, units: Units<'_>, extent: Extent<'_
     let [samples, structure, fit, residuals] = facts(model, units.output);
     let band = ("step band", step_band(model));
     let offset = ("offset", offset(model, units.output));
-    text += &metrics::table(model, units);
+    text += &metrics::table(model, of);
     text.push('\n');
     let facts = match extent.statistics {
         true => vec![samples, structure, fit, band, offset, residuals],
