@@ -49,7 +49,8 @@ fn name_unlike_runs(advice: &mut [Advice]) {
     }
     for item in advice {
         if matches!(item.check, Check::RunScatter | Check::DeviatingRun) {
-            "Runs of different kinds differ by more than noise: identify each kind alone.".clone_into(&mut item.remedy);
+            "Runs of different kinds differ by more than noise: identify each kind alone."
+                .clone_into(&mut item.remedy);
         }
     }
 }

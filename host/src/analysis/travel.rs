@@ -9,7 +9,8 @@ use servoid_identification::results::{Advice, Check, Interval, Model, pointwise_
 pub(super) fn advice(data: &Dataset, model: &Model) -> Option<Advice> {
     let calibrations = &data.about.calibrations;
     let sd_percent = calibrations.iter().map(|found| found.scale_sd_percent);
-    let scale_percent = pointwise_critical(model.level().into_valid()?) * sd_percent.reduce(f64::max)?;
+    let scale_percent =
+        pointwise_critical(model.level().into_valid()?) * sd_percent.reduce(f64::max)?;
     let gain = model.metrics.dc_gain;
     // One that turns the other way is another finding.
     let value = gain.value.filter(|_| may_not_be_one(gain, scale_percent))?;
@@ -40,7 +41,8 @@ pub(super) fn advice(data: &Dataset, model: &Model) -> Option<Advice> {
 
 /// Whether 1 lies outside of the interval of a gain above 0, widened by what is not known of the sensor's scale.
 fn may_not_be_one(gain: Interval, scale_percent: f64) -> bool {
-    let widened = |bound: Option<f64>, sign: f64| Some(bound? * (1.0 + sign * scale_percent / 100.0));
+    let widened =
+        |bound: Option<f64>, sign: f64| Some(bound? * (1.0 + sign * scale_percent / 100.0));
     let ends = widened(gain.lower, -1.0).zip(widened(gain.upper, 1.0));
     gain.lower.is_some_and(|lower| lower > 0.0)
         && ends.is_some_and(|(lower, upper)| !(lower..=upper).contains(&1.0))
@@ -69,7 +71,8 @@ mod tests {
 
     #[test]
     fn a_gain_is_doubted_beyond_its_interval_and_the_scale() {
-        let doubted = |gain: f64, scale| may_not_be_one(Interval::new(gain, gain - 0.01, gain + 0.01), scale);
+        let doubted =
+            |gain: f64, scale| may_not_be_one(Interval::new(gain, gain - 0.01, gain + 0.01), scale);
         assert!(doubted(0.72, 12.9) && doubted(2.4, 12.9));
         assert!(!doubted(0.95, 12.9) && !doubted(1.01, 12.9) && !doubted(-1.0, 12.9));
         assert!(doubted(0.95, 1.3));
@@ -77,9 +80,21 @@ mod tests {
 
     #[test]
     fn a_sensor_of_another_kind_is_named() {
-        let of = |kind, stated| other_sensor(degrees_of(stated) / degrees_of(kind), degrees_of(stated), 12.9);
-        assert_eq!(of(SensorKind::Rty, SensorKind::As5600), Some(SensorKind::Rty));
-        assert_eq!(of(SensorKind::As5600, SensorKind::Rty), Some(SensorKind::As5600));
+        let of = |kind, stated| {
+            other_sensor(
+                degrees_of(stated) / degrees_of(kind),
+                degrees_of(stated),
+                12.9,
+            )
+        };
+        assert_eq!(
+            of(SensorKind::Rty, SensorKind::As5600),
+            Some(SensorKind::Rty)
+        );
+        assert_eq!(
+            of(SensorKind::As5600, SensorKind::Rty),
+            Some(SensorKind::As5600)
+        );
         assert_eq!(other_sensor(0.72, degrees_of(SensorKind::Rty), 12.9), None);
     }
 }

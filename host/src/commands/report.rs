@@ -178,8 +178,8 @@ fn comparison(a: &Servo, b: &Servo, margin: f64, talk: Talk) -> Result<Option<Co
         (None, None) => {
             let options = with_strokes([&a.metadata, &b.metadata], &options);
             compare_models(&a.model, &b.model, &options)
-            .map(Some)
-            .with_context(|| format!("{} against {}", a.name, b.name))
+                .map(Some)
+                .with_context(|| format!("{} against {}", a.name, b.name))
         }
         _ => {
             talk.say("no verdict on a recording beside a model: the page shows both; a verdict needs two recordings or two models");

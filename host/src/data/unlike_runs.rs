@@ -8,7 +8,11 @@ use servoid_identification::{Record, only_stroke};
 const THE_SAME: [&str; 3] = ["condition", "servo", "rig"];
 
 /// That runs differ in what they are of. `facts` are those of the files, in the order of the runs.
-pub(super) fn advice(record: &Record, facts: &[Vec<(String, String)>], unit: Option<&str>) -> Option<Advice> {
+pub(super) fn advice(
+    record: &Record,
+    facts: &[Vec<(String, String)>],
+    unit: Option<&str>,
+) -> Option<Advice> {
     let strokes = strokes(record, &names(record, facts), unit);
     let stated = THE_SAME.iter().filter_map(|key| stated(key, facts));
     let differ: Vec<String> = strokes.into_iter().chain(stated).collect();
@@ -63,10 +67,14 @@ fn strokes(record: &Record, names: &[String], unit: Option<&str>) -> Option<Stri
 
 /// "condition bench (a.csv) and aircraft (b.csv)", where two files state different ones.
 fn stated(key: &str, facts: &[Vec<(String, String)>]) -> Option<String> {
-    let mut all = facts.iter().filter_map(|facts| Some((value(facts, key)?, value(facts, "file")?)));
+    let mut all = facts
+        .iter()
+        .filter_map(|facts| Some((value(facts, key)?, value(facts, "file")?)));
     let (first, of_first) = all.next()?;
     let (other, of_other) = all.find(|(other, _)| *other != first)?;
-    Some(format!("{key} {first} ({of_first}) and {other} ({of_other})"))
+    Some(format!(
+        "{key} {first} ({of_first}) and {other} ({of_other})"
+    ))
 }
 
 #[cfg(test)]
@@ -75,7 +83,9 @@ mod tests {
     use servoid_identification::Run;
 
     fn facts(file: &str, condition: &str) -> Vec<(String, String)> {
-        [("file", file), ("condition", condition)].map(|(key, value)| (key.to_owned(), value.to_owned())).to_vec()
+        [("file", file), ("condition", condition)]
+            .map(|(key, value)| (key.to_owned(), value.to_owned()))
+            .to_vec()
     }
 
     fn record(sizes: [f64; 2]) -> Record<'static> {
@@ -89,9 +99,14 @@ mod tests {
     #[test]
     fn what_differs_is_named() {
         let files = [facts("a.csv", "bench"), facts("b.csv", "aircraft")];
-        let found = advice(&record([10.0, 4.0]), &files, Some("deg")).unwrap().finding;
+        let found = advice(&record([10.0, 4.0]), &files, Some("deg"))
+            .unwrap()
+            .finding;
         let differ = "strokes of 10 deg (a.csv) and 4 deg (b.csv); condition bench (a.csv) and aircraft (b.csv).";
-        assert!(found.starts_with(&format!("The runs are not of one kind: {differ}")), "{found}");
+        assert!(
+            found.starts_with(&format!("The runs are not of one kind: {differ}")),
+            "{found}"
+        );
         let alike = [facts("a.csv", "bench"), facts("b.csv", "bench")];
         assert_eq!(advice(&record([10.0, 10.1]), &alike, None), None);
         let found = advice(&record([10.0, 4.0]), &[], None).unwrap().finding;

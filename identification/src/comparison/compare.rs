@@ -123,7 +123,8 @@ pub fn compare_models(
         .max(b.structure.settling_samples);
     let curves = [Curves::of_model(a, points)?, Curves::of_model(b, points)?];
     let mut comparison = of_curves([a, b], [a.metrics, b.metrics], &curves, None, options);
-    let of_strokes = |strokes| different_motions::strokes_of_models_may_explain(&comparison, strokes);
+    let of_strokes =
+        |strokes| different_motions::strokes_of_models_may_explain(&comparison, strokes);
     if options.strokes_of_models.is_some_and(of_strokes) {
         comparison.verdict = Verdict::Undecided;
         comparison.descriptions_of_different_motions = true;

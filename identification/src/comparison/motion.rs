@@ -162,7 +162,10 @@ mod tests {
             "the strokes differ, ±5 against ±30 deg"
         );
         let longer = small.difference_in_words(&square(5.0, 40), "");
-        assert!(longer.starts_with("the references differ, 2 levels"), "{longer}");
+        assert!(
+            longer.starts_with("the references differ, 2 levels"),
+            "{longer}"
+        );
         assert!(!small.is_like(&square(5.0, 40)));
         assert_eq!(
             small.in_words("deg"),

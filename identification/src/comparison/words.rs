@@ -43,12 +43,12 @@ fn not_one_reference(
     format!(
         "Not decided: {differ}. A servo that is limited in speed or torque, or has play, answers each of them differently, so that what \
          differs may be the motion and not the servo. Record both sides with the same reference. Of the responses to the two motions, {}.",
-        apart(bounds)
+        apart(found, bounds)
     )
 }
 
 /// How far apart the responses are where they differ most.
-fn apart(bounds: &ComparisonBounds) -> String {
+fn apart(found: &Comparison, bounds: &ComparisonBounds) -> String {
     let ComparisonBounds {
         level,
         difference_percent: bounds,
@@ -59,9 +59,18 @@ fn apart(bounds: &ComparisonBounds) -> String {
         Direction::Up => " on the way up",
         Direction::Down => " on the way down",
     };
-    // Where they may not differ at all, there is no time at which they surely do.
-    let clearest = match bounds.at_least > 0.0 {
-        true => format!(", most clearly {:.0} ms after a command{stroke}", 1e3 * bounds.at_s),
+    // Where they may not differ at all, there is no time at which they surely do; and before either moves they differ by errors of the models.
+    let delays = found
+        .differences
+        .iter()
+        .filter(|row| row.metric == "delay_s");
+    let moves = delays.flat_map(|row| row.a.into_iter().chain(row.b));
+    let moves = moves.reduce(f64::min).unwrap_or(0.0);
+    let clearest = match bounds.at_least > 0.0 && bounds.at_s >= moves {
+        true => format!(
+            ", most clearly {:.0} ms after a command{stroke}",
+            1e3 * bounds.at_s
+        ),
         false => String::new(),
     };
     format!(
@@ -73,7 +82,7 @@ fn apart(bounds: &ComparisonBounds) -> String {
 }
 
 fn answer(found: &Comparison, bounds: &ComparisonBounds) -> String {
-    let apart = apart(bounds);
+    let apart = apart(found, bounds);
     let margin = found.margin_percent;
     let subject = subject(found);
     match found.verdict {

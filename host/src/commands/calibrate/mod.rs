@@ -14,6 +14,7 @@ use crate::data::recording::write_file;
 use crate::data::rig_file::{RigFile, SensorSection};
 use crate::instrument::calibration::{
     Calibration, Found, Mover, Reading, Rest, Travel, mistyped_angle, put_into, require_followed,
+    swapped_angles,
 };
 use crate::instrument::port;
 use crate::instrument::rig::RigClient;
@@ -181,8 +182,13 @@ impl Calibrate {
         let rig = self.rig.require(source.file.clone())?;
         let pulses = self.positions(&rig.file);
         if !self.angles.is_empty() && self.angles.len() != pulses.len() {
+            let angles = if self.angles.len() == 1 {
+                "angle"
+            } else {
+                "angles"
+            };
             wrong_usage(format_args!(
-                "--angles has {} angles for {} positions ({} µs); give one for each",
+                "--angles has {} {angles} for {} positions ({} µs); give one for each",
                 self.angles.len(),
                 pulses.len(),
                 text::listed(&pulses)
@@ -303,7 +309,11 @@ impl Calibrate {
             sensor: sensor.zip(remark.as_deref()),
             us_per_degree: travel.map(|travel| travel.us_per_degree),
             // Pulses, which need no angles.
-            limits_us: measured.travel.as_ref().map(Travel::before_stops_us).unwrap_or_default(),
+            limits_us: measured
+                .travel
+                .as_ref()
+                .map(Travel::before_stops_us)
+                .unwrap_or_default(),
         };
         let after = put_into(before, &found).map_err(anyhow::Error::msg)?;
         // A file that could not be read back is not written.
@@ -323,6 +333,8 @@ fn line(readings: &[Reading]) -> Result<Calibration> {
     let fit = Calibration::fit(readings);
     let angle = mistyped_angle(readings).filter(|_| fit.is_err());
     angle.iter().for_each(print_remark);
+    let swapped = swapped_angles(readings).filter(|_| fit.is_err());
+    swapped.iter().for_each(print_remark);
     Ok(fit?)
 }
 

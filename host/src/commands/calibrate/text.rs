@@ -124,8 +124,14 @@ Largest deviation from the line: {:.3} degrees ({} readings).
         travel.neutral_counts.value,
         travel.neutral_deg.value,
         range(&travel.neutral_deg, 3),
-        end(&travel.short_end, shortest.map(|us| format!("shortest_us = {us}"))),
-        end(&travel.long_end, longest.map(|us| format!("longest_us = {us}"))),
+        end(
+            &travel.short_end,
+            shortest.map(|us| format!("shortest_us = {us}"))
+        ),
+        end(
+            &travel.long_end,
+            longest.map(|us| format!("longest_us = {us}"))
+        ),
         travel.largest_residual_deg,
         travel.rests.len()
     )

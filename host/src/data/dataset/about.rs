@@ -58,11 +58,15 @@ impl About {
         let (a, b) = pairs.find(|(a, b)| a != b)?;
         let percent = 100.0 * (b.degrees_per_count / a.degrees_per_count - 1.0);
         let zero = (b.zero_counts - a.zero_counts) * a.degrees_per_count;
+        let scale = match percent < -100.0 {
+            true => "the second turns the other way (its scale has the other sign)".to_owned(),
+            false => format!("the scale of the second is {percent:+.2} % from that of the first"),
+        };
         let rough = a.scale_sd_percent.max(b.scale_sd_percent);
         Some(Advice::new(
             Check::Calibration,
             format!(
-                "The sides have different calibrations of the sensor: the scale of the second is {percent:+.2} % from that of the first, and its zero \
+                "The sides have different calibrations of the sensor: {scale}, and its zero is \
                  {zero:+.2} degrees; the rougher scale has a standard deviation of {rough:.2} %. Where the sensor is the same, gains and levels \
                  differ by that much for this reason alone."
             ),

@@ -12,6 +12,7 @@ mod from_arrays;
 mod from_recordings;
 mod from_tables;
 mod loaded;
+mod named_columns;
 mod options;
 mod sensor_delay;
 mod sentinel_values;
@@ -193,7 +194,10 @@ fn of_content(
     if let Some(fault) = refused_json(&bytes) {
         return Err(fault);
     }
-    let remark = is_recording.then(|| from_recordings::remark_on_named(&bytes, path));
+    let header = is_recording
+        .then(|| recording::header_as_it_reads(&bytes))
+        .flatten();
+    let state = is_recording.then(|| from_recordings::state(&bytes, path));
     let table = Table::parse(bytes)?;
     // A name without its unit, which another program's file may have in full, is not meant for a column of a recording.
     let mut wanted = [&options.input, &options.output].into_iter().flatten();
@@ -203,13 +207,20 @@ fn of_content(
             present: table.columns_listed(),
         });
     }
-    let mut loaded = match from_tables::from_table(&table, path, options) {
+    let loaded = match from_tables::from_table(&table, path, options) {
         Err(DatasetFault::Table(TableFault::NoColumn { column, present })) if is_recording => {
             return Err(DatasetFault::OtherColumns { column, present });
         }
         loaded => loaded?,
     };
-    loaded.about.remarks.extend(remark);
+    let Some((header, state)) = header.zip(state) else {
+        return Ok(loaded);
+    };
+    let mut loaded = named_columns::timed(loaded, &header, options)?;
+    let file = path.display();
+    loaded.about.remarks.push(format!(
+        "{file} is a recording of servoid, but with its columns named its rows are not checked; what its header says of times is taken as it stands: {state}"
+    ));
     Ok(loaded)
 }
 

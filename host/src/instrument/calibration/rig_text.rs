@@ -44,7 +44,10 @@ pub fn put_into(rig_file: &str, found: &Found<'_>) -> Result<String, String> {
         let remark = format!("  # {lower:.4} to {upper:.4} with {level} % confidence");
         set(servo, "us_per_degree", estimate.value, &remark);
     }
-    for (key, limit) in ["shortest_us", "longest_us"].into_iter().zip(found.limits_us) {
+    for (key, limit) in ["shortest_us", "longest_us"]
+        .into_iter()
+        .zip(found.limits_us)
+    {
         if let Some(limit_us) = limit {
             let limits = section(&mut document, "limits")?;
             set(limits, key, i64::from(limit_us), "");

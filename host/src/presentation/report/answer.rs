@@ -75,10 +75,14 @@ fn verdict(page: &Page<'_>) -> String {
                 "",
                 &summary::servo_sentence(&found.model, first.subject.units),
             ),
-            (_, Bounds::Valid(_)) => paragraph("", "", &summary::headline_of_model(own, first.metadata)),
-            (_, Bounds::Withdrawn(_)) => {
-                paragraph("different", "", &summary::headline_of_model(own, first.metadata))
+            (_, Bounds::Valid(_)) => {
+                paragraph("", "", &summary::headline_of_model(own, first.metadata))
             }
+            (_, Bounds::Withdrawn(_)) => paragraph(
+                "different",
+                "",
+                &summary::headline_of_model(own, first.metadata),
+            ),
         };
     };
     let names = [first.subject.name, second.subject.name];

@@ -167,7 +167,10 @@ fn largest_difference(bounds: &ComparisonBounds) -> String {
         Direction::Down => " of a down stroke",
     };
     let surest = match difference.at_least > 0.0 {
-        true => format!(", surest {:.0} ms after the edge{stroke}", 1e3 * difference.at_s),
+        true => format!(
+            ", surest {:.0} ms after the edge{stroke}",
+            1e3 * difference.at_s
+        ),
         false => String::new(),
     };
     format!(

@@ -25,7 +25,11 @@ pub(crate) fn headline_of_model(model: &Model, of: &ModelMetadata) -> String {
     let parts: Vec<String> = half.into_iter().chain(settled).collect();
     let motion = match parts.is_empty() {
         true => String::new(),
-        false => format!("After a step{} the servo {}. ", which_step(of), parts.join(" and ")),
+        false => format!(
+            "After a step{} the servo {}. ",
+            which_step(of),
+            parts.join(" and ")
+        ),
     };
     let before = model.advice.iter().find(|item| is_said_before(item));
     let before = before.map_or_else(String::new, |item| format!("{} ", item.finding));
@@ -56,7 +60,9 @@ pub(crate) fn headline_of_comparison(a: &str, b: &str, found: &Comparison, units
     let of = subject_in_words(found);
     if found.descriptions_of_different_motions {
         let unit = units.input.unwrap_or_default();
-        let differ = found.motions.map(|both| both.a.difference_in_words(&both.b, unit));
+        let differ = found
+            .motions
+            .map(|both| both.a.difference_in_words(&both.b, unit));
         return format!(
             "No verdict on {a} and {b}: {}. What differs may be the motion and not the servo. Record both with the same reference.",
             differ.as_deref().unwrap_or("their references differ")

@@ -204,7 +204,7 @@ pub(super) fn table(model: &Model, of: &ModelMetadata) -> String {
 
 /// Which metrics are withheld, and why, where some are.
 pub(crate) fn withheld_line(metrics: &Metrics) -> Option<String> {
-    let because = metrics.withheld?.because();
+    let because = metrics.why_withheld()?;
     let which = match metrics.dc_gain.value {
         Some(_) => "the others",
         None => "all",

@@ -167,7 +167,7 @@ fn step_band(model: &Model) -> String {
     let (each, whole) = bounds.mean_half_widths();
     let digits = decimals(each, 2);
     format!(
-        "+-{each:.digits$} each point, +-{whole:.digits$} whole curve ({} %, of a unit step, mean)",
+        "±{each:.digits$} each point, ±{whole:.digits$} whole curve ({} %, of a unit step, mean)",
         percent(bounds.level)
     )
 }

@@ -62,7 +62,10 @@ fn motion(model: &Model, of: &ModelMetadata) -> String {
                 true => last,
                 false => format!("{}, and {last}", parts.join(", ")),
             };
-            format!("After a step of the command{} the servo {all}.", which_step(of))
+            format!(
+                "After a step of the command{} the servo {all}.",
+                which_step(of)
+            )
         }
     }
 }
@@ -70,14 +73,20 @@ fn motion(model: &Model, of: &ModelMetadata) -> String {
 /// " of 10 deg, the only size recorded,": a servo that is limited in speed or torque answers steps of other sizes differently, and nothing
 /// in such a recording shows whether this one is.
 pub(super) fn which_step(of: &ModelMetadata) -> String {
-    stroke_in_words(of).map_or_else(String::new, |stroke| format!(" of {stroke}, the only size recorded,"))
+    stroke_in_words(of).map_or_else(String::new, |stroke| {
+        format!(" of {stroke}, the only size recorded,")
+    })
 }
 
 /// "10 deg", the size of all strokes, where they have one.
 pub(crate) fn stroke_in_words(of: &ModelMetadata) -> Option<String> {
     let size = of.only_stroke?;
     let unit = of.units().input.map(|unit| format!(" {unit}"));
-    Some(format!("{}{}", rounded_to_three(size), unit.unwrap_or_default()))
+    Some(format!(
+        "{}{}",
+        rounded_to_three(size),
+        unit.unwrap_or_default()
+    ))
 }
 
 /// 10 rather than 10.00.

@@ -73,15 +73,36 @@ fn what_was_seen(
     units: Units<'_>,
 ) -> Vec<String> {
     let kind = match speeds {
-        Some(_) => "is limited in its speed",
-        None => kind(model),
+        Some(speeds) => fitted_top_speeds(model, speeds, units),
+        None => kind(model).to_owned(),
     };
     let reached = model.reached.map(|reached| {
         let [up, down] = [reached.upwards, reached.downwards]
             .map(|speed| speed_in_words(model, (speed, digits(speed, 2)), units));
         format!("moved at up to {up} upwards and {down} downwards in this recording")
     });
-    std::iter::once(kind.to_owned()).chain(reached).collect()
+    std::iter::once(kind).chain(reached).collect()
+}
+
+/// "is limited to 738 deg/s (0.081 s/60°), by other fits to 733 to 739": without an interval, how far fits that predict as well go apart says
+/// how much of it is the record's.
+fn fitted_top_speeds(model: &ServoModel, speeds: [&Quantity; 2], units: Units<'_>) -> String {
+    let [up, down] =
+        speeds.map(|found| speed_in_words(model, (found.value, digits(found.value, 3)), units));
+    let all = speeds.iter().filter_map(|found| found.other_fits);
+    let ends = all.map(|fits| (fits.least, fits.most));
+    let ends = ends.reduce(|(a, b), (c, d)| (a.min(c), b.max(d)));
+    let others = ends.map_or_else(String::new, |(least, most)| {
+        format!(
+            ", by other fits to {} to {}",
+            digits(least, 3),
+            digits(most, 3)
+        )
+    });
+    match up == down {
+        true => format!("is limited to {up}{others}"),
+        false => format!("is limited to {up} upwards and {down} downwards{others}"),
+    }
 }
 
 /// The quantity of this name, where the record determines it.
