@@ -18,7 +18,11 @@ use servoid_protocol::hello::INTERNAL_CLOCK_ERROR;
 pub fn identified(data: &Dataset, name: &str, options: &Options) -> Result<Identification> {
     let found = identify_explained(&data.record, options);
     let mut found = found.with_context(|| name.to_owned())?;
-    found.model.advice.extend(data.about.advice.iter().cloned());
+    let of_files = data.about.advice.iter().cloned();
+    let (first, others): (Vec<_>, Vec<_>) =
+        of_files.partition(|item| item.check == Check::UnlikeRuns);
+    found.model.advice.splice(0..0, first);
+    found.model.advice.extend(others);
     let doubtful = unlikely_period(data.record.sample_period_s());
     let doubtful = doubtful.or_else(|| unlikely_duration(&found.model));
     let mixed = advice_on_gain(&found.model, data.about.units());

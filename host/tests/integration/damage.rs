@@ -341,6 +341,18 @@ fn a_recording_without_a_sound_header_has_the_same_times_by_its_columns() {
         assert_eq!(record.samples(), whole.record.samples());
     }
     assert_eq!(records[0].runs()[0].input(), whole.record.runs()[0].input());
+    // Only what works is advised: with another scale no row is sound.
+    let scale = "degrees_per_count = 0.0091552734375";
+    let header = with_header(&text, scale, "degrees_per_count = 0.02", false);
+    let broken = dir.path().join("broken.csv");
+    std::fs::write(&broken, header).unwrap();
+    let refused = |file: &Path| load(&[file.to_owned()], &DatasetOptions::default()).unwrap_err();
+    let (savable, lost) = (refused(&damaged).to_string(), refused(&broken).to_string());
+    assert!(savable.contains("servoid recover"), "{savable}");
+    assert!(
+        !lost.contains("servoid recover") && lost.contains("--input reference_deg"),
+        "{lost}"
+    );
     // A header that is gone leaves the phase of every board.
     let (_, rows) = text.split_once("# header_crc32").unwrap();
     let (_, rows) = rows.split_once('\n').unwrap();

@@ -4,7 +4,7 @@ use super::layout::listed_words;
 use super::servo_model::{OF_LIMIT, digits, four_digits, seconds_per_60_degrees, turn_time_s};
 use crate::data::units::Units;
 use servoid_identification::results::{Bounds, Reason};
-use servoid_identification::servo_model::{LinearKind, LoadKind, Quantity, ServoModel};
+use servoid_identification::servo_model::{LinearKind, LoadKind, Quantity, ServoModel, Spread};
 use servoid_identification::thresholds::POOR_PREDICTION_PERCENT;
 
 /// What kind of servo this is, in a sentence or two; and that the linear model is the one to use, where it predicts better.
@@ -72,10 +72,11 @@ fn what_was_seen(
     speeds: Option<[&Quantity; 2]>,
     units: Units<'_>,
 ) -> Vec<String> {
-    let kind = match speeds {
-        Some(speeds) => fitted_top_speeds(model, speeds, units),
+    let agreed = speeds.and_then(|speeds| agreed(model, speeds));
+    let kind = limited_to(model, agreed, units).unwrap_or_else(|| match speeds {
+        Some(_) => "is limited in its speed".to_owned(),
         None => kind(model).to_owned(),
-    };
+    });
     let reached = model.reached.map(|reached| {
         let [up, down] = [reached.upwards, reached.downwards]
             .map(|speed| speed_in_words(model, (speed, digits(speed, 2)), units));
@@ -84,25 +85,24 @@ fn what_was_seen(
     std::iter::once(kind).chain(reached).collect()
 }
 
-/// "is limited to 738 deg/s (0.081 s/60°), by other fits to 733 to 739": without an interval, how far fits that predict as well go apart says
-/// how much of it is the record's.
-fn fitted_top_speeds(model: &ServoModel, speeds: [&Quantity; 2], units: Units<'_>) -> String {
-    let [up, down] =
-        speeds.map(|found| speed_in_words(model, (found.value, digits(found.value, 3)), units));
-    let all = speeds.iter().filter_map(|found| found.other_fits);
-    let ends = all.map(|fits| (fits.least, fits.most));
-    let ends = ends.reduce(|(a, b), (c, d)| (a.min(c), b.max(d)));
-    let others = ends.map_or_else(String::new, |(least, most)| {
-        format!(
-            ", by other fits to {} to {}",
-            digits(least, 3),
-            digits(most, 3)
-        )
-    });
-    match up == down {
-        true => format!("is limited to {up}{others}"),
-        false => format!("is limited to {up} upwards and {down} downwards{others}"),
+/// Other fits to the record whose top speeds are within this part of it of each other have one top speed: it is what counts as the same where
+/// servos are compared.
+const SAME_SPEED: f64 = 0.05;
+
+/// Top speeds without intervals on which all fits agree, and which the servo has not exceeded: a limit that was exceeded is none. Where
+/// errors show that the model lacks something, speeds may stand for that.
+fn agreed<'q>(model: &ServoModel, speeds: [&'q Quantity; 2]) -> Option<[&'q Quantity; 2]> {
+    if model.covariance.withdrawn() == Some(Reason::ErrorsNotNoise) {
+        return None;
     }
+    let reached = model.reached?;
+    let of = |(found, reached): (&Quantity, f64)| {
+        let fits = found.other_fits;
+        let same = |fits: Spread| fits.most - fits.least <= SAME_SPEED * found.value;
+        found.value >= reached && fits.is_some_and(same)
+    };
+    let all = speeds.into_iter().zip([reached.upwards, reached.downwards]);
+    all.into_iter().all(of).then_some(speeds)
 }
 
 /// The quantity of this name, where the record determines it.
