@@ -114,7 +114,7 @@ impl PlanArgs {
         }
         let beyond = rig.require_within_limits(&request.reference).err();
         let beyond =
-            beyond.map(|beyond| format!("\n  ! 'servoid capture' will not run this: {beyond}.\n"));
+            beyond.map(|beyond| format!("\n  ! 'servoid capture' will not run this: {beyond}\n"));
         talk.result(of_plan(&plan) + &beyond.unwrap_or_default(), &plan)
     }
 

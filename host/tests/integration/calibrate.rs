@@ -144,7 +144,7 @@ fn doubtful_angles_are_written_without_a_terminal_only_on_request() {
     ];
     let refused = refusal(&args);
     assert!(
-        refused.contains("disagrees with the rig file") && refused.contains("--yes"),
+        refused.contains("doubtful or disagrees with the rig file") && refused.contains("--yes"),
         "{refused}"
     );
     assert_eq!(std::fs::read_to_string(&rig).unwrap(), before);

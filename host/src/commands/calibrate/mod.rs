@@ -169,7 +169,7 @@ impl Calibrate {
             return Ok(());
         }
         bail!(
-            "nothing was written, because the result disagrees with the rig file (see above): check the angles, or add --yes to write it all the same"
+            "nothing was written, because the result is doubtful or disagrees with the rig file (see above): check the angles, or add --yes to write it all the same"
         );
     }
 

@@ -57,7 +57,7 @@ fn what_is_known(
     units: Units<'_>,
 ) -> Vec<String> {
     let parts = [
-        Some(limited_to(model, speeds, units).unwrap_or_else(|| kind(model).to_owned())),
+        Some(limited_to(model, speeds, units, 4).unwrap_or_else(|| kind(model).to_owned())),
         resting_error(model, units),
         load(model).map(str::to_owned),
         delay(model),
@@ -73,7 +73,7 @@ fn what_was_seen(
     units: Units<'_>,
 ) -> Vec<String> {
     let agreed = speeds.and_then(|speeds| agreed(model, speeds));
-    let kind = limited_to(model, agreed, units).unwrap_or_else(|| match speeds {
+    let kind = limited_to(model, agreed, units, 3).unwrap_or_else(|| match speeds {
         Some(_) => "is limited in its speed".to_owned(),
         None => kind(model).to_owned(),
     });
@@ -117,14 +117,15 @@ fn top_speeds(model: &ServoModel) -> Option<[&Quantity; 2]> {
     Some([up?, down?])
 }
 
-/// "is limited to 331 deg/s (0.181 s/60°)", where the record determines that.
+/// "is limited to 331 deg/s (0.181 s/60°)", where the record determines that, with so many digits.
 fn limited_to(
     model: &ServoModel,
     speeds: Option<[&Quantity; 2]>,
     units: Units<'_>,
+    count: usize,
 ) -> Option<String> {
-    let [up, down] =
-        speeds?.map(|found| speed_in_words(model, (found.value, four_digits(found.value)), units));
+    let [up, down] = speeds?
+        .map(|found| speed_in_words(model, (found.value, digits(found.value, count)), units));
     Some(match up == down {
         true => format!("is limited to {up}"),
         false => format!("is limited to {up} upwards and {down} downwards"),
