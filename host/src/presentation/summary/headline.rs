@@ -3,8 +3,9 @@
 use super::comparison::subject_in_words;
 use super::first_finding::{first_finding, is_said_before};
 use super::metrics::settling_time;
-use super::model_sentence::{certainty, hides_step, which_step};
+use super::model_sentence::{certainty, hides_step};
 use super::numbers::percent;
+use super::strokes::which_step;
 use crate::data::model_metadata::ModelMetadata;
 use crate::data::units::Units;
 use servoid_identification::comparison::{Comparison, ComparisonBounds, Direction, Verdict};

@@ -1,7 +1,7 @@
 //! Tables of gain, delay, rise time and the like.
 
-use super::model_sentence::stroke_in_words;
 use super::numbers::{decimals, head_of_bounds};
+use super::strokes::stroke_in_words;
 use crate::data::model_metadata::ModelMetadata;
 use servoid_identification::comparison::Comparison;
 use servoid_identification::results::{Interval, Metrics, Model, Reason};

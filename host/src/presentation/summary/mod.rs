@@ -12,16 +12,17 @@ mod numbers;
 mod servo_comparison;
 mod servo_model;
 mod servo_sentence;
+mod strokes;
 
 pub use beyond_linear::{of_flight_model, of_limits};
 pub use comparison::of_comparison;
 pub(crate) use metrics::TableRow;
 pub use model_sentence::model_sentence;
-pub(crate) use model_sentence::stroke_in_words;
 pub(crate) use servo_comparison::{how_servo_models_are_compared, servo_model_rows};
 pub use servo_comparison::{of_servo_models, sentence_on_servo_models};
 pub use servo_model::of_servo_model;
 pub use servo_sentence::servo_sentence;
+pub(crate) use strokes::stroke_in_words;
 
 pub(crate) use comparison::{
     NOT_COMPARED, facts_of_comparison, how_compared, table_of_comparison, verdict,

@@ -2,7 +2,8 @@
 
 use super::first_finding::first_finding;
 use super::metrics::settling_time;
-use super::numbers::{percent, rounded};
+use super::numbers::percent;
+use super::strokes::which_step;
 use crate::data::model_metadata::ModelMetadata;
 use crate::data::units::Units;
 use servoid_identification::results::{Bounds, Interval, Model, Reason, StepBounds};
@@ -68,31 +69,6 @@ fn motion(model: &Model, of: &ModelMetadata) -> String {
             )
         }
     }
-}
-
-/// " of 10 deg, the only size recorded,": a servo that is limited in speed or torque answers steps of other sizes differently, and nothing
-/// in such a recording shows whether this one is.
-pub(super) fn which_step(of: &ModelMetadata) -> String {
-    stroke_in_words(of).map_or_else(String::new, |stroke| {
-        format!(" of {stroke}, the only size recorded,")
-    })
-}
-
-/// "10 deg", the size of all strokes, where they have one.
-pub(crate) fn stroke_in_words(of: &ModelMetadata) -> Option<String> {
-    let size = of.only_stroke?;
-    let unit = of.units().input.map(|unit| format!(" {unit}"));
-    Some(format!(
-        "{}{}",
-        rounded_to_three(size),
-        unit.unwrap_or_default()
-    ))
-}
-
-/// 10 rather than 10.00.
-fn rounded_to_three(size: f64) -> f64 {
-    let power = 10f64.powf(2.0 - size.log10().floor());
-    rounded((size * power).round() / power)
 }
 
 /// Where the response ends; or that it does not, as far as that can be judged.
