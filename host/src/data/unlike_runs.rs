@@ -20,7 +20,7 @@ pub(super) fn advice(
         Advice::new(
             Check::UnlikeRuns,
             format!(
-                "The runs are not of one kind: {}. One model of all of them describes none of them.",
+                "The runs are not of one kind: {}. One model of all of them holds only if the servo answers them alike.",
                 differ.join("; ")
             ),
             differ.len() as f64,

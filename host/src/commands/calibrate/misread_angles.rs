@@ -11,6 +11,9 @@ const SCALE: f64 = 0.15;
 /// A neutral farther from 0 degrees is doubtful, as a part of the distance between two positions.
 const NEUTRAL: f64 = 0.5;
 
+/// What has a scale of counts.
+const SENSOR: &str = "the sensor";
+
 /// One sentence for each disagreement of `measured` with the rig file.
 pub(super) fn doubts(measured: &Measured, rig: &RigFile, pulses: &[u16]) -> Vec<String> {
     let mut found = Vec::new();
@@ -23,7 +26,7 @@ pub(super) fn doubts(measured: &Measured, rig: &RigFile, pulses: &[u16]) -> Vec<
     }
     if let Some(sensor) = &measured.sensor {
         let ratio = sensor.degrees_per_count / rig.sensor.degrees_per_count;
-        found.extend(scale("the sensor", "degrees_per_count", ratio));
+        found.extend(scale(SENSOR, "degrees_per_count", ratio));
     }
     let Some(travel) = measured.travel.as_ref().filter(|_| !measured.assumed) else {
         return found;
@@ -62,8 +65,12 @@ fn scale(of: &str, key: &str, ratio: f64) -> Option<String> {
             "{of} turns against the sign of {key} in the rig file: are the signs of the angles right?"
         ));
     }
+    let kind = match of {
+        SENSOR => ", and is the sensor of the kind that the rig file names",
+        _ => "",
+    };
     ((ratio - 1.0).abs() > SCALE).then(|| format!(
-        "the angles are {ratio:.2} times what {of} should show by the rig file's {key}: were they read right, and is that of the kind that the rig file names?"
+        "the angles are {ratio:.2} times what {of} should show by the rig file's {key}: were they read right{kind}?"
     ))
 }
 

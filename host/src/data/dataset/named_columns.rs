@@ -24,9 +24,11 @@ pub(super) fn timed(
     let delay = SensorDelay::of(&header)?;
     let mut rest = Vec::new();
     let mut runs = Vec::new();
+    let mut is_cut = true;
     for whole in &loaded.runs {
         let samples = whole.input().len();
         let range = reference(&header, samples).filter(|_| !options.with_rest);
+        is_cut &= range.is_some();
         let range = range.unwrap_or(0..samples);
         for around in [0..range.start, range.end..samples] {
             if !around.is_empty() {
@@ -44,6 +46,11 @@ pub(super) fn timed(
         runs.push(part(whole, range, &delay, whole.input_at_rest())?);
     }
     let mut about = loaded.about;
+    if !is_cut && !options.with_rest {
+        about.remarks.push(
+            "nothing states where the reference begins in these rows, so the rest around it is used, too".to_owned(),
+        );
+    }
     about.sensor_delay_uncertainty_s = about.sensor_delay_uncertainty_s.max(delay.uncertainty_s);
     about.pulse_frame_s = Some(f64::from(header.pulse_period_us) / 1e6);
     Ok(Loaded {
