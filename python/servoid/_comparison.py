@@ -16,7 +16,10 @@ class Comparison(Printed):
 
     @property
     def verdict(self) -> str:
-        """``"different"``, ``"same"`` or ``"undecided"``, against :attr:`margin_percent`."""
+        """``"different"``, ``"same"`` or ``"undecided"``, against :attr:`margin_percent`.
+
+        Sides with different references are never ``"different"``: that may be the reference and not the servo.
+        """
         return str(self._fields["verdict"])
 
     @property
@@ -51,7 +54,8 @@ class Comparison(Printed):
 
     @property
     def p_value(self) -> float | None:
-        """Probability of such a difference by scatter between runs; ``None`` with fewer than three runs a side."""
+        """Probability of such a difference by scatter between runs; ``None`` with fewer than three runs a side, and where the
+        references differ and the step responses too."""
         found: float | None = self._fields["p_value"]
         return found
 

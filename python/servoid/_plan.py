@@ -43,7 +43,7 @@ class Plan(Printed):
         return (Plan, (self._text, self.summary, self.__dict__["_figure"]))
 
     def __repr__(self) -> str:
-        band = "no bounds" if self.widest_percent is None else f"band +-{self.widest_percent:.2g} % of the step"
+        band = "no bounds" if self.widest_percent is None else f"band ±{self.widest_percent:.2g} % of the step"
         return f"<Plan: {self._fields['description']}; {band}>"
 
     def _repr_html_(self) -> str:

@@ -90,7 +90,7 @@ impl Model {
     /// What kind of servo, how fast, how sure.
     #[getter]
     fn sentence(&self) -> String {
-        summary::model_sentence(&self.file.model, self.file.metadata.units())
+        summary::model_sentence(&self.file.model, &self.file.metadata)
     }
 
     /// The text that the program prints.
@@ -100,7 +100,7 @@ impl Model {
             return Ok(summary.clone());
         }
         let (model, units) = (&self.file.model, self.file.metadata.units());
-        let mut text = summary::of_model(&self.name, model, units, Extent::default());
+        let mut text = summary::of_model(&self.name, model, &self.file.metadata, Extent::default());
         let servo = self.file.servo_model().map_err(raised)?;
         text.extend(servo.map(|servo| summary::of_servo_model(&servo.model, units, false)));
         Ok(text)

@@ -1,6 +1,6 @@
 //! Servo, sensor and ADC together: a pulse in, a frame of samples out.
 
-use crate::options::{OptionsError, SimulationOptions};
+use crate::options::{OptionsError, SimulationOptions, first_sample_us};
 use crate::parts::Parts;
 use crate::sensor::{SENSOR_SCALE, sum};
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
@@ -63,17 +63,14 @@ impl Apparatus {
         self.number += 1;
         let edge = self.edge;
         self.edge += Duration::from_micros(train.frame_us().into());
-        let first_sample_us = match train {
-            PulseTrain::USUAL => self.first_sample_us,
-            _ => train.first_sample_us(),
-        };
+        let first_us = u64::from(first_sample_us(self.first_sample_us, train));
         let parts = &mut self.parts;
         let (sample_us, per_pulse) = (u64::from(train.sample_us()), train.samples_per_pulse());
         for (j, (counts, angle)) in (0..).zip(frame.samples.iter_mut().zip(&mut frame.angles)) {
             if j % u64::from(per_pulse) == 0 {
                 parts.command(edge + Duration::from_micros(j * sample_us), pulse);
             }
-            let at = edge + Duration::from_micros(u64::from(first_sample_us) + j * sample_us);
+            let at = edge + Duration::from_micros(first_us + j * sample_us);
             *angle = parts.servo.angle(at);
             *counts = sum(parts.sensor.convert(at, *angle, &parts.noise.next_sample()));
         }

@@ -7,6 +7,7 @@ use crate::linear::LinearParameters;
 use crate::noise::NoiseKind;
 use crate::run_to_run::{Conditions, Scatter};
 use crate::sensor::SensorFault;
+use servoid_protocol::PulseTrain;
 use servoid_protocol::pulse_train::PulseType;
 use servoid_protocol::timing::SAMPLE_US;
 use std::time::Duration;
@@ -130,6 +131,12 @@ impl SimulationOptions {
         }
     }
 
+    /// From the edge of a pulse to the first sample after it, with pulses of this train (s).
+    #[must_use]
+    pub fn sample_phase_s(&self, train: PulseTrain) -> f64 {
+        f64::from(first_sample_us(self.first_sample_us, train)) * 1e-6
+    }
+
     /// Checks every value.
     pub(crate) fn check(&self) -> Result<(), OptionsError> {
         let require = |holds: bool, key: &'static str, expected: &'static str| {
@@ -182,6 +189,14 @@ const NUMBER: &str = "a number";
 const POSITIVE: &str = "a number above 0";
 const NOT_NEGATIVE: &str = "a number, 0 or above";
 const MILLISECONDS: &str = "milliseconds, from 0 to a million";
+/// From the edge of a pulse to the first sample of its frame, where that is `usual` with the usual train (µs).
+pub(crate) fn first_sample_us(usual: u16, train: PulseTrain) -> u16 {
+    match train {
+        PulseTrain::USUAL => usual,
+        _ => train.first_sample_us(),
+    }
+}
+
 const FIRST_SAMPLE: &str = "microseconds, from 0 to 1999";
 const STOPS: &str = "two angles with a colon between them, below and above 0, such as -30:25";
 const BAUD: &str = "bits per second, 10 or more, or unlimited";

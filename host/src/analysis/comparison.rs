@@ -160,6 +160,18 @@ fn say_first(found: &mut Comparison, finding: Option<Advice>) {
     found.advice.splice(0..0, finding);
 }
 
+/// The options of a comparison of two models, with what their files say of the recordings.
+#[must_use]
+pub fn with_strokes([a, b]: [&ModelMetadata; 2], options: &ComparisonOptions) -> ComparisonOptions {
+    let strokes = a.only_stroke.zip(b.only_stroke);
+    let unit = a.units().input.filter(|unit| b.units().input == Some(unit));
+    ComparisonOptions {
+        strokes_of_models: strokes.map(<[f64; 2]>::from),
+        input_unit: unit.unwrap_or_default().to_owned(),
+        ..options.clone()
+    }
+}
+
 /// The comparison as its document has it.
 #[derive(Debug, Serialize)]
 pub struct Compared {
@@ -223,6 +235,7 @@ impl Compared {
         servo_model: bool,
     ) -> Result<Self> {
         a.metadata.same_units(names[0], &b.metadata, names[1])?;
+        let options = &with_strokes([&a.metadata, &b.metadata], options);
         let found = compare_models(&a.model, &b.model, options).map_err(with_machines);
         let found = found.with_context(|| names.join(" against "));
         let servos = [a.servo_model()?, b.servo_model()?];

@@ -148,7 +148,7 @@ impl Identified {
             picture: &picture,
             statistics: self.explain,
         };
-        text += &summary::of_model(name, model, units, extent);
+        text += &summary::of_model(name, model, &ModelMetadata::from(&data.about), extent);
         text.extend(
             servo_model.map(|servo| summary::of_servo_model(&servo.model, units, self.explain)),
         );

@@ -3,6 +3,7 @@
 use super::angle_units::advice_on_gain;
 use super::command_edges::commands_between_rows;
 use super::duration_in_words::in_words;
+use super::travel;
 use crate::data::dataset::Dataset;
 use crate::presentation::summary::percent;
 use anyhow::{Context, Result};
@@ -17,26 +18,45 @@ use servoid_protocol::hello::INTERNAL_CLOCK_ERROR;
 pub fn identified(data: &Dataset, name: &str, options: &Options) -> Result<Identification> {
     let found = identify_explained(&data.record, options);
     let mut found = found.with_context(|| name.to_owned())?;
-    found.model.advice.extend(data.about.advice.iter().cloned());
+    let of_files = data.about.advice.iter().cloned();
+    let (first, others): (Vec<_>, Vec<_>) =
+        of_files.partition(|item| item.check == Check::UnlikeRuns);
+    found.model.advice.splice(0..0, first);
+    found.model.advice.extend(others);
     let doubtful = unlikely_period(data.record.sample_period_s());
     let doubtful = doubtful.or_else(|| unlikely_duration(&found.model));
     let mixed = advice_on_gain(&found.model, data.about.units());
+    let off = travel::advice(data, &found.model);
     found
         .model
         .advice
-        .splice(0..0, doubtful.into_iter().chain(mixed));
+        .splice(0..0, doubtful.into_iter().chain(mixed).chain(off));
     let of_data = commands_between_rows(data, &found);
     let of_data = of_data
         .into_iter()
         .chain(against_command(data, &found.model));
     let of_data: Vec<Advice> = of_data.chain(rough_scale(data, &found.model)).collect();
     found.model.advice.extend(of_data);
+    name_unlike_runs(&mut found.model.advice);
     if data.about.inexact_clock {
         let [slow, fast] = INTERNAL_CLOCK_ERROR;
         found.model.metrics = found.model.metrics.with_clock_error(slow, fast);
     }
     found.model.metrics = with_sensor_delay(&found.model, data.about.sensor_delay_uncertainty_s);
     Ok(found)
+}
+
+/// Where runs are not of one kind, that is why they scatter, and nothing else need be looked for.
+fn name_unlike_runs(advice: &mut [Advice]) {
+    if !advice.iter().any(|item| item.check == Check::UnlikeRuns) {
+        return;
+    }
+    for item in advice {
+        if matches!(item.check, Check::RunScatter | Check::DeviatingRun) {
+            "Runs of different kinds differ by more than noise: identify each kind alone."
+                .clone_into(&mut item.remedy);
+        }
+    }
 }
 
 /// The metrics, with intervals that allow for what is not known of the sensor's delay.

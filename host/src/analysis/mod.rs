@@ -11,9 +11,10 @@ mod json;
 mod model_lag;
 pub mod servo_fit;
 mod simulation;
+mod travel;
 mod validation;
 
-pub use comparison::{Compared, compared};
+pub use comparison::{Compared, compared, with_strokes};
 pub use identification::{Identified, IdentifiedDocument, IdentifyRequest};
 pub use identified::identified;
 pub use json::to_json;

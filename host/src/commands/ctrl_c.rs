@@ -1,6 +1,8 @@
 //! Ctrl-C, and the signals that a system sends to end a program.
 
+use super::output::print_remark;
 use super::partial_recording::PartialRecording;
+use super::prompts;
 use crate::presentation::scope::terminal;
 use anyhow::{Context, Result};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -32,6 +34,19 @@ pub(super) fn listen() -> Result<()> {
 pub(super) fn listen_in_a_run() -> Result<()> {
     IN_TIME.store(true, Ordering::SeqCst);
     listen()
+}
+
+/// From now on Ctrl-C ends a command that asks questions and has written nothing, with its cursor shown again: a menu hides it.
+pub(super) fn listen_at_questions() -> Result<()> {
+    if LISTENS.swap(true, Ordering::SeqCst) {
+        return Ok(());
+    }
+    ctrlc::set_handler(|| {
+        prompts::show_cursor();
+        print_remark(prompts::NO_ANSWER);
+        std::process::exit(INTERRUPTED);
+    })
+    .context("Ctrl-C cannot be caught")
 }
 
 /// The effect of such a signal, or of a key that stands for one.

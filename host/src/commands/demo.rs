@@ -169,7 +169,7 @@ impl Demo {
         talk.say(summary::of_model(
             &listed(&files),
             &found.model,
-            data.about.units(),
+            &ModelMetadata::from(&data.about),
             summary::Extent::default(),
         ));
         let record = data.record.clone();

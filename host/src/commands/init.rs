@@ -2,7 +2,8 @@
 
 use super::calibrate::keep_aside;
 use super::completion_values;
-use super::output::{Output, Talk, typed_path, wrong_usage};
+use super::ctrl_c;
+use super::output::{Output, Talk, typed_path};
 use super::ports;
 use super::prompts::Asker;
 use super::rig_args::FOUND;
@@ -116,6 +117,9 @@ impl Init {
             self.yes,
             "add --yes, and an option for each answer that differs from its default ('servoid init --help' lists them)",
         )?;
+        if matches!(asker, Asker::User(_)) {
+            ctrl_c::listen_at_questions()?;
+        }
         let answers = self.given.complete(&asker, self.output.talk)?;
         let (text, rig) = answers.to_rig_file(&self.out)?;
         if let Some(kept) = keep_aside(&self.out)? {
@@ -153,6 +157,10 @@ const SERVO: Question = ("--servo", "Name of the servo");
 const PULSE_TYPE: Question = (
     "--pulse-type",
     "Pulses of the servo: wide (neutral about 1500 µs), or narrow (about 760 µs)",
+);
+const PULSE_RATE: Question = (
+    "--pulse-rate",
+    "Pulses in a second (Hz): 50 suits every servo, digital ones take up to 333, narrow pulses up to 560",
 );
 const PULSES: Question = (
     "--pulses",
@@ -201,11 +209,8 @@ impl Given {
         asker.ask(self.pulse_type, PULSE_TYPE, &mut pulse_type, |_| Ok(()))?;
         to.take_pulse_type(pulse_type);
         let pulse_type = to.pulse_type;
-        if let Some(hz) = self.pulse_rate {
-            check_pulse_rate(hz, pulse_type)
-                .unwrap_or_else(|error| wrong_usage(format_args!("--pulse-rate: {error}")));
-            to.pulse_rate_hz = hz;
-        }
+        let rate = |hz: &f64| check_pulse_rate(*hz, pulse_type);
+        asker.ask(self.pulse_rate, PULSE_RATE, &mut to.pulse_rate_hz, rate)?;
         let pulses = |pulses: &Range| check_pulses(pulses, pulse_type);
         asker.ask(self.pulses, PULSES, &mut to.pulses_us, pulses)?;
         let neutral = |us: &u16| check_neutral(*us, &to.pulses_us);

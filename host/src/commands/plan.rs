@@ -26,7 +26,7 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   servoid plan                                      the paper's staircase beside the other kinds
-  servoid plan --reference prbs --band 0.5          the number of runs for +-0.5 %
+  servoid plan --reference prbs --band 0.5          the number of runs for ±0.5 %
   servoid plan --model bench.json --reference stairs --plots plots
   servoid plan --servo mine.json --reference stairs --amplitude 20
   servoid plan --servo linear --noise 0.05 --json")]
@@ -81,7 +81,8 @@ impl PlanArgs {
         let (output, talk) = (self.output, self.output.talk);
         let RigSource { file: rig, path } = self.rig.read(None, talk)?;
         let servo = PathBuf::from(self.servo.split('?').next().unwrap_or_default());
-        let read = self.model.iter().chain(&path).chain([&servo]);
+        let table = self.reference.table();
+        let read = self.model.iter().chain(&path).chain([&servo]).chain(table);
         output.check_beside(&self.out, read)?;
         let train = rig.train();
         let assumed = self.assumed(train)?;
@@ -111,7 +112,10 @@ impl PlanArgs {
             let name = format!("plan-{}", request.reference.name());
             output.draw(folder, &[figure(&plan, &name)])?;
         }
-        talk.result(of_plan(&plan), &plan)
+        let beyond = rig.require_within_limits(&request.reference).err();
+        let beyond =
+            beyond.map(|beyond| format!("\n  ! 'servoid capture' will not run this: {beyond}\n"));
+        talk.result(of_plan(&plan) + &beyond.unwrap_or_default(), &plan)
     }
 
     fn assumed(&self, train: PulseTrain) -> Result<AssumedServo> {

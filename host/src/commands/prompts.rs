@@ -104,11 +104,19 @@ impl Asker {
             .items(items)
             .default(usual)
             .interact()
+            .inspect_err(|_| show_cursor())
             .context(NO_ANSWER)
     }
 }
 
-const NO_ANSWER: &str = "the question was not answered";
+/// Said where a question is left open.
+pub(super) const NO_ANSWER: &str = "the question was not answered, and nothing was written";
+
+/// Shows the cursor, which a menu hides and does not show again when it is broken off.
+pub(super) fn show_cursor() {
+    // An error means that the terminal itself is gone.
+    let _shown = dialoguer::console::Term::stderr().show_cursor();
+}
 
 /// Yes or no, at a terminal; Enter alone is no. The answer ends with Enter: one that acted on its letter would leave the
 /// Enter to the next question.

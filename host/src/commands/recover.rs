@@ -55,7 +55,8 @@ impl Recover {
         let lost_frames: Vec<_> = saved.lost_frames.iter().map(|f| [f.start, f.end]).collect();
         let lost: u32 = lost_frames.iter().map(|[start, end]| end - start).sum();
         let (out, rows) = (self.out.display(), saved.rows());
-        let text = format!("{out}: partial, {rows} samples, {lost} frames lost\n");
+        let frames = if lost == 1 { "frame" } else { "frames" };
+        let text = format!("{out}: partial, {rows} samples, {lost} {frames} lost\n");
         let result = serde_json::json!({
             "file": self.out,
             "rows": rows,

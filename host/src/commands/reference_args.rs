@@ -6,6 +6,7 @@ use crate::instrument::reference::{FrequencyBand, Kind, ReferenceError, Referenc
 use anyhow::Result;
 use clap::Args;
 use servoid_protocol::{PulseTrain, Reference};
+use std::path::PathBuf;
 
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Reference")]
@@ -39,6 +40,14 @@ pub(super) struct ReferenceArgs {
 }
 
 impl ReferenceArgs {
+    /// The table that it is read from, which no result may replace.
+    pub(super) fn table(&self) -> Option<&PathBuf> {
+        match &self.reference {
+            Kind::Steps(table) => Some(table),
+            _ => None,
+        }
+    }
+
     /// The reference; options that do not fit its kind are wrong usage.
     pub(super) fn resolve(
         self,

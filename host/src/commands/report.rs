@@ -4,7 +4,7 @@ use super::compare::warn_of_small_margin;
 use super::input::{TableArgs, name_of};
 use super::output::{Output, Talk, stem, wrong_usage};
 use super::servo_search::ServoSearch;
-use crate::analysis::{compared, identified, servo_fit};
+use crate::analysis::{compared, identified, servo_fit, with_strokes};
 use crate::data::dataset::{Dataset, listed};
 use crate::data::model_file::{ModelFile, is_model};
 use crate::presentation::report::{self, Page, Servo};
@@ -175,9 +175,12 @@ fn comparison(a: &Servo, b: &Servo, margin: f64, talk: Talk) -> Result<Option<Co
         (Some(data_a), Some(data_b)) => {
             compared([data_a, data_b], [&a.name, &b.name], options).map(Some)
         }
-        (None, None) => compare_models(&a.model, &b.model, &options)
-            .map(Some)
-            .with_context(|| format!("{} against {}", a.name, b.name)),
+        (None, None) => {
+            let options = with_strokes([&a.metadata, &b.metadata], &options);
+            compare_models(&a.model, &b.model, &options)
+                .map(Some)
+                .with_context(|| format!("{} against {}", a.name, b.name))
+        }
         _ => {
             talk.say("no verdict on a recording beside a model: the page shows both; a verdict needs two recordings or two models");
             Ok(None)

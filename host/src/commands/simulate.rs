@@ -3,7 +3,7 @@
 use super::capture::{CaptureJob, Monitor, capture, first_partial};
 use super::completion_values::simulated_servo;
 use super::input;
-use super::output::Output;
+use super::output::{Output, check_apart};
 use super::reference_args::ReferenceArgs;
 use crate::analysis::SimulatedServo;
 use crate::data::rig_file::RigFile;
@@ -49,6 +49,7 @@ impl Simulate {
             controller: self.controller,
             seed: self.seed,
         };
+        check_apart([&self.out], self.reference.table())?;
         // Before a file is reserved: a servo that there is not is wrong usage.
         let address = servo.address().map_err(input::no_servo)?;
         let (rig, talk) = (RigFile::default(), self.output.talk);

@@ -20,6 +20,7 @@ mod rest_error;
 mod servo_moved;
 mod servo_stopped;
 mod statistics;
+mod unlike_runs;
 
 pub(crate) mod mixed_units;
 mod omitted_fields;

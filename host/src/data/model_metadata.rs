@@ -36,6 +36,9 @@ pub struct ModelMetadata {
     /// The delay of the sensor that was taken out is at most this far from the true one \[s\].
     #[serde(default, skip_serializing_if = "is_zero")]
     pub sensor_delay_uncertainty_s: f64,
+    /// The size of the strokes in the recording, where all have one (unit of the command).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub only_stroke: Option<f64>,
 }
 
 impl ModelMetadata {
@@ -45,6 +48,7 @@ impl ModelMetadata {
             units: UnitNames { input, output },
             pulse_frame_s,
             sensor_delay_uncertainty_s: 0.0,
+            only_stroke: None,
         }
     }
 
@@ -66,6 +70,7 @@ impl ModelMetadata {
                 true => delay_s,
                 false => 0.0,
             },
+            only_stroke: found.only_stroke.filter(|size| *size > 0.0),
             pulse_frame_s: found
                 .pulse_frame_s
                 .filter(|frame| PULSE_FRAMES_S.contains(frame)),

@@ -68,7 +68,8 @@ impl AssumedServo {
             input.extend(angles.iter().map(|_| degrees(offset)));
             output.extend(angles);
         }
-        let record = Record::of_run(train.sample_s(), &input, &output)?;
+        let record = Record::of_run(train.sample_s(), &input, &output)?
+            .with_sample_phase(options.sample_phase_s(train));
         Ok(Self {
             name: format!("the simulated servo '{name}'"),
             model: identify(&record, &Options::default())?,
@@ -126,6 +127,14 @@ impl AssumedServo {
             train,
             simulation,
             noise,
+        }
+    }
+
+    /// From the edge of a pulse to the first sample after it, as the header of a recording states it (s).
+    pub(super) fn sample_phase_s(&self) -> f64 {
+        match &self.simulation {
+            Some(options) => options.sample_phase_s(self.train),
+            None => self.model.sample_phase_s,
         }
     }
 

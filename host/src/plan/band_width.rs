@@ -127,10 +127,10 @@ impl NarrowingBand {
                 "about {needed} such runs together reach it: record them with --repeat and give all files to 'servoid identify'"
             ),
             Reach::TooManyRuns => format!(
-                "+-{wanted_percent} % needs more than {MOST_RUNS} such runs; a larger --amplitude narrows the band in proportion while the servo stays linear, and 'servoid plan' ranks the references"
+                "±{wanted_percent} % needs more than {MOST_RUNS} such runs; a larger --amplitude narrows the band in proportion while the servo stays linear, and 'servoid plan' ranks the references"
             ),
             Reach::Never => format!(
-                "no number of such runs reaches +-{wanted_percent} %, because +-{:.2} % of the band is not noise; take a reference with sharp edges and with holds in which the servo comes to rest ('servoid plan' ranks them)",
+                "no number of such runs reaches ±{wanted_percent} %, because ±{:.2} % of the band is not noise; take a reference with sharp edges and with holds in which the servo comes to rest ('servoid plan' ranks them)",
                 self.floor_percent
             ),
         }

@@ -61,10 +61,7 @@ impl ServoQuantities {
         let fits = |every: &usize| record.samples() / every <= MOST_SAMPLES;
         let every = thinnings.clone().find(fits).or(thinnings.last());
         let every = every.unwrap_or(1);
-        // As the header of a recording states it.
-        let simulation = request.assumed.simulation.as_ref();
-        let phase_s = simulation.map_or(0.0, |rig| f64::from(rig.first_sample_us) * 1e-6);
-        let record = thinned(&record, every)?.with_sample_phase(phase_s);
+        let record = thinned(&record, every)?;
         let options = ServoModelOptions {
             level: request.level,
             radians_per_command: Some(1f64.to_radians()),
@@ -73,7 +70,7 @@ impl ServoQuantities {
         let found = fit(&record, &options)?;
         let level = found.covariance.as_ref().map(|found| found.level);
         let is_machine = |rig: &SimulationOptions| matches!(rig.servo, ServoKind::Machine(_));
-        let is_of_equation = simulation.is_some_and(is_machine);
+        let is_of_equation = request.assumed.simulation.as_ref().is_some_and(is_machine);
         Ok(Self {
             every,
             tried: number,
@@ -93,7 +90,8 @@ fn thinned(record: &Record, every: usize) -> Result<Record<'static>, Error> {
         .iter()
         .map(|run| Run::new(thin(run.input()), thin(run.output())))
         .collect();
-    Record::new(record.sample_period_s() * every as f64, runs?)
+    let thinned = Record::new(record.sample_period_s() * every as f64, runs?)?;
+    Ok(thinned.with_sample_phase(record.sample_phase_s()))
 }
 
 /// What to record for what is not determined, the most important first. A servo may have what the equation lacks, unless it is a model

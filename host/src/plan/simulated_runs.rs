@@ -42,7 +42,9 @@ pub(super) fn simulated(request: &PlanRequest, seed: u64) -> Result<Record<'stat
             Run::new(input.clone(), output)
         })
         .collect();
-    Record::new(request.assumed.train.sample_s(), runs?)
+    let assumed = &request.assumed;
+    let record = Record::new(assumed.train.sample_s(), runs?)?;
+    Ok(record.with_sample_phase(assumed.sample_phase_s()))
 }
 
 /// The response of the model, with its noise (deg).

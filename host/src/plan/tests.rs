@@ -11,6 +11,7 @@ use servoid_identification::{Options, identify};
 use servoid_protocol::PulseTrain;
 use servoid_protocol::Reference;
 use servoid_protocol::reference::{Step, Steps};
+use servoid_test_support::servos::Linear;
 
 fn question(kind: &str, noise: Noise) -> PlanRequest {
     let mut assumed =
@@ -91,6 +92,28 @@ fn require_expected_widths<const CASES: usize>(cases: [(&str, Noise, f64); CASES
             question.assumed.model.noise.ar, planned.mean_percent
         );
         assert!((ratio - 1.0).abs() < tolerance, "{kind}: {ratio}");
+    }
+}
+
+/// Times of a forecast count from the edge of the pulse, as those of a recording do.
+#[test]
+fn the_expected_intervals_hold_the_truth_of_the_linear_servo() {
+    let truth = Linear::second_order(1.0, 0.0215, 0.5, 60.0).figures();
+    let by_model = question("staircase", white());
+    let simulated = AssumedServo::simulated(&"linear".parse().unwrap(), PulseTrain::USUAL);
+    let by_simulation = PlanRequest {
+        assumed: simulated.unwrap(),
+        ..by_model.clone()
+    };
+    for request in [by_model, by_simulation] {
+        let found = Plan::of(&request).unwrap().metrics.unwrap();
+        for (what, interval, truth) in [
+            ("delay", found.delay_s, truth.delay_s),
+            ("half way", found.t50_s, truth.t50_s),
+            ("rise", found.rise_time_s, truth.rise_s),
+        ] {
+            assert!(interval.contains(truth), "{what}: {truth} in {interval:?}");
+        }
     }
 }
 

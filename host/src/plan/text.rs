@@ -104,12 +104,12 @@ const APART: f64 = 1.25;
 fn step_band(plan: &Plan, band: &BandWidths) -> String {
     let level = summary::percent(band.level);
     let mut text = format!(
-        "+-{:.2} % of the step at its widest, +-{:.2} % on average; each point +-{:.2} % ({level} % confidence)\n",
+        "±{:.2} % of the step at its widest, ±{:.2} % on average; each point ±{:.2} % ({level} % confidence)\n",
         band.widest_percent, band.mean_percent, band.mean_pointwise_percent
     );
     if band.widest_of_all_percent > APART * band.widest_percent {
         text += &format!(
-            "              +-{:.2} % in one of the simulated runs: some runs show an end of the response that others do not, and take a longer\n              settling time; --settling N of 'servoid identify' sets it\n",
+            "              ±{:.2} % in one of the simulated runs: some runs show an end of the response that others do not, and take a longer\n              settling time; --settling N of 'servoid identify' sets it\n",
             band.widest_of_all_percent
         );
     }
@@ -119,11 +119,11 @@ fn step_band(plan: &Plan, band: &BandWidths) -> String {
     let (bias, beyond) = (band.bias_percent, band.beyond_noise_percent);
     if beyond > 0.0 {
         text += &format!(
-            "              +-{beyond:.2} % of it is not noise: the servo is not linear, or the reference lacks power at some frequencies.\n              More runs do not narrow that part; holds in which the servo comes to rest do\n"
+            "              ±{beyond:.2} % of it is not noise: the servo is not linear, or the reference lacks power at some frequencies.\n              More runs do not narrow that part; holds in which the servo comes to rest do\n"
         );
     } else if bias > 0.0 {
         text += &format!(
-            "              +-{bias:.2} % of it is the bias by frequencies without power, which more runs do not narrow\n"
+            "              ±{bias:.2} % of it is the bias by frequencies without power, which more runs do not narrow\n"
         );
     }
     text
@@ -133,7 +133,7 @@ fn step_band(plan: &Plan, band: &BandWidths) -> String {
 fn more_runs_and_metrics(plan: &Plan, band: &BandWidths) -> String {
     let mut text = match (&plan.needed, plan.wanted_percent) {
         (Some(needed), _) => format!(
-            "  for +-{} %  {}, on average: runs that show a slow end of the response take a longer settling\n              time, and have a wider band\n",
+            "  for ±{} %  {}, on average: runs that show a slow end of the response take a longer settling\n              time, and have a wider band\n",
             needed.band_percent,
             time_of(needed)
         ),
@@ -221,8 +221,8 @@ fn alternatives(plan: &Plan) -> String {
     for alternative in &plan.alternatives {
         let percent = |p: Option<f64>| p.map_or_else(|| "-".to_owned(), |p| format!("{p:.2}"));
         let needed = plan.wanted_percent.map(|wanted| match &alternative.needed {
-            Some(needed) => format!("; +-{wanted} % needs {}", time_of(needed)),
-            None => format!("; +-{wanted} % needs more than {MOST_RUNS} runs or another reference"),
+            Some(needed) => format!("; ±{wanted} % needs {}", time_of(needed)),
+            None => format!("; ±{wanted} % needs more than {MOST_RUNS} runs or another reference"),
         });
         let linear = match alternative.only_if_linear {
             true => " (for a linear servo only)",
@@ -252,7 +252,7 @@ fn advice(alternatives: &[Alternative]) -> String {
         .min_by(|a, b| a.1.total_cmp(&b.1));
     let narrowest = narrowest.map_or_else(
         || "no reference identifies this servo at this noise".to_owned(),
-        |(name, percent)| format!("the narrowest band per minute is {name}'s (+-{percent:.2} %)"),
+        |(name, percent)| format!("the narrowest band per minute is {name}'s (±{percent:.2} %)"),
     );
     // The first of equals: max_by_key alone takes the last.
     let most = alternatives.iter().rev().max_by_key(|a| a.answers.len());

@@ -121,7 +121,7 @@ fn write_frequencies(
         "prediction"
     )?;
     match widths {
-        Some(_) => writeln!(text, " {:>12} {:>12}", "noise +-", "left out")?,
+        Some(_) => writeln!(text, " {:>12} {:>12}", "noise ±", "left out")?,
         None => writeln!(text)?,
     }
     let digits = widths.map_or(4, |width| decimals(width, 2));

@@ -99,6 +99,14 @@ fn a_rig_is_calibrated_and_its_file_has_the_result() {
     assert!((ratio - 1.0).abs() < 0.005, "{ratio}");
     assert!((file.servo.us_per_degree - 10.0).abs() < 0.05);
     assert!(file.sensor.scale_sd_percent > 0.0 && file.sensor.scale_sd_percent < 1.0);
+    // No pulse pushes the servo against its stop from now on.
+    let limits = &file.limits;
+    assert!((1759..=1765).contains(&limits.longest_us), "{limits:?}");
+    assert_eq!(limits.shortest_us, 1000);
+    assert!(
+        text.contains("# Calibrated: the servo stops beyond this pulse\nlongest_us"),
+        "{text}"
+    );
 }
 
 #[test]
@@ -136,7 +144,7 @@ fn doubtful_angles_are_written_without_a_terminal_only_on_request() {
     ];
     let refused = refusal(&args);
     assert!(
-        refused.contains("disagrees with the rig file") && refused.contains("--yes"),
+        refused.contains("doubtful or disagrees with the rig file") && refused.contains("--yes"),
         "{refused}"
     );
     assert_eq!(std::fs::read_to_string(&rig).unwrap(), before);

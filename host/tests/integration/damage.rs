@@ -314,6 +314,52 @@ fn a_damaged_recording_with_its_columns_named_is_read_with_a_warning() {
     );
 }
 
+/// The way out of a damaged header that its error advises gives what the recording gives.
+#[test]
+fn a_recording_without_a_sound_header_has_the_same_times_by_its_columns() {
+    let dir = tempfile::tempdir().unwrap();
+    let (file, text) = recorded(dir.path());
+    let whole = load(std::slice::from_ref(&file), &DatasetOptions::default()).unwrap();
+    let columns = |file: &Path, [input, output]: [&str; 2]| {
+        let options = DatasetOptions {
+            input: Some(input.to_owned()),
+            output: Some(output.to_owned()),
+            ..DatasetOptions::default()
+        };
+        load(&[file.to_owned()], &options).unwrap().record
+    };
+    let damaged = dir.path().join("damaged.csv");
+    let header = with_header(&text, "zero_sd_deg = 4.0", "zero_sd_deg = 5.0", false);
+    std::fs::write(&damaged, header).unwrap();
+    let degrees = ["reference_deg", "position_deg"];
+    let records = [
+        columns(&damaged, degrees),
+        columns(&file, ["pulse_us", "counts"]),
+    ];
+    for record in &records {
+        assert_eq!(record.sample_phase_s(), whole.record.sample_phase_s());
+        assert_eq!(record.samples(), whole.record.samples());
+    }
+    assert_eq!(records[0].runs()[0].input(), whole.record.runs()[0].input());
+    // Only what works is advised: with another scale no row is sound.
+    let scale = "degrees_per_count = 0.0091552734375";
+    let header = with_header(&text, scale, "degrees_per_count = 0.02", false);
+    let broken = dir.path().join("broken.csv");
+    std::fs::write(&broken, header).unwrap();
+    let refused = |file: &Path| load(&[file.to_owned()], &DatasetOptions::default()).unwrap_err();
+    let (savable, lost) = (refused(&damaged).to_string(), refused(&broken).to_string());
+    assert!(savable.contains("servoid recover"), "{savable}");
+    assert!(
+        !lost.contains("servoid recover") && lost.contains("--input reference_deg"),
+        "{lost}"
+    );
+    // A header that is gone leaves the phase of every board.
+    let (_, rows) = text.split_once("# header_crc32").unwrap();
+    let (_, rows) = rows.split_once('\n').unwrap();
+    std::fs::write(&damaged, rows).unwrap();
+    assert_eq!(columns(&damaged, degrees).sample_phase_s(), 0.0005);
+}
+
 /// The reader of a pipe goes away: the run goes on, and the file is complete.
 #[cfg(unix)]
 #[test]

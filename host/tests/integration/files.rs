@@ -341,7 +341,7 @@ fn require_changes_seen(apart: usize) {
                     assert!(row.abs_diff(hit) <= 1, "{what}: row {hit}, said {row}");
                     None
                 }
-                Err(ReadFault::DamagedHeader(..)) => {
+                Err(ReadFault::DamagedHeader { .. }) => {
                     assert!(row_hit.is_none(), "{what}: a row was hit");
                     None
                 }

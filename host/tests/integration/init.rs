@@ -151,10 +151,13 @@ mod at_a_terminal {
         let file = dir.path().join("rig.toml");
         let mut session = Session::begin(&["init", "--port", "sim:bench", "-o", arg(&file)]);
         session.answer("Name of the rig", "the lab's");
-        session.answer("Condition (", ENTER_ONLY);
+        session.answer("Condition (", "sim:bench");
+        session.answer("that is a port", ENTER_ONLY);
         session.answer("Name of the servo", "DS610");
         session.answer("Pulses of the servo", "thin");
         session.answer("choose wide or narrow", ENTER_ONLY);
+        session.answer("Pulses in a second", "400");
+        session.answer("wide pulses come at 50 to 333 Hz", "333");
         session.answer("Shortest and longest pulse", "500:2500");
         session.answer("the board makes pulses of 800 to 2200", "900:2100");
         session.answer("Pulse at 0 degrees", "1520");
@@ -173,7 +176,11 @@ mod at_a_terminal {
             seen.contains("next: servoid calibrate --rig")
         });
         let rig = RigFile::read(&file).unwrap();
-        assert_eq!(rig.name, "the lab's");
+        assert_eq!(
+            (rig.name.as_str(), rig.condition.as_deref()),
+            ("the lab's", Some("bench"))
+        );
+        assert_eq!(rig.servo.pulse_rate_hz, 333.0);
         // A simulated sensor does not lag, unless its user says so.
         let sensor = &rig.sensor;
         assert_eq!((sensor.delay_ms, sensor.delay_uncertainty_ms), (1.5, 0.0));
@@ -203,6 +210,7 @@ mod at_a_terminal {
             "Port of the rig",
             "Name of the servo",
             "Pulses of the servo",
+            "Pulses in a second",
             "Shortest and longest pulse",
             "Pulse at 0 degrees",
             "µs for one degree",
@@ -237,5 +245,22 @@ mod at_a_terminal {
         assert!(!session.end().success());
         assert!(!file.exists());
         assert!(session.is_as_before());
+    }
+
+    #[test]
+    fn ctrl_c_at_a_menu_shows_the_cursor_again_and_says_that_nothing_was_written() {
+        let dir = tempfile::tempdir().unwrap();
+        let file = dir.path().join("rig.toml");
+        let mut session = Session::begin(&["init", "-o", arg(&file)]);
+        session.answer("Name of the rig", ENTER_ONLY);
+        session.answer("Condition (", ENTER_ONLY);
+        session.wait_for("no menu", |seen| seen.contains("not known yet"));
+        session.press("\x03");
+        assert!(!session.end().success());
+        assert!(!file.exists());
+        session.wait_for("nothing was written", |seen| {
+            let shown = seen.rfind("\x1b[?25h");
+            seen.contains("nothing was written") && shown > seen.rfind("\x1b[?25l")
+        });
     }
 }

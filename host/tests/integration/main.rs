@@ -41,6 +41,7 @@ mod servo_model;
 mod servo_model_uses;
 mod sessions;
 mod sides;
+mod strokes;
 mod support;
 #[cfg(target_os = "linux")]
 mod terminal;

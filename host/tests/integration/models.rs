@@ -6,7 +6,6 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use serde_json::Value;
 use servoid::data::ModelMetadata;
-use servoid::data::Units;
 use servoid::data::model_file::{ModelFile, ModelFileError};
 use servoid::presentation::export::{Export, Target};
 use servoid::presentation::plots::{difference, draw};
@@ -229,7 +228,13 @@ fn use_model(text: &str) {
         let _some_have_no_form = export.write(target);
     }
     assert!(
-        !summary::of_model("m", &model, Units::default(), summary::Extent::default()).is_empty()
+        !summary::of_model(
+            "m",
+            &model,
+            &ModelMetadata::default(),
+            summary::Extent::default()
+        )
+        .is_empty()
     );
     let input: Vec<f64> = (0..100).map(|k| f64::from(k / 7 % 2)).collect();
     if let Ok(record) = Record::of_run(model.sample_period_s, &input, &input) {

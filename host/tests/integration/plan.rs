@@ -144,7 +144,7 @@ fn nobody_is_asked_to_record_thousands_of_runs() {
             .unwrap()
     };
     let ratio =
-        runs(&captured("0.1"), "about", "such runs") / runs(&planned("0.1"), "for +-0.1 %", "runs");
+        runs(&captured("0.1"), "about", "such runs") / runs(&planned("0.1"), "for ±0.1 %", "runs");
     // Widths of single runs scatter by some 8 %, and runs go with their square.
     assert!((0.7..1.4).contains(&ratio), "{ratio}");
 }

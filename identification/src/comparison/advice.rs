@@ -107,6 +107,7 @@ pub(super) fn gather(
     }
     if let (Subject::Servos, Verdict::Undecided, Bounds::Valid(bounds)) =
         (comparison.of, comparison.verdict, comparison.bounds)
+        && !comparison.descriptions_of_different_motions
     {
         let most = bounds.difference_percent.at_most;
         advice.push(Advice::new(

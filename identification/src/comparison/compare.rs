@@ -10,7 +10,7 @@ use super::over_prediction::{Predictor, over_prediction};
 use super::pair::{Identified, identified, same_period};
 use super::run_means::RunMeans;
 use super::verdict::Verdict;
-use super::{advice, scatter, shift, words};
+use super::{advice, different_motions, scatter, shift, words};
 use crate::data::Record;
 use crate::error::Error;
 use crate::results::{Bounds, Metrics, Model};
@@ -90,16 +90,16 @@ pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Co
     }
     let motions = Sides::of([a.record, b.record], Motion::of);
     comparison.motions = Some(motions);
-    let differ = !motions.a.is_like(&motions.b);
     let linear = a.alone.linear && b.alone.linear;
-    if differ && !linear {
-        // Each side has another description for the motion of the other.
+    if different_motions::may_explain(&comparison, &motions, linear) {
         comparison.verdict = Verdict::Undecided;
         comparison.descriptions_of_different_motions = true;
+        // Chance is not all that sets the runs of one side apart from those of the other.
+        comparison.p_value = None;
     }
     comparison.summary = words::summary(&comparison, options);
     comparison.advice = advice::gather(&comparison, [&a.alone, &b.alone], &[&a, &b]);
-    if differ {
+    if comparison.descriptions_of_different_motions || !motions.a.is_like(&motions.b) {
         let finding = advice::different_references(&motions, linear, &options.input_unit);
         comparison.advice.insert(0, finding);
     }
@@ -123,6 +123,12 @@ pub fn compare_models(
         .max(b.structure.settling_samples);
     let curves = [Curves::of_model(a, points)?, Curves::of_model(b, points)?];
     let mut comparison = of_curves([a, b], [a.metrics, b.metrics], &curves, None, options);
+    let of_strokes =
+        |strokes| different_motions::strokes_of_models_may_explain(&comparison, strokes);
+    if options.strokes_of_models.is_some_and(of_strokes) {
+        comparison.verdict = Verdict::Undecided;
+        comparison.descriptions_of_different_motions = true;
+    }
     comparison.summary = words::summary(&comparison, options);
     comparison.advice = advice::gather(&comparison, [a, b], &[]);
     comparison.advice.push(advice::one_response());

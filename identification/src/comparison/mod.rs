@@ -28,6 +28,7 @@ mod advice;
 mod compare;
 mod difference;
 mod difference_curves;
+mod different_motions;
 mod metric_differences;
 mod motion;
 mod options;

@@ -5,14 +5,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::data::{Record, Run, usual_hold};
+use crate::data::{HELD, Record, Run, usual_hold};
 use crate::thresholds::{EQUALLY_LARGE, EQUALLY_LONG, HELD_WITHIN};
 
 /// More levels than this are many.
 const MOST_LEVELS: usize = 25;
-
-/// A hold has at least so many samples.
-const HELD: usize = 4;
 
 /// The reference of one side.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -78,12 +75,38 @@ impl Motion {
             && (self.levels.is_none() || as_long)
     }
 
+    /// By which fraction the larger of the two ranges exceeds the smaller.
+    pub(super) fn larger_by(&self, other: &Self) -> f64 {
+        let [a, b] = [self, other].map(|motion| motion.highest - motion.lowest);
+        a.max(b) / a.min(b) - 1.0
+    }
+
+    /// "the strokes differ, ±4 against ±5 deg", or in what else the references differ.
+    #[must_use]
+    pub fn difference_in_words(&self, other: &Self, unit: &str) -> String {
+        if self.levels.is_some() && self.levels == other.levels && self.larger_by(other) > 0.0 {
+            let space = if unit.is_empty() { "" } else { " " };
+            let (a, b) = (self.ends_in_words(), other.ends_in_words());
+            return format!("the strokes differ, {a} against {b}{space}{unit}");
+        }
+        let (a, b) = (self.in_words(unit), other.in_words(unit));
+        format!("the references differ, {a}, against {b}")
+    }
+
+    /// "±5", or "-3 to +5".
+    fn ends_in_words(&self) -> String {
+        let [low, high] = [self.lowest, self.highest].map(rounded);
+        match low == -high {
+            true => format!("±{high}"),
+            false => format!("{low:+} to {high:+}"),
+        }
+    }
+
     /// "2 levels from -5 to +5 deg, usually held for 0.3 s"; `unit` is that of the input, empty where it is not
     /// known.
     #[must_use]
     pub fn in_words(&self, unit: &str) -> String {
         let space = if unit.is_empty() { "" } else { " " };
-        let rounded = |x: f64| (x * 1e3).round() / 1e3;
         let range = format!(
             "from {:+} to {:+}{space}{unit}",
             rounded(self.lowest),
@@ -101,6 +124,11 @@ impl Motion {
             None => format!("a smooth motion {range}"),
         }
     }
+}
+
+/// To a thousandth.
+fn rounded(x: f64) -> f64 {
+    (x * 1e3).round() / 1e3
 }
 
 #[cfg(test)]
@@ -129,6 +157,15 @@ mod tests {
         let small = square(5.0, 20);
         assert!(small.is_like(&square(5.1, 20)));
         assert!(!small.is_like(&square(30.0, 20)));
+        assert_eq!(
+            small.difference_in_words(&square(30.0, 20), "deg"),
+            "the strokes differ, ±5 against ±30 deg"
+        );
+        let longer = small.difference_in_words(&square(5.0, 40), "");
+        assert!(
+            longer.starts_with("the references differ, 2 levels"),
+            "{longer}"
+        );
         assert!(!small.is_like(&square(5.0, 40)));
         assert_eq!(
             small.in_words("deg"),

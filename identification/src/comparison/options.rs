@@ -14,6 +14,8 @@ pub struct ComparisonOptions {
     pub wait_samples: Option<usize>,
     /// Standard deviation of the sensor's zero between the two sides \[output\].
     pub zero_sd: f64,
+    /// The size of all strokes in the recording of each of two models, where each has one \[input\]; records show theirs by themselves.
+    pub strokes_of_models: Option<[f64; 2]>,
     /// The unit of the input, for sentences; empty when it is not known.
     pub input_unit: String,
     /// The unit of the output, likewise.
@@ -27,6 +29,7 @@ impl Default for ComparisonOptions {
             identification: Options::default(),
             wait_samples: None,
             zero_sd: 0.0,
+            strokes_of_models: None,
             input_unit: String::new(),
             output_unit: String::new(),
         }

@@ -173,7 +173,7 @@ pub struct Comparison {
     /// The reference of each side; `None` without records.
     #[serde(default)]
     pub motions: Option<Sides<Motion>>,
-    /// Whether the references differ and a side is not linear: then the difference is one of linear
+    /// Whether the references differ, and a side is not linear or the step responses surely differ: then the difference is one of
     /// descriptions of two motions, and no finding about the servos.
     #[serde(default)]
     pub descriptions_of_different_motions: bool,

@@ -11,6 +11,9 @@ use crate::thresholds::NOTABLE_SHIFT_S;
 
 pub(super) fn summary(found: &Comparison, options: &ComparisonOptions) -> String {
     match found.bounds {
+        Bounds::Valid(bounds) if found.descriptions_of_different_motions => {
+            not_one_reference(found, &bounds, options)
+        }
         Bounds::Valid(bounds) => {
             format!("{} {}", answer(found, &bounds), feel(found, options))
         }
@@ -22,7 +25,30 @@ pub(super) fn summary(found: &Comparison, options: &ComparisonOptions) -> String
     }
 }
 
-fn answer(found: &Comparison, bounds: &ComparisonBounds) -> String {
+/// Why there is no verdict on sides that were asked for different motions, and what their responses are worth.
+fn not_one_reference(
+    found: &Comparison,
+    bounds: &ComparisonBounds,
+    options: &ComparisonOptions,
+) -> String {
+    let unit = &options.input_unit;
+    let of_records = found.motions;
+    let of_records = of_records.map(|both| both.a.difference_in_words(&both.b, unit));
+    let of_models = options.strokes_of_models.map(|[a, b]| {
+        let space = if unit.is_empty() { "" } else { " " };
+        let (a, b) = (four_digits(a), four_digits(b));
+        format!("the strokes differ, {a} against {b}{space}{unit}")
+    });
+    let differ = of_records.or(of_models).unwrap_or_default();
+    format!(
+        "Not decided: {differ}. A servo that is limited in speed or torque, or has play, answers each of them differently, so that what \
+         differs may be the motion and not the servo. Record both sides with the same reference. Of the responses to the two motions, {}.",
+        apart(found, bounds)
+    )
+}
+
+/// How far apart the responses are where they differ most.
+fn apart(found: &Comparison, bounds: &ComparisonBounds) -> String {
     let ComparisonBounds {
         level,
         difference_percent: bounds,
@@ -33,21 +59,33 @@ fn answer(found: &Comparison, bounds: &ComparisonBounds) -> String {
         Direction::Up => " on the way up",
         Direction::Down => " on the way down",
     };
-    let apart = format!(
-        "where they differ most they are at least {:.1} % and at most {:.1} % of the step apart ({} % \
-         sure), most clearly {:.0} ms after a command{stroke}",
+    // Where they may not differ at all, there is no time at which they surely do; and before either moves they differ by errors of the models.
+    let delays = found
+        .differences
+        .iter()
+        .filter(|row| row.metric == "delay_s");
+    let moves = delays.flat_map(|row| row.a.into_iter().chain(row.b));
+    let moves = moves.reduce(f64::min).unwrap_or(0.0);
+    let clearest = match bounds.at_least > 0.0 && bounds.at_s >= moves {
+        true => format!(
+            ", most clearly {:.0} ms after a command{stroke}",
+            1e3 * bounds.at_s
+        ),
+        false => String::new(),
+    };
+    format!(
+        "where they differ most they are at least {:.1} % and at most {:.1} % of the step apart ({} % sure){clearest}",
         bounds.at_least,
         bounds.at_most,
         rounded(100.0 * level),
-        1e3 * bounds.at_s
-    );
+    )
+}
+
+fn answer(found: &Comparison, bounds: &ComparisonBounds) -> String {
+    let apart = apart(found, bounds);
     let margin = found.margin_percent;
     let subject = subject(found);
     match found.verdict {
-        _ if found.descriptions_of_different_motions => format!(
-            "Not decided: the references differ and a servo is not linear, so that what differs may be the \
-             motion and not the servo; of the linear descriptions of the two motions, {apart}."
-        ),
         Verdict::Different => format!(
             "{subject} are different: {apart}, and {margin} % would still have counted as the same."
         ),

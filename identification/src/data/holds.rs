@@ -8,7 +8,7 @@
 use std::ops::Range;
 
 use crate::data::record::{Record, Run};
-use crate::thresholds::HELD_WITHIN;
+use crate::thresholds::{EQUALLY_LARGE, HELD_WITHIN};
 
 /// A stretch of samples over which the input is held.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,6 +21,9 @@ pub(crate) struct Hold {
 
 /// The tolerance of an input that is held exactly.
 pub(crate) const EXACTLY: f64 = 0.0;
+
+/// An input that is held has at least so many equal samples.
+pub(crate) const HELD: usize = 4;
 
 /// The holds of one run, in order. A missing input ends a hold, and the next has no level before.
 pub(crate) fn holds(run: &Run, tolerance: f64) -> Vec<Hold> {
@@ -70,6 +73,29 @@ pub(crate) fn share_held(record: &Record, samples: usize) -> f64 {
     let lengths = hold_lengths(record);
     let held = lengths.iter().filter(|length| **length >= samples).count();
     held as f64 / lengths.len().max(1) as f64
+}
+
+/// The size of all strokes of the command, where they have one \[input\]; `None` where sizes differ, or the input is not held.
+///
+/// A recording with strokes of one size does not show how a servo answers others.
+///
+/// ```
+/// use servoid_identification::{Record, only_stroke};
+/// let stroke = |size: f64| -> Vec<f64> { (0..60).map(|k| size * f64::from(k / 20 % 2)).collect() };
+/// let of = |input: Vec<f64>| only_stroke(&Record::of_run(0.01, &input, &input).unwrap());
+/// assert_eq!(of(stroke(4.0)), Some(4.0));
+/// assert_eq!(of([stroke(4.0), stroke(2.0)].concat()), None);
+/// ```
+#[must_use]
+pub fn only_stroke(record: &Record) -> Option<f64> {
+    let holds = record.runs().iter().flat_map(|run| holds(run, EXACTLY));
+    let sizes = holds.filter_map(|hold| Some((hold.level - hold.before?).abs()));
+    let ends = sizes.fold(None, |ends: Option<(f64, f64)>, size| {
+        let (least, most) = ends.unwrap_or((size, size));
+        Some((least.min(size), most.max(size)))
+    });
+    let (least, most) = ends.filter(|_| usual_hold(record) >= HELD)?;
+    (most - least <= EQUALLY_LARGE * most).then_some(most)
 }
 
 /// Mean output over `samples`, without those missing; `None` when half of them are.

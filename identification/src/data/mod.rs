@@ -8,8 +8,9 @@ pub(crate) mod repetition;
 mod timing;
 mod wrong_columns;
 
+pub use holds::only_stroke;
 pub(crate) use holds::{
-    EXACTLY, Hold, Stroke, holds, last_quarter, mean_output, share_held, strokes, usual_hold,
+    EXACTLY, HELD, Hold, Stroke, holds, last_quarter, mean_output, share_held, strokes, usual_hold,
 };
 pub use moments::{MomentStream, Moments};
 pub use quantisation::Quantisation;

@@ -22,6 +22,8 @@ pub enum Check {
     /// Whether the metrics rest on frequencies that the input excites.
     #[serde(alias = "untold")]
     UnexcitedMetrics,
+    /// Whether the servo goes as far as it is commanded.
+    Travel,
     /// Whether the gain is known to differ from zero.
     GainMayBeZero,
     /// Whether the response is over within the settling time.
@@ -72,6 +74,8 @@ pub enum Check {
     SlowEnd,
     /// Whether runs differ by more than their noise.
     RunScatter,
+    /// Whether runs that are put together are of one kind.
+    UnlikeRuns,
     /// Whether one run stands out.
     DeviatingRun,
     /// How many samples only serve as history.

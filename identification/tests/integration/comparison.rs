@@ -391,6 +391,15 @@ fn one_servo_under_two_references_is_not_called_two_servos() {
         words.contains("from -5 to +5 deg") && words.contains("from -30 to +30 deg"),
         "{words}"
     );
+    // One that looks linear under each of two strokes is slower over the larger one, and different from itself.
+    let (short, long) = (under(0.8, 200.0, 6), under(1.2, 200.0, 7));
+    let found = compare(&short, &long, &options).unwrap();
+    assert_eq!(found.verdict, Verdict::Undecided, "{}", found.summary);
+    assert!(found.descriptions_of_different_motions && found.p_value.is_none());
+    let apart = found.bounds.valid().unwrap().difference_percent;
+    assert!(apart.at_least > found.margin_percent, "{apart:?}");
+    let reason = "Not decided: the strokes differ, ±4 against ±6 deg.";
+    assert!(found.summary.starts_with(reason), "{}", found.summary);
     // A linear servo answers both alike.
     let linear = compare(&under(1.0, 1e6, 3), &under(6.0, 1e6, 4), &options).unwrap();
     assert_eq!(linear.verdict, Verdict::Same, "{}", linear.summary);

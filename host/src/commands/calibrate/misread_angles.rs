@@ -2,7 +2,7 @@
 
 use super::measured::Measured;
 use crate::data::rig_file::RigFile;
-use crate::instrument::calibration::mistyped_angle;
+use crate::instrument::calibration::{Calibration, mistyped_angle, swapped_angles};
 
 /// A scale that differs by more from that of the rig file is doubtful (part of it): three standard deviations of a
 /// data sheet, whose 5 % are the supply of the sensor, or the rounding of the maker of a servo.
@@ -11,15 +11,22 @@ const SCALE: f64 = 0.15;
 /// A neutral farther from 0 degrees is doubtful, as a part of the distance between two positions.
 const NEUTRAL: f64 = 0.5;
 
+/// What has a scale of counts.
+const SENSOR: &str = "the sensor";
+
 /// One sentence for each disagreement of `measured` with the rig file.
 pub(super) fn doubts(measured: &Measured, rig: &RigFile, pulses: &[u16]) -> Vec<String> {
     let mut found = Vec::new();
     if !measured.assumed {
         found.extend(mistyped_angle(&measured.readings).map(|angle| angle.to_string()));
+        found.extend(swapped_angles(&measured.readings).map(|angles| angles.to_string()));
+    }
+    if let Some(sensor) = measured.sensor.as_ref().filter(|_| !measured.assumed) {
+        found.extend(rough(sensor));
     }
     if let Some(sensor) = &measured.sensor {
         let ratio = sensor.degrees_per_count / rig.sensor.degrees_per_count;
-        found.extend(scale("the sensor", "degrees_per_count", ratio));
+        found.extend(scale(SENSOR, "degrees_per_count", ratio));
     }
     let Some(travel) = measured.travel.as_ref().filter(|_| !measured.assumed) else {
         return found;
@@ -39,6 +46,18 @@ pub(super) fn doubts(measured: &Measured, rig: &RigFile, pulses: &[u16]) -> Vec<
     found
 }
 
+/// That the readings leave the scale less certain than a data sheet does.
+fn rough(sensor: &Calibration) -> Option<String> {
+    let [low, high] = sensor.degrees_per_count_interval;
+    let half = (0.5 * (high - low) / sensor.degrees_per_count).abs();
+    (half > SCALE).then(|| {
+        format!(
+            "these readings leave the sensor's scale known to ±{:.0} % only, and a data sheet says more: repeat, and read each angle more closely",
+            100.0 * half
+        )
+    })
+}
+
 /// `ratio` is that of the measured angles to those of the rig file.
 fn scale(of: &str, key: &str, ratio: f64) -> Option<String> {
     if ratio < 0.0 {
@@ -46,15 +65,19 @@ fn scale(of: &str, key: &str, ratio: f64) -> Option<String> {
             "{of} turns against the sign of {key} in the rig file: are the signs of the angles right?"
         ));
     }
+    let kind = match of {
+        SENSOR => ", and is the sensor of the kind that the rig file names",
+        _ => "",
+    };
     ((ratio - 1.0).abs() > SCALE).then(|| format!(
-        "the angles are {ratio:.2} times what {of} should show by the rig file's {key}: were they read right?"
+        "the angles are {ratio:.2} times what {of} should show by the rig file's {key}: were they read right{kind}?"
     ))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::instrument::calibration::{Calibration, Reading};
+    use crate::instrument::calibration::Reading;
 
     /// Five angles, `factor` times as large as they are, on the sensor of the data sheet.
     fn found(factor: f64) -> Vec<String> {
@@ -83,5 +106,18 @@ mod tests {
         assert!(found(2.0)[0].contains("2.00 times"));
         assert!(found(0.5)[0].contains("0.50 times"));
         assert!(found(-1.0)[0].contains("signs of the angles"));
+    }
+
+    #[test]
+    fn angles_that_leave_a_scale_less_certain_than_a_data_sheet_are_doubted() {
+        let said = |angles: [f64; 5]| {
+            let counts = [7314.2, 7760.1, 8196.3, 8633.0, 9070.7];
+            let readings = angles.into_iter().zip(counts);
+            let readings = readings.map(|(angle_deg, counts)| Reading { angle_deg, counts });
+            rough(&Calibration::fit(&readings.collect::<Vec<_>>()).unwrap())
+        };
+        let careless = said([-8.5, -3.5, 0.0, 4.5, 6.5]).unwrap();
+        assert!(careless.contains("% only"), "{careless}");
+        assert_eq!(said([-8.0, -4.0, 0.0, 4.0, 8.0]), None);
     }
 }

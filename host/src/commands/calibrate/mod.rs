@@ -14,6 +14,7 @@ use crate::data::recording::write_file;
 use crate::data::rig_file::{RigFile, SensorSection};
 use crate::instrument::calibration::{
     Calibration, Found, Mover, Reading, Rest, Travel, mistyped_angle, put_into, require_followed,
+    swapped_angles,
 };
 use crate::instrument::port;
 use crate::instrument::rig::RigClient;
@@ -168,7 +169,7 @@ impl Calibrate {
             return Ok(());
         }
         bail!(
-            "nothing was written, because the result disagrees with the rig file (see above): check the angles, or add --yes to write it all the same"
+            "nothing was written, because the result is doubtful or disagrees with the rig file (see above): check the angles, or add --yes to write it all the same"
         );
     }
 
@@ -181,8 +182,13 @@ impl Calibrate {
         let rig = self.rig.require(source.file.clone())?;
         let pulses = self.positions(&rig.file);
         if !self.angles.is_empty() && self.angles.len() != pulses.len() {
+            let angles = if self.angles.len() == 1 {
+                "angle"
+            } else {
+                "angles"
+            };
             wrong_usage(format_args!(
-                "--angles has {} angles for {} positions ({} µs); give one for each",
+                "--angles has {} {angles} for {} positions ({} µs); give one for each",
                 self.angles.len(),
                 pulses.len(),
                 text::listed(&pulses)
@@ -302,6 +308,12 @@ impl Calibrate {
         let found = Found {
             sensor: sensor.zip(remark.as_deref()),
             us_per_degree: travel.map(|travel| travel.us_per_degree),
+            // Pulses, which need no angles.
+            limits_us: measured
+                .travel
+                .as_ref()
+                .map(Travel::before_stops_us)
+                .unwrap_or_default(),
         };
         let after = put_into(before, &found).map_err(anyhow::Error::msg)?;
         // A file that could not be read back is not written.
@@ -321,6 +333,8 @@ fn line(readings: &[Reading]) -> Result<Calibration> {
     let fit = Calibration::fit(readings);
     let angle = mistyped_angle(readings).filter(|_| fit.is_err());
     angle.iter().for_each(print_remark);
+    let swapped = swapped_angles(readings).filter(|_| fit.is_err());
+    swapped.iter().for_each(print_remark);
     Ok(fit?)
 }
 

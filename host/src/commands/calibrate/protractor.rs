@@ -3,7 +3,7 @@
 use crate::commands::output::print_remark;
 use crate::commands::prompts;
 use crate::instrument::calibration::{MoveError, Mover, Reading, Rest};
-use anyhow::{Context, Result};
+use anyhow::Result;
 use std::cell::{Cell, RefCell};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
@@ -21,7 +21,8 @@ pub(super) fn read(mover: &mut Mover<'_>, pulses: &[u16]) -> Result<(Vec<Reading
     for (number, &pulse_us) in pulses.iter().enumerate() {
         let position = format!("position {} of {}", number + 1, pulses.len());
         let read = read_one(mover, pulse_us, &position);
-        let (rest, angle) = read.with_context(|| so_far(&readings))?;
+        // On a line of its own, where it can be copied.
+        let (rest, angle) = read.inspect_err(|_| print_remark(so_far(&readings)))?;
         if let Some(angle_deg) = angle {
             let counts = rest.counts;
             readings.push(Reading { angle_deg, counts });

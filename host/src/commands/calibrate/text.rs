@@ -111,6 +111,7 @@ fn travel(travel: &Travel, assumed: bool) -> String {
             format!("us_per_degree = {scale:.4}   # {range} with {level} % confidence")
         }
     };
+    let [shortest, longest] = travel.before_stops_us();
     format!(
         "
 neutral      {} µs: {:.1} counts, {:.3} degrees ({} with {level} % confidence)
@@ -123,15 +124,21 @@ Largest deviation from the line: {:.3} degrees ({} readings).
         travel.neutral_counts.value,
         travel.neutral_deg.value,
         range(&travel.neutral_deg, 3),
-        end(&travel.short_end, "shortest_us"),
-        end(&travel.long_end, "longest_us"),
+        end(
+            &travel.short_end,
+            shortest.map(|us| format!("shortest_us = {us}"))
+        ),
+        end(
+            &travel.long_end,
+            longest.map(|us| format!("longest_us = {us}"))
+        ),
         travel.largest_residual_deg,
         travel.rests.len()
     )
 }
 
-/// One end; `key` is its limit in the rig file.
-fn end(end: &End, key: &str) -> String {
+/// One end; `limit` is that of the rig file, where the servo stops.
+fn end(end: &End, limit: Option<String>) -> String {
     match end {
         End::NotWithin {
             limit_us,
@@ -140,17 +147,13 @@ fn end(end: &End, key: &str) -> String {
             format!("no end within the limits: {angle_deg:.1} degrees at {limit_us} µs")
         }
         End::Stops { at_us, angle_deg } => {
-            // Rounded inwards to whole microseconds.
-            let limit = match key {
-                "longest_us" => at_us.lower.floor(),
-                _ => at_us.upper.ceil(),
-            };
             format!(
-                "stops at {:.0} µs ({} µs), {:.2} degrees ({} degrees); a servo that pushes against its\n             stop gets hot, so set {key} = {limit:.0} or less travel",
+                "stops at {:.0} µs ({} µs), {:.2} degrees ({} degrees); a servo that pushes against its\n             stop gets hot: {}, or less travel",
                 at_us.value,
                 range(at_us, 0),
                 angle_deg.value,
-                range(angle_deg, 2)
+                range(angle_deg, 2),
+                limit.unwrap_or_default()
             )
         }
         End::Softens {

@@ -86,7 +86,7 @@ impl CaptureArgs {
         let talk = self.output.talk;
         let source = self.rig.source(talk)?;
         let files = run_files(&self.out, self.repeat);
-        check_apart(&files, &source.path)?;
+        check_apart(&files, source.path.iter().chain(self.reference.table()))?;
         let Rig {
             address,
             file: rig,

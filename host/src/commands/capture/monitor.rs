@@ -205,7 +205,7 @@ impl MonitoredRun<'_> {
     fn enough(&self) -> Option<StopReason> {
         let percent = self.monitor.until_percent?;
         self.monitor.live.as_ref()?.enough()?;
-        let known = format!("the step response is known to +-{percent} % of the step");
+        let known = format!("the step response is known to ±{percent} % of the step");
         Some(StopReason::Enough(known))
     }
 

@@ -107,7 +107,7 @@ impl Line {
         let position = newest.map_or(f64::NAN, |&counts| scale.angle(counts));
         let band = self
             .band_percent
-            .map(|p| format!("; band +-{p:.2} % of the step"));
+            .map(|p| format!("; band ±{p:.2} % of the step"));
         let band = band.unwrap_or_default();
         let still = match self.stands_still {
             true => "; THE SENSOR'S READING STANDS STILL",

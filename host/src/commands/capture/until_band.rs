@@ -63,7 +63,7 @@ impl BandReached {
         let asked = self.asked_percent;
         Some(match self.estimate {
             BandEstimate::Band(band) => format!(
-                "the band is still +-{:.2} % of the step, not the +-{asked} % that was asked for; {}",
+                "the band is still ±{:.2} % of the step, not the ±{asked} % that was asked for; {}",
                 band.widest_percent,
                 band.advice(asked, runs)
             ),

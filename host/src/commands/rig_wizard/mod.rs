@@ -108,6 +108,10 @@ pub(super) fn check_condition(condition: &str) -> Checked {
     check_name(condition)?;
     require(!condition.trim().is_empty(), || {
         "a condition needs a name: bench, aircraft, or your own words".into()
+    })?;
+    let begins = ["sim:", "tcp:", "/dev/"].map(|port| condition.trim().starts_with(port));
+    require(!begins.contains(&true), || {
+        "that is a port, and this is the condition of the measurement: bench, aircraft, or your own words".into()
     })
 }
 

@@ -16,6 +16,8 @@ pub struct About {
     pub input_unit: Option<String>,
     /// The unit of what was measured, where the files state it and agree.
     pub output_unit: Option<String>,
+    /// The size of all strokes of the command, where they have one.
+    pub only_stroke: Option<f64>,
     /// Under what condition it was recorded, where the files state it and agree.
     pub condition: Option<String>,
     /// Where the data come from, file by file: name and value of each thing that is known.
@@ -56,11 +58,15 @@ impl About {
         let (a, b) = pairs.find(|(a, b)| a != b)?;
         let percent = 100.0 * (b.degrees_per_count / a.degrees_per_count - 1.0);
         let zero = (b.zero_counts - a.zero_counts) * a.degrees_per_count;
+        let scale = match percent < -100.0 {
+            true => "the second turns the other way (its scale has the other sign)".to_owned(),
+            false => format!("the scale of the second is {percent:+.2} % from that of the first"),
+        };
         let rough = a.scale_sd_percent.max(b.scale_sd_percent);
         Some(Advice::new(
             Check::Calibration,
             format!(
-                "The sides have different calibrations of the sensor: the scale of the second is {percent:+.2} % from that of the first, and its zero \
+                "The sides have different calibrations of the sensor: {scale}, and its zero is \
                  {zero:+.2} degrees; the rougher scale has a standard deviation of {rough:.2} %. Where the sensor is the same, gains and levels \
                  differ by that much for this reason alone."
             ),
@@ -159,6 +165,7 @@ impl From<&About> for ModelMetadata {
         let (input, output) = (about.input_unit.clone(), about.output_unit.clone());
         let mut metadata = Self::new(input, output, about.pulse_frame_s);
         metadata.sensor_delay_uncertainty_s = about.sensor_delay_uncertainty_s;
+        metadata.only_stroke = about.only_stroke;
         metadata
     }
 }

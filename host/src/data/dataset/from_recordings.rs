@@ -119,7 +119,7 @@ fn about(
             Check::Partial,
             format!("{shown} is partial ({reason}): it has {rows} rows"),
             [rows as f64, samples_meant(recording)],
-            "The missing rows are left out and the bounds are as wide as that makes them; capture again for the rest.",
+            "The missing rows are left out; capture again for the rest.",
         ),
     }
     let [delay_ms, uncertainty_ms] =
@@ -218,14 +218,10 @@ fn end_of(recording: &Recording) -> String {
     }
 }
 
-/// The remark on a recording whose columns were named, so that it is read as any CSV file.
-pub(super) fn remark_on_named(bytes: &[u8], path: &Path) -> String {
-    let what = match Recording::parse(bytes, path) {
+/// What the file at `path` is as a recording: whole, in part, or damaged.
+pub(super) fn state(bytes: &[u8], path: &Path) -> String {
+    match Recording::parse(bytes, path) {
         Ok(recording) => format!("{}, {}", path.display(), end_of(&recording)),
         Err(damage) => damage.to_string(),
-    };
-    format!(
-        "{} is a recording of servoid, but with its columns named its rows are taken as they are, neither checked nor cut to the reference: {what}",
-        path.display()
-    )
+    }
 }

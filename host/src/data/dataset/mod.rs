@@ -12,6 +12,7 @@ mod from_arrays;
 mod from_recordings;
 mod from_tables;
 mod loaded;
+mod named_columns;
 mod options;
 mod sensor_delay;
 mod sentinel_values;
@@ -29,10 +30,10 @@ pub use time_column::TimeUnit;
 use crate::data::file_error::FileError;
 use crate::data::recording::{self, Recording};
 use crate::data::table::{Table, TableFault};
-use crate::data::{fingerprint, input_file, rest_error, servo_stopped};
+use crate::data::{fingerprint, input_file, rest_error, servo_stopped, unlike_runs};
 pub use controllers::{Controllers, UnknownController};
 use loaded::Loaded;
-use servoid_identification::Record;
+use servoid_identification::{Record, only_stroke};
 use std::path::{Path, PathBuf};
 
 /// A record, and where it comes from.
@@ -102,9 +103,11 @@ fn together<'a>(all: Loaded<'a>, names: &str) -> Result<Dataset<'a>, DatasetErro
     } = all;
     let record =
         Record::new(period_s, runs).map_err(|error| DatasetError::Data(names.to_owned(), error))?;
+    about.only_stroke = only_stroke(&record);
     // The zero of a rig is a matter of its calibration.
     let uncalibrated = about.calibrations.is_empty();
     let findings = [
+        unlike_runs::advice(&record, &about.provenance, about.input_unit.as_deref()),
         fingerprint::advice_on_repeats(&record),
         servo_stopped::advice(&record),
         uncalibrated
@@ -191,7 +194,10 @@ fn of_content(
     if let Some(fault) = refused_json(&bytes) {
         return Err(fault);
     }
-    let remark = is_recording.then(|| from_recordings::remark_on_named(&bytes, path));
+    let header = is_recording
+        .then(|| recording::header_as_it_reads(&bytes))
+        .flatten();
+    let state = is_recording.then(|| from_recordings::state(&bytes, path));
     let table = Table::parse(bytes)?;
     // A name without its unit, which another program's file may have in full, is not meant for a column of a recording.
     let mut wanted = [&options.input, &options.output].into_iter().flatten();
@@ -201,13 +207,20 @@ fn of_content(
             present: table.columns_listed(),
         });
     }
-    let mut loaded = match from_tables::from_table(&table, path, options) {
+    let loaded = match from_tables::from_table(&table, path, options) {
         Err(DatasetFault::Table(TableFault::NoColumn { column, present })) if is_recording => {
             return Err(DatasetFault::OtherColumns { column, present });
         }
         loaded => loaded?,
     };
-    loaded.about.remarks.extend(remark);
+    let Some((header, state)) = header.zip(state) else {
+        return Ok(loaded);
+    };
+    let mut loaded = named_columns::timed(loaded, &header, options)?;
+    let file = path.display();
+    loaded.about.remarks.push(format!(
+        "{file} is a recording of servoid, but with its columns named its rows are not checked; what its header says of times is taken as it stands: {state}"
+    ));
     Ok(loaded)
 }
 

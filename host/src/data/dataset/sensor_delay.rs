@@ -19,7 +19,14 @@ pub(super) struct SensorDelay {
 impl SensorDelay {
     /// That of a recording.
     pub(super) fn of(header: &Header) -> Result<Self, DatasetFault> {
-        let fault = |reason: &str| Err(ReadFault::DamagedHeader(1, reason.to_owned()).into());
+        let fault = |reason: &str| {
+            let damaged = ReadFault::DamagedHeader {
+                line: 1,
+                reason: reason.to_owned(),
+                sound_rows: true,
+            };
+            Err(damaged.into())
+        };
         let phase_s = header.sample_phase_s;
         if !(phase_s >= 0.0 && phase_s.is_finite()) {
             return fault("sample_phase_s is no time after an edge");

@@ -68,6 +68,7 @@ pub use recover::{Recovered, recover};
 pub use reference_toml::as_toml;
 pub use reserved_file::ReservedFile;
 pub use row::{COLUMNS, Row};
+pub(crate) use scan::header_as_it_reads;
 pub use scan::is_recording;
 pub use target::RecordingTarget;
 pub(crate) use whole_file::WholeFile;

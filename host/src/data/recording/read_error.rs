@@ -19,12 +19,21 @@ pub enum ReadFault {
     Newer(u32),
     /// A comment line is damaged: number from 1, and reason.
     #[error(
-        "is damaged above its rows, at line {0}: {1}; 'servoid recover' keeps what is sound, and with --input reference_deg --output position_deg the rows are read as they are"
+        "is damaged above its rows, at line {line}: {reason}; {}with --input reference_deg --output position_deg its rows are read as they are",
+        recover_if(*.sound_rows)
     )]
-    DamagedHeader(usize, String),
+    DamagedHeader {
+        /// Line, from 1.
+        line: usize,
+        /// The fault.
+        reason: String,
+        /// Whether some of its rows are sound.
+        sound_rows: bool,
+    },
     /// A row is damaged.
     #[error(
-        "is damaged at row {row} (line {line}): {reason}; 'servoid recover' keeps what is sound"
+        "is damaged at row {row} (line {line}): {reason}; {}with --input reference_deg --output position_deg its rows are read as they are",
+        recover_if(*.sound_rows)
     )]
     DamagedRow {
         /// Row, from 1.
@@ -33,6 +42,8 @@ pub enum ReadFault {
         line: usize,
         /// The fault.
         reason: String,
+        /// Whether some of the others are sound.
+        sound_rows: bool,
     },
     /// Not one frame is sound.
     #[error("has no sound frame left: nothing can be recovered from it")]
@@ -42,4 +53,12 @@ pub enum ReadFault {
         "was changed after it was recorded: its rows do not match its last line ({0}); if you meant to, 'servoid recover' makes a partial recording of it"
     )]
     Changed(&'static str),
+}
+
+/// Advice to recover a recording, where there is something to recover.
+fn recover_if(sound_rows: bool) -> &'static str {
+    match sound_rows {
+        true => "'servoid recover' keeps what is sound, and ",
+        false => "",
+    }
 }

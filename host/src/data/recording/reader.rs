@@ -48,9 +48,19 @@ impl Recording {
     pub(crate) fn of(bytes: &[u8]) -> Result<Self, ReadFault> {
         let scanned = scan(bytes)?;
         if let Some(Damage { row, line, reason }) = scanned.damages.first().cloned() {
+            let sound_rows = !scanned.rows.is_empty();
             return Err(match row {
-                Some(row) => ReadFault::DamagedRow { row, line, reason },
-                None => ReadFault::DamagedHeader(line, reason),
+                Some(row) => ReadFault::DamagedRow {
+                    row,
+                    line,
+                    reason,
+                    sound_rows,
+                },
+                None => ReadFault::DamagedHeader {
+                    line,
+                    reason,
+                    sound_rows,
+                },
             });
         }
         let (completeness, lost_samples) = judge(&scanned).map_err(ReadFault::Changed)?;

@@ -3,11 +3,11 @@
 use super::sensor_scale::{Calibration, Reading};
 
 /// Fewest readings among which one can be distinguished from the others: two of the rest show a line, and two how straight it is.
-const FEWEST: usize = 5;
+pub(super) const FEWEST: usize = 5;
 
 /// How many times farther than any other reading it must lie from the line of the others. Of five readings with Gaussian errors one in a
 /// hundred does so by chance (Student's t with two degrees of freedom at 0.2 %).
-const FARTHER: f64 = 20.0;
+pub(super) const FARTHER: f64 = 20.0;
 
 /// The reading that does not belong to the others.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,6 +4,7 @@
 //! |----------------|---------------------------------------------------------------------------------------|
 //! | `sensor_scale` | fits the sensor's scale to readings at known angles                                   |
 //! | `mistyped_angle` | finds the one angle that does not belong to the others                          |
+//! | `swapped_angles` | finds two angles that were given at each other's position                         |
 //! | `mover`        | brings the servo to positions and reads the sensor there                              |
 //! | `followed`     | finds positions to which the servo did not come                                       |
 //! | `travel`       | neutral, gain and ends from a slow staircase over the pulses that the servo may be given |
@@ -17,6 +18,7 @@ mod mistyped_angle;
 mod mover;
 mod rig_text;
 mod sensor_scale;
+mod swapped_angles;
 mod travel;
 
 pub use followed::{NotFollowed, require_followed};
@@ -25,6 +27,7 @@ pub use mistyped_angle::{MistypedAngle, mistyped_angle};
 pub use mover::{MoveError, Mover, Rest};
 pub use rig_text::{Found, put_into};
 pub use sensor_scale::{Calibration, CalibrationError, Reading};
+pub use swapped_angles::{SwappedAngles, swapped_angles};
 pub use travel::{End, Travel, TravelError};
 
 #[cfg(test)]

@@ -11,12 +11,14 @@ pub struct Found<'a> {
     pub sensor: Option<(&'a Calibration, &'a str)>,
     /// Change of the pulse for one degree (µs/deg).
     pub us_per_degree: Option<Estimate>,
+    /// The shortest and the longest pulse before the servo stops, where it does (µs).
+    pub limits_us: [Option<u16>; 2],
 }
 
 /// How the remark on the sensor's scale begins: one that is there already is replaced.
 const REMARK: &str = "# Calibrated: ";
 
-/// Puts the results into the sections `[sensor]` and `[servo]`; everything else, comments included,
+/// Puts the results into the sections `[sensor]`, `[servo]` and `[limits]`; everything else, comments included,
 /// stays as it is.
 ///
 /// ```
@@ -42,6 +44,16 @@ pub fn put_into(rig_file: &str, found: &Found<'_>) -> Result<String, String> {
         let remark = format!("  # {lower:.4} to {upper:.4} with {level} % confidence");
         set(servo, "us_per_degree", estimate.value, &remark);
     }
+    for (key, limit) in ["shortest_us", "longest_us"]
+        .into_iter()
+        .zip(found.limits_us)
+    {
+        if let Some(limit_us) = limit {
+            let limits = section(&mut document, "limits")?;
+            set(limits, key, i64::from(limit_us), "");
+            explain(limits, key, "the servo stops beyond this pulse");
+        }
+    }
     if let Some((sensor, remark)) = found.sensor {
         let table = section(&mut document, "sensor")?;
         for (key, number) in [
@@ -66,8 +78,8 @@ fn section<'d>(document: &'d mut DocumentMut, name: &str) -> Result<&'d mut dyn 
 }
 
 /// Sets a number; what stands behind an old one stays, and `remark` is put behind a new one.
-fn set(table: &mut dyn TableLike, key: &str, number: f64, remark: &str) {
-    let mut value = Value::from(number);
+fn set(table: &mut dyn TableLike, key: &str, number: impl Into<Value>, remark: &str) {
+    let mut value = number.into();
     match table.get_mut(key) {
         Some(Item::Value(old)) => {
             *value.decor_mut() = old.decor().clone();

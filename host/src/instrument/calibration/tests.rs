@@ -124,6 +124,7 @@ fn comments_and_other_keys_stay_and_the_remark_is_there_once() {
     let found = Found {
         sensor: Some((&sensor, "three readings")),
         us_per_degree: Some(Estimate::around(10.1, 0.05)),
+        limits_us: [Some(1441), None],
     };
     let before = "# mine\nport = \"x\"\n[sensor]\nname = \"H\" # new\n# the zero\nzero_counts = 1.0 # here\n";
     let once = put_into(before, &found).unwrap();
@@ -150,4 +151,6 @@ fn comments_and_other_keys_stay_and_the_remark_is_there_once() {
     assert_eq!(rig.sensor.zero_counts, sensor.zero_counts);
     assert_eq!(rig.sensor.scale_sd_percent, sensor.scale_sd_percent);
     assert_eq!(rig.servo.us_per_degree, 10.1);
+    let limits = [rig.limits.shortest_us, rig.limits.longest_us];
+    assert_eq!(limits, [1441, RigFile::default().limits.longest_us]);
 }

@@ -75,10 +75,14 @@ fn verdict(page: &Page<'_>) -> String {
                 "",
                 &summary::servo_sentence(&found.model, first.subject.units),
             ),
-            (_, Bounds::Valid(_)) => paragraph("", "", &summary::headline_of_model(own)),
-            (_, Bounds::Withdrawn(_)) => {
-                paragraph("different", "", &summary::headline_of_model(own))
+            (_, Bounds::Valid(_)) => {
+                paragraph("", "", &summary::headline_of_model(own, first.metadata))
             }
+            (_, Bounds::Withdrawn(_)) => paragraph(
+                "different",
+                "",
+                &summary::headline_of_model(own, first.metadata),
+            ),
         };
     };
     let names = [first.subject.name, second.subject.name];
@@ -97,7 +101,7 @@ fn verdict(page: &Page<'_>) -> String {
     match page.comparison {
         Some(found) => {
             let word = summary::verdict(found.verdict);
-            let sentence = summary::headline_of_comparison(names[0], names[1], found);
+            let sentence = summary::headline_of_comparison(names[0], names[1], found, units(page));
             paragraph(word, &format!("<b>{word}</b>. "), &sentence)
         }
         None => paragraph(

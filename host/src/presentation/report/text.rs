@@ -62,7 +62,7 @@ fn of_one(part: &Part<'_>, has_other: bool) -> String {
     format!(
         "<p><b>{name}</b>, from {from}{runs}, {seconds:.1} s used. {}{linear}{}</p>\n",
         as_machine.unwrap_or_default(),
-        escape(&summary::model_sentence(model, part.subject.units))
+        escape(&summary::model_sentence(model, part.metadata))
     )
 }
 
@@ -87,7 +87,10 @@ fn metrics(page: &Page<'_>) -> (String, String) {
     };
     let head_of = |part: &Part<'_>| {
         let subject = part.subject;
-        head(subject.name, &summary::level_text(subject.model))
+        let strokes = summary::stroke_in_words(part.metadata);
+        let strokes = strokes.map_or_else(String::new, |stroke| format!(", strokes of {stroke}"));
+        let level = summary::level_text(subject.model) + &escape(&strokes);
+        head(subject.name, &level)
     };
     let mut heads: String = page.parts().map(head_of).collect();
     let gain = common_gain(page);

@@ -114,6 +114,9 @@ pub(crate) fn facts_of_comparison(a: &str, b: &str, found: &Comparison) -> Vec<(
             "{} with {runs_a} and {runs_b} runs",
             probability(found.p_value)
         ),
+        None if found.descriptions_of_different_motions => {
+            "not tested: the references differ".to_owned()
+        }
         None if found.motions.is_none() => {
             "not tested: needs the recordings of three runs a side".to_owned()
         }
@@ -163,12 +166,18 @@ fn largest_difference(bounds: &ComparisonBounds) -> String {
         Direction::Up => " of an up stroke",
         Direction::Down => " of a down stroke",
     };
+    let surest = match difference.at_least > 0.0 {
+        true => format!(
+            ", surest {:.0} ms after the edge{stroke}",
+            1e3 * difference.at_s
+        ),
+        false => String::new(),
+    };
     format!(
-        "at least {:.2} %, at most {:.2} % of the step ({} %), surest {:.0} ms after the edge{stroke}",
+        "at least {:.2} %, at most {:.2} % of the step ({} %){surest}",
         difference.at_least,
         difference.at_most,
         percent(bounds.level),
-        1e3 * difference.at_s
     )
 }
 

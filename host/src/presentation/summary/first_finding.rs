@@ -1,9 +1,17 @@
 //! The finding that comes before any sentence about a servo.
 
-use servoid_identification::results::{Advice, Model};
+use servoid_identification::results::{Advice, Check, Model};
 
 /// The finding on a model that leaves nothing to be said before it: times that cannot be, columns that are exchanged, a loop, or no
 /// model that predicts the recording.
 pub(crate) fn first_finding(model: &Model) -> Option<&Advice> {
     model.advice.iter().find(|item| item.check.comes_first())
+}
+
+/// Whether a finding is said before the sentence on a servo, which stands all the same.
+pub(super) fn is_said_before(item: &Advice) -> bool {
+    matches!(
+        item.check,
+        Check::Duration | Check::Travel | Check::UnlikeRuns
+    )
 }

@@ -1,15 +1,18 @@
 //! The answer in a sentence or two, for the head of a page.
 
 use super::comparison::subject_in_words;
-use super::first_finding::first_finding;
+use super::first_finding::{first_finding, is_said_before};
 use super::metrics::settling_time;
 use super::model_sentence::{certainty, hides_step};
 use super::numbers::percent;
+use super::strokes::which_step;
+use crate::data::model_metadata::ModelMetadata;
+use crate::data::units::Units;
 use servoid_identification::comparison::{Comparison, ComparisonBounds, Direction, Verdict};
 use servoid_identification::results::{Advice, Bounds, Check, Interval, Model};
 
 /// How fast a servo is, and how sure that is.
-pub(crate) fn headline_of_model(model: &Model) -> String {
+pub(crate) fn headline_of_model(model: &Model, of: &ModelMetadata) -> String {
     if let Some(item) = first_finding(model) {
         return format!("{} {}", item.finding, item.remedy);
     }
@@ -23,13 +26,19 @@ pub(crate) fn headline_of_model(model: &Model) -> String {
     let parts: Vec<String> = half.into_iter().chain(settled).collect();
     let motion = match parts.is_empty() {
         true => String::new(),
-        false => format!("After a step the servo {}. ", parts.join(" and ")),
+        false => format!(
+            "After a step{} the servo {}. ",
+            which_step(of),
+            parts.join(" and ")
+        ),
     };
-    motion + &certainty(model)
+    let before = model.advice.iter().find(|item| is_said_before(item));
+    let before = before.map_or_else(String::new, |item| format!("{} ", item.finding));
+    before + &motion + &certainty(model)
 }
 
-/// Whether two differ, and by how much; `a` and `b` are their names.
-pub(crate) fn headline_of_comparison(a: &str, b: &str, found: &Comparison) -> String {
+/// Whether two differ, and by how much; `a` and `b` are their names, `units` those of both.
+pub(crate) fn headline_of_comparison(a: &str, b: &str, found: &Comparison, units: Units) -> String {
     let same = |item: &&Advice| item.check == Check::SameData;
     if let Some(item) = found.advice.iter().find(same) {
         return format!("{} {}", item.finding, item.remedy);
@@ -51,8 +60,13 @@ pub(crate) fn headline_of_comparison(a: &str, b: &str, found: &Comparison) -> St
     let stroke = stroke_in_words(apart.stroke);
     let of = subject_in_words(found);
     if found.descriptions_of_different_motions {
+        let unit = units.input.unwrap_or_default();
+        let differ = found
+            .motions
+            .map(|both| both.a.difference_in_words(&both.b, unit));
         return format!(
-            "No verdict on {a} and {b}: their references differ and a servo is not linear, so what differs may be the motion and not the servo."
+            "No verdict on {a} and {b}: {}. What differs may be the motion and not the servo. Record both with the same reference.",
+            differ.as_deref().unwrap_or("their references differ")
         );
     }
     match found.verdict {

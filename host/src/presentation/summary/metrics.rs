@@ -1,7 +1,8 @@
 //! Tables of gain, delay, rise time and the like.
 
 use super::numbers::{decimals, head_of_bounds};
-use crate::data::units::Units;
+use super::strokes::stroke_in_words;
+use crate::data::model_metadata::ModelMetadata;
 use servoid_identification::comparison::Comparison;
 use servoid_identification::results::{Interval, Metrics, Model, Reason};
 
@@ -168,12 +169,14 @@ impl MetricEntry {
 }
 
 /// The metrics of one model, a line each.
-pub(super) fn table(model: &Model, units: Units<'_>) -> String {
-    let gain = units.gain().unwrap_or_default();
+pub(super) fn table(model: &Model, of: &ModelMetadata) -> String {
+    let gain = of.units().gain().unwrap_or_default();
     let metrics = &model.metrics;
     let head = head_of_bounds(metrics.bounds.as_ref().map(|bounds| bounds.level));
     let missing = "not reached, as far as this recording shows";
-    let mut text = format!("\n  {:22} {:>10}       {head}\n", "", "value");
+    let strokes = stroke_in_words(of).map(|stroke| format!("strokes of {stroke}"));
+    let strokes = strokes.unwrap_or_default();
+    let mut text = format!("\n  {strokes:22} {:>10}       {head}\n", "value");
     for row in &ROWS {
         let interval = (row.of)(metrics);
         let (value, bounds) = row.cell(&interval);
@@ -201,7 +204,7 @@ pub(super) fn table(model: &Model, units: Units<'_>) -> String {
 
 /// Which metrics are withheld, and why, where some are.
 pub(crate) fn withheld_line(metrics: &Metrics) -> Option<String> {
-    let because = metrics.withheld?.because();
+    let because = metrics.why_withheld()?;
     let which = match metrics.dc_gain.value {
         Some(_) => "the others",
         None => "all",

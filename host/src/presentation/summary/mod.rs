@@ -12,6 +12,7 @@ mod numbers;
 mod servo_comparison;
 mod servo_model;
 mod servo_sentence;
+mod strokes;
 
 pub use beyond_linear::{of_flight_model, of_limits};
 pub use comparison::of_comparison;
@@ -21,6 +22,7 @@ pub(crate) use servo_comparison::{how_servo_models_are_compared, servo_model_row
 pub use servo_comparison::{of_servo_models, sentence_on_servo_models};
 pub use servo_model::of_servo_model;
 pub use servo_sentence::servo_sentence;
+pub(crate) use strokes::stroke_in_words;
 
 pub(crate) use comparison::{
     NOT_COMPARED, facts_of_comparison, how_compared, table_of_comparison, verdict,
@@ -39,10 +41,11 @@ pub(crate) use servo_model::{
     run_offsets_in_words, terms_in_words,
 };
 
-use crate::data::units::Units;
+use crate::data::model_metadata::ModelMetadata;
+use first_finding::is_said_before;
 use layout::findings;
 use numbers::rounded;
-use servoid_identification::results::{Advice, Bounds, Check, Model, SelectedBy, Validation};
+use servoid_identification::results::{Advice, Bounds, Model, SelectedBy, Validation};
 
 /// The level of a model's bounds, as text.
 pub(crate) fn level_text(model: &Model) -> String {
@@ -63,13 +66,14 @@ pub struct Extent<'a> {
 
 /// The results of one identification: the answer first.
 #[must_use]
-pub fn of_model(source: &str, model: &Model, units: Units<'_>, extent: Extent<'_>) -> String {
-    let sentence = wrapped(&model_sentence(model, units), 0);
+pub fn of_model(source: &str, model: &Model, of: &ModelMetadata, extent: Extent<'_>) -> String {
+    let units = of.units();
+    let sentence = wrapped(&model_sentence(model, of), 0);
     let (first, advice): (Vec<Advice>, Vec<Advice>) = model
         .advice
         .iter()
         .cloned()
-        .partition(|item| item.check.comes_first() || item.check == Check::Duration);
+        .partition(|item| item.check.comes_first() || is_said_before(item));
     let first = match findings(&first) {
         none if none.is_empty() => none,
         some => some + "\n",
@@ -88,7 +92,7 @@ pub fn of_model(source: &str, model: &Model, units: Units<'_>, extent: Extent<'_
     let [samples, structure, fit, residuals] = facts(model, units.output);
     let band = ("step band", step_band(model));
     let offset = ("offset", offset(model, units.output));
-    text += &metrics::table(model, units);
+    text += &metrics::table(model, of);
     text.push('\n');
     let facts = match extent.statistics {
         true => vec![samples, structure, fit, band, offset, residuals],
@@ -164,7 +168,7 @@ fn step_band(model: &Model) -> String {
     let (each, whole) = bounds.mean_half_widths();
     let digits = decimals(each, 2);
     format!(
-        "+-{each:.digits$} each point, +-{whole:.digits$} whole curve ({} %, of a unit step, mean)",
+        "±{each:.digits$} each point, ±{whole:.digits$} whole curve ({} %, of a unit step, mean)",
         percent(bounds.level)
     )
 }

@@ -3,12 +3,14 @@
 use super::first_finding::first_finding;
 use super::metrics::settling_time;
 use super::numbers::percent;
+use super::strokes::which_step;
+use crate::data::model_metadata::ModelMetadata;
 use crate::data::units::Units;
 use servoid_identification::results::{Bounds, Interval, Model, Reason, StepBounds};
 
 /// What kind of servo, how fast, how sure.
 #[must_use]
-pub fn model_sentence(model: &Model, units: Units<'_>) -> String {
+pub fn model_sentence(model: &Model, of: &ModelMetadata) -> String {
     // Motion is no finding on a servo where something else comes first, or where the model does not follow the recording.
     match first_finding(model) {
         Some(_) => certainty(model),
@@ -18,7 +20,7 @@ pub fn model_sentence(model: &Model, units: Units<'_>) -> String {
             certainty(model)
         ),
         None if hides_step(model) => certainty(model),
-        None => format!("{} {}", motion(model, units), certainty(model)),
+        None => format!("{} {}", motion(model, of), certainty(model)),
     }
 }
 
@@ -30,7 +32,7 @@ pub(super) fn hides_step(model: &Model) -> bool {
 }
 
 /// How the servo answers a step of the command.
-fn motion(model: &Model, units: Units<'_>) -> String {
+fn motion(model: &Model, of: &ModelMetadata) -> String {
     let metrics = &model.metrics;
     let ms = |time: Interval| time.value.map(|seconds| format!("{:.0} ms", 1e3 * seconds));
     let mut parts = Vec::new();
@@ -53,14 +55,19 @@ fn motion(model: &Model, units: Units<'_>) -> String {
                 false => format!("overshoots by {share:.1} %"),
             }),
     );
-    parts.extend(end(model, units));
+    parts.extend(end(model, of.units()));
     match parts.pop() {
         None => "How the servo answers a step is not determined.".to_owned(),
-        Some(last) if parts.is_empty() => format!("After a step of the command the servo {last}."),
-        Some(last) => format!(
-            "After a step of the command the servo {}, and {last}.",
-            parts.join(", ")
-        ),
+        Some(last) => {
+            let all = match parts.is_empty() {
+                true => last,
+                false => format!("{}, and {last}", parts.join(", ")),
+            };
+            format!(
+                "After a step of the command{} the servo {all}.",
+                which_step(of)
+            )
+        }
     }
 }
 

@@ -4,7 +4,7 @@ use super::layout::listed_words;
 use super::servo_model::{OF_LIMIT, digits, four_digits, seconds_per_60_degrees, turn_time_s};
 use crate::data::units::Units;
 use servoid_identification::results::{Bounds, Reason};
-use servoid_identification::servo_model::{LinearKind, LoadKind, Quantity, ServoModel};
+use servoid_identification::servo_model::{LinearKind, LoadKind, Quantity, ServoModel, Spread};
 use servoid_identification::thresholds::POOR_PREDICTION_PERCENT;
 
 /// What kind of servo this is, in a sentence or two; and that the linear model is the one to use, where it predicts better.
@@ -57,7 +57,7 @@ fn what_is_known(
     units: Units<'_>,
 ) -> Vec<String> {
     let parts = [
-        Some(limited_to(model, speeds, units).unwrap_or_else(|| kind(model).to_owned())),
+        Some(limited_to(model, speeds, units, 4).unwrap_or_else(|| kind(model).to_owned())),
         resting_error(model, units),
         load(model).map(str::to_owned),
         delay(model),
@@ -72,16 +72,37 @@ fn what_was_seen(
     speeds: Option<[&Quantity; 2]>,
     units: Units<'_>,
 ) -> Vec<String> {
-    let kind = match speeds {
-        Some(_) => "is limited in its speed",
-        None => kind(model),
-    };
+    let agreed = speeds.and_then(|speeds| agreed(model, speeds));
+    let kind = limited_to(model, agreed, units, 3).unwrap_or_else(|| match speeds {
+        Some(_) => "is limited in its speed".to_owned(),
+        None => kind(model).to_owned(),
+    });
     let reached = model.reached.map(|reached| {
         let [up, down] = [reached.upwards, reached.downwards]
             .map(|speed| speed_in_words(model, (speed, digits(speed, 2)), units));
         format!("moved at up to {up} upwards and {down} downwards in this recording")
     });
-    std::iter::once(kind.to_owned()).chain(reached).collect()
+    std::iter::once(kind).chain(reached).collect()
+}
+
+/// Other fits to the record whose top speeds are within this part of it of each other have one top speed: it is what counts as the same where
+/// servos are compared.
+const SAME_SPEED: f64 = 0.05;
+
+/// Top speeds without intervals on which all fits agree, and which the servo has not exceeded: a limit that was exceeded is none. Where
+/// errors show that the model lacks something, speeds may stand for that.
+fn agreed<'q>(model: &ServoModel, speeds: [&'q Quantity; 2]) -> Option<[&'q Quantity; 2]> {
+    if model.covariance.withdrawn() == Some(Reason::ErrorsNotNoise) {
+        return None;
+    }
+    let reached = model.reached?;
+    let of = |(found, reached): (&Quantity, f64)| {
+        let fits = found.other_fits;
+        let same = |fits: Spread| fits.most - fits.least <= SAME_SPEED * found.value;
+        found.value >= reached && fits.is_some_and(same)
+    };
+    let all = speeds.into_iter().zip([reached.upwards, reached.downwards]);
+    all.into_iter().all(of).then_some(speeds)
 }
 
 /// The quantity of this name, where the record determines it.
@@ -96,14 +117,15 @@ fn top_speeds(model: &ServoModel) -> Option<[&Quantity; 2]> {
     Some([up?, down?])
 }
 
-/// "is limited to 331 deg/s (0.181 s/60°)", where the record determines that.
+/// "is limited to 331 deg/s (0.181 s/60°)", where the record determines that, with so many digits.
 fn limited_to(
     model: &ServoModel,
     speeds: Option<[&Quantity; 2]>,
     units: Units<'_>,
+    count: usize,
 ) -> Option<String> {
-    let [up, down] =
-        speeds?.map(|found| speed_in_words(model, (found.value, four_digits(found.value)), units));
+    let [up, down] = speeds?
+        .map(|found| speed_in_words(model, (found.value, digits(found.value, count)), units));
     Some(match up == down {
         true => format!("is limited to {up}"),
         false => format!("is limited to {up} upwards and {down} downwards"),

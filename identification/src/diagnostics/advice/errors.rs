@@ -195,7 +195,9 @@ pub(super) fn gain_may_be_zero(evidence: &Evidence<'_>) -> Option<Advice> {
     let gain = metrics.dc_gain.value?;
     let bounds = metrics.dc_gain.lower.zip(metrics.dc_gain.upper);
     let which = bounds.map_or_else(
-        || "which may be zero".to_owned(),
+        || {
+            "which the linear model does not determine: its errors are not noise, and by their size even a gain of zero is not excluded".to_owned()
+        },
         |(lower, upper)| format!("whose bounds ({lower:.3} .. {upper:.3}) contain zero"),
     );
     (metrics.withheld == Some(Withheld::GainMayBeZero)).then(|| {

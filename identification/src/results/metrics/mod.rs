@@ -125,6 +125,18 @@ pub struct Metrics {
 }
 
 impl Metrics {
+    /// Why some are left out, in a few words; `None` where none are.
+    #[must_use]
+    pub fn why_withheld(&self) -> Option<&'static str> {
+        Some(match (self.withheld?, self.bounds.withdrawn()) {
+            // Its value may look as good as any; only how far it may be off does not.
+            (Withheld::GainMayBeZero, Some(_)) => {
+                "the linear model does not determine the gain, which they are shares of"
+            }
+            (reason, _) => reason.because(),
+        })
+    }
+
     /// Reads them off. Where `bounds` are withdrawn, intervals keep their value alone.
     pub(crate) fn new(measured: &Measured<'_>, bounds: Bounds<MetricBounds>) -> Self {
         let metrics = Self::of_response(measured, bounds);

@@ -39,6 +39,11 @@ pub(super) struct Scan {
     pub(super) damages: Vec<Damage>,
 }
 
+/// The header of a recording as far as its lines can be read, with the usual values for the others; `None` for one of a later format.
+pub fn header_as_it_reads(bytes: &[u8]) -> Option<Header> {
+    scan(bytes).ok().map(|found| found.header)
+}
+
 /// Takes a file apart; fails for one of a later format.
 pub(super) fn scan(bytes: &[u8]) -> Result<Scan, ReadFault> {
     let bytes = &*as_written(bytes);

@@ -68,6 +68,19 @@ pub enum End {
     },
 }
 
+impl End {
+    /// The outermost pulse before the servo stops, whole microseconds inwards of the interval (µs); `None` where it does not stop.
+    fn before_stop_us(&self, side: knee::Side) -> Option<u16> {
+        let Self::Stops { at_us, .. } = self else {
+            return None;
+        };
+        Some(match side {
+            knee::Side::Low => at_us.upper.ceil() as u16,
+            knee::Side::High => at_us.lower.floor() as u16,
+        })
+    }
+}
+
 /// The result of a slow staircase.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Travel {
@@ -138,6 +151,15 @@ fn stands_still(rests: &[Rest], counts_per_us: f64) -> bool {
 }
 
 impl Travel {
+    /// The shortest and the longest pulse that do not push the servo against a stop, where it stops (µs).
+    #[must_use]
+    pub fn before_stops_us(&self) -> [Option<u16>; 2] {
+        [
+            self.short_end.before_stop_us(knee::Side::Low),
+            self.long_end.before_stop_us(knee::Side::High),
+        ]
+    }
+
     /// Makes the staircase and evaluates it; `sensor` turns counts into degrees. On a side on which
     /// the servo stands still for two levels in a row the staircase turns back there.
     pub fn measure(mover: &mut Mover<'_>, sensor: &SensorSection) -> Result<Self, TravelError> {

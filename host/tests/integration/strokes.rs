@@ -1,0 +1,140 @@
+//! Answers that hold for the strokes of a recording, and what is said where strokes, conditions or the travel differ.
+
+use crate::support::{arg, json, refusal, run};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+/// A recording of a simulated servo with this amplitude \[deg\].
+fn recorded(dir: &Path, name: &str, [servo, amplitude, seed]: [&str; 3]) -> PathBuf {
+    let file = dir.join(name);
+    let of = ["simulate", "-q", "--servo", servo, "-o", arg(&file)];
+    run(&[&of[..], &["--amplitude", amplitude, "--seed", seed]].concat());
+    file
+}
+
+fn document(args: &[&str]) -> Value {
+    serde_json::from_str(&run(&[args, &["-q", "--json"]].concat())).unwrap()
+}
+
+/// The advice of a model, by name.
+fn checks(found: &Value) -> Vec<String> {
+    let advice = found["advice"].as_array().unwrap().iter();
+    advice
+        .map(|item| item["check"].as_str().unwrap().to_owned())
+        .collect()
+}
+
+const DIFFER: &str = "the strokes differ, ±4 against ±5 deg";
+
+#[test]
+fn one_servo_under_strokes_of_two_sizes_is_not_called_two() {
+    let dir = tempfile::tempdir().unwrap();
+    let [small, large] = ["4", "5"].map(|amplitude| {
+        recorded(
+            dir.path(),
+            &format!("{amplitude}.csv"),
+            ["bench", amplitude, amplitude],
+        )
+    });
+    let found = document(&["compare", arg(&small), arg(&large)]);
+    assert_eq!(found["verdict"], "undecided");
+    assert_eq!(found["descriptions_of_different_motions"], true);
+    let summary = found["summary"].as_str().unwrap();
+    assert!(
+        summary.starts_with(&format!("Not decided: {DIFFER}.")),
+        "{summary}"
+    );
+    let page = dir.path().join("page.html");
+    run(&["report", "-q", arg(&small), arg(&large), "-o", arg(&page)]);
+    let page = std::fs::read_to_string(&page).unwrap();
+    let verdict = page.split_once("id=\"verdict\"").unwrap().1;
+    let (verdict, _) = verdict.split_once("</p>").unwrap();
+    assert!(verdict.contains(DIFFER), "{verdict}");
+    // So are their models, which know the one size of the strokes.
+    let models = [&small, &large].map(|file| file.with_extension("json"));
+    for (file, model) in [&small, &large].into_iter().zip(&models) {
+        let text = run(&["identify", "-q", arg(file), "-o", arg(model)]);
+        assert!(
+            text.contains(", the only size recorded, the servo begins"),
+            "{text}"
+        );
+    }
+    assert_eq!(json(&models[1])["only_stroke"], 10.0);
+    let found = document(&["compare", arg(&models[0]), arg(&models[1])]);
+    assert_eq!(found["verdict"], "undecided");
+    // Together they are runs of two kinds.
+    let found = document(&["identify", arg(&small), arg(&large)]);
+    let first = &found["advice"][0];
+    assert_eq!(first["check"], "unlike_runs");
+    assert!(
+        first["finding"]
+            .as_str()
+            .unwrap()
+            .contains("strokes of 8 deg"),
+        "{first}"
+    );
+    assert!(!found.to_string().contains("supply voltage"));
+}
+
+#[test]
+fn a_servo_that_does_not_go_as_far_as_commanded_is_named_first() {
+    let dir = tempfile::tempdir().unwrap();
+    let stopped = ["bench?stops-deg=-6:7", "9", "3"];
+    let stopped = recorded(dir.path(), "stopped.csv", stopped);
+    let found = document(&["identify", arg(&stopped)]);
+    assert_eq!(checks(&found)[0], "travel");
+    let text = run(&["identify", "-q", arg(&stopped)]);
+    let said = text.find("The servo ends at 0.72 of the command").unwrap();
+    assert!(said < text.find("After a step").unwrap(), "{text}");
+    let free = recorded(dir.path(), "free.csv", ["bench", "9", "3"]);
+    assert!(!checks(&document(&["identify", arg(&free)])).contains(&"travel".to_owned()));
+}
+
+#[test]
+fn large_strokes_have_their_top_speed_and_a_true_reason_for_what_is_left_out() {
+    let dir = tempfile::tempdir().unwrap();
+    let large = recorded(dir.path(), "large.csv", ["bench", "20", "1"]);
+    let text = run(&["identify", "-q", arg(&large)]);
+    assert!(text.starts_with("This servo is limited to 73"), "{text}");
+    assert!(
+        text.contains("the linear model does not determine the gain"),
+        "{text}"
+    );
+    assert!(!text.contains("may be zero"), "{text}");
+}
+
+#[test]
+fn a_table_of_steps_is_not_replaced_by_what_is_made_of_it() {
+    let dir = tempfile::tempdir().unwrap();
+    let table = dir.path().join("steps.csv");
+    let steps = "angle_deg,hold_s\n5,0.5\n-5,0.5\n";
+    std::fs::write(&table, steps).unwrap();
+    let file = arg(&table);
+    for command in ["capture", "simulate"] {
+        let from = match command {
+            "capture" => ["--port", "sim:bench"],
+            _ => ["--servo", "bench"],
+        };
+        let args = [
+            &[command, "--reference", file, "-o", file, "--force"][..],
+            &from,
+        ]
+        .concat();
+        refusal(&args);
+        assert_eq!(std::fs::read_to_string(&table).unwrap(), steps, "{command}");
+    }
+}
+
+#[test]
+fn a_plan_beyond_the_limits_says_so() {
+    let dir = tempfile::tempdir().unwrap();
+    let rig = dir.path().join("rig.toml");
+    run(&["init", "--yes", "--port", "sim:bench", "-o", arg(&rig)]);
+    let plan = |amplitude| run(&["plan", "-q", "--rig", arg(&rig), "--amplitude", amplitude]);
+    let beyond = plan("12");
+    assert!(
+        beyond.contains("'servoid capture' will not run this"),
+        "{beyond}"
+    );
+    assert!(!plan("9").contains("will not run this"));
+}
