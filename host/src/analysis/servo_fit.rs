@@ -6,7 +6,7 @@ use crate::data::model_file::ServoModelDocument;
 use crate::presentation::plots::HeldOutPrediction;
 use servoid_identification::comparison::{Comparison, Verdict};
 use servoid_identification::diagnostics::TakenOut;
-use servoid_identification::results::{Model, Reason, Validation};
+use servoid_identification::results::{Model, Precedence, Reason, Validation};
 use servoid_identification::servo_model::{self, ServoModelOptions, Watch, no_prediction};
 use servoid_identification::{Identification, Options, Record, Run, identify};
 
@@ -70,7 +70,7 @@ pub fn find(
     let causes = linear
         .advice
         .iter()
-        .take_while(|item| item.check.comes_first());
+        .take_while(|item| item.precedence() == Precedence::InPlaceOfTheAnswer);
     let at = causes.count();
     linear.advice.splice(at..at, doubt);
     found

@@ -2,6 +2,7 @@
 //! the code.
 
 mod arrows;
+mod checks;
 mod documents;
 mod imports;
 mod manifests;

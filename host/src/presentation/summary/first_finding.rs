@@ -1,9 +1,12 @@
 //! The finding that comes before any sentence about a servo.
 
-use servoid_identification::results::{Advice, Model};
+use servoid_identification::results::{Advice, Model, Precedence};
 
 /// The finding on a model that leaves nothing to be said before it: times that cannot be, columns that are exchanged, a loop, or no
 /// model that predicts the recording.
 pub(crate) fn first_finding(model: &Model) -> Option<&Advice> {
-    model.advice.iter().find(|item| item.check.comes_first())
+    model
+        .advice
+        .iter()
+        .find(|item| item.precedence() == Precedence::InPlaceOfTheAnswer)
 }

@@ -6,7 +6,7 @@ use super::metrics::settling_time;
 use super::model_sentence::{certainty, hides_step};
 use super::numbers::percent;
 use servoid_identification::comparison::{Comparison, ComparisonBounds, Direction, Verdict};
-use servoid_identification::results::{Advice, Bounds, Check, Interval, Model};
+use servoid_identification::results::{Bounds, Interval, Model};
 
 /// How fast a servo is, and how sure that is.
 pub(crate) fn headline_of_model(model: &Model) -> String {
@@ -30,9 +30,11 @@ pub(crate) fn headline_of_model(model: &Model) -> String {
 
 /// Whether two differ, and by how much; `a` and `b` are their names.
 pub(crate) fn headline_of_comparison(a: &str, b: &str, found: &Comparison) -> String {
-    let same = |item: &&Advice| item.check == Check::SameData;
-    if let Some(item) = found.advice.iter().find(same) {
-        return format!("{} {}", item.finding, item.remedy);
+    if found.same_data {
+        return format!(
+            "No verdict on {a} and {b}: they have samples in common, so their comparison shows nothing about the servo. Record the second \
+             condition by itself, and name that file."
+        );
     }
     let Bounds::Valid(bounds) = &found.bounds else {
         let reason = found.bounds.withdrawn().map(|reason| reason.because());

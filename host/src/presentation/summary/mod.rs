@@ -42,7 +42,7 @@ pub(crate) use servo_model::{
 use crate::data::units::Units;
 use layout::findings;
 use numbers::rounded;
-use servoid_identification::results::{Advice, Bounds, Check, Model, SelectedBy, Validation};
+use servoid_identification::results::{Advice, Bounds, Model, Precedence, SelectedBy, Validation};
 
 /// The level of a model's bounds, as text.
 pub(crate) fn level_text(model: &Model) -> String {
@@ -69,7 +69,7 @@ pub fn of_model(source: &str, model: &Model, units: Units<'_>, extent: Extent<'_
         .advice
         .iter()
         .cloned()
-        .partition(|item| item.check.comes_first() || item.check == Check::Duration);
+        .partition(|item| item.precedence() != Precedence::BelowTheResults);
     let first = match findings(&first) {
         none if none.is_empty() => none,
         some => some + "\n",
