@@ -211,7 +211,7 @@ fn limited(dir: &Path, seed: u32) -> PathBuf {
 const NAMED: [&str; 4] = ["--input", "u", "--output", "y"];
 
 /// Fields that are bounds, or of which bounds are made, by their names in JSON and in exports.
-const BOUNDS: [&str; 30] = [
+const BOUNDS: [&str; 31] = [
     "bounds",
     "level",
     "lower",
@@ -242,6 +242,7 @@ const BOUNDS: [&str; 30] = [
     "step_sd",
     "step_lower",
     "step_upper",
+    "discrepancy",
 ];
 
 /// No bound in a document is a number, nor has numbers in it.

@@ -1,9 +1,9 @@
 //! The equation against exact answers, and the fit against servos that are known.
 
 use super::coordinates::{Coordinate, FRICTION_SPEED_SHARE, LoadKind, Point, Terms};
-use super::{ServoModelOptions, Spread, fit};
+use super::{Alternative, ServoModel, ServoModelOptions, Spread, fit};
 use crate::data::{Record, Run};
-use crate::results::Reason;
+use crate::results::{Bounds, Interval, Reason};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -295,6 +295,30 @@ fn two_levels_have_no_intervals() {
     assert!(
         found.alternatives.is_empty() && found.respond(&[0.0, 1.0], 0).half_width.valid().is_none()
     );
+    assert_eq!(found.fit.discrepancy, None);
+    require_one_validity(&found);
+}
+
+/// A document that has bounds in one part and none in another is refused.
+fn require_one_validity(withdrawn: &ServoModel) {
+    assert!(withdrawn.is_consistent());
+    let mut with_interval = withdrawn.clone();
+    let quantity = &mut with_interval.quantities[0];
+    quantity.interval = Bounds::Valid(Interval::new(quantity.value, 0.0, 1.0));
+    assert!(!with_interval.is_consistent());
+    let mut for_another_reason = withdrawn.clone();
+    for_another_reason.quantities[0].interval = Bounds::Withdrawn(Reason::ErrorsNotNoise);
+    assert!(!for_another_reason.is_consistent());
+    let mut with_alternative = withdrawn.clone();
+    let count = withdrawn.values.len();
+    with_alternative.alternatives.push(Alternative {
+        terms: withdrawn.terms,
+        coordinates: withdrawn.coordinates.clone(),
+        values: withdrawn.values.clone(),
+        friction_speed_share: 0.1,
+        covariance: vec![vec![0.0; count]; count],
+    });
+    assert!(!with_alternative.is_consistent());
 }
 
 /// Missing samples, a stop in the middle of the travel, a servo that is switched off half-way, a single stroke, a glitch: numbers
