@@ -12,13 +12,12 @@
 //! speaks of servos that are not linear.
 
 use crate::data::{EXACTLY, Hold, Record, Run, holds, usual_hold};
-use crate::thresholds::{EARLY_SHARE, EARLY_SIGNIFICANCE, EARLY_TO_EARLIER};
+use crate::thresholds::{
+    EARLY_CHANGES, EARLY_SHARE, EARLY_SIGNIFICANCE, EARLY_TO_EARLIER, EARLY_WHOLE,
+};
 
 /// Windows before each change.
 const WINDOWS: usize = 4;
-
-/// Changes from which on their scatter shows what chance does.
-const FEWEST: usize = 10;
 
 /// That the servo moves before its command.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,7 +46,8 @@ pub(crate) fn late_command(record: &Record, settling: usize) -> Option<LateComma
     let found = shown.iter().filter(|(_, before)| before.is_early());
     let (_, clearest) = found.max_by(|(_, a), (_, b)| a.deviations.total_cmp(&b.deviations))?;
     // A window shorter than the lead has only its last part.
-    let whole = |(_, before): &&(usize, Before)| before.shares[0] >= MOST * clearest.shares[0];
+    let whole =
+        |(_, before): &&(usize, Before)| before.shares[0] >= EARLY_WHOLE * clearest.shares[0];
     let (length, _) = shown.iter().find(whole)?;
     Some(LateCommand {
         lead_s: *length as f64 * record.sample_period_s(),
@@ -55,9 +55,6 @@ pub(crate) fn late_command(record: &Record, settling: usize) -> Option<LateComma
         changes: clearest.changes,
     })
 }
-
-/// What of an early motion a window must have to be said to be as long.
-const MOST: f64 = 0.9;
 
 /// A change of the command, and the output from the change before it up to the next one.
 struct Change<'a> {
@@ -103,7 +100,7 @@ impl Before {
             is_known.then_some((change.by, stroke, moved))
         };
         let all: Vec<Moved> = changes.iter().filter_map(of_change).collect();
-        if all.len() < FEWEST {
+        if all.len() < EARLY_CHANGES {
             return None;
         }
         let sum = |of: &dyn Fn(&Moved) -> f64| all.iter().map(of).sum::<f64>();

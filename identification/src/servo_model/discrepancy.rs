@@ -8,10 +8,8 @@ use super::coordinates::Point;
 use super::motion::Motion;
 use super::noise_at_rest::NoiseAtRest;
 use crate::numerics::chi_square_quantile;
+use crate::thresholds::DISCREPANCY_MISSED;
 use servoid_dynamics::Grid;
-
-/// Probability with which the discrepancy is above its limit.
-const MISSED: f64 = 0.01;
 
 /// Windows in the time in which a servo settles.
 pub(super) const WINDOWS: usize = 8;
@@ -53,7 +51,7 @@ pub(super) fn upper_limit(
     let noise = noise.variance_of_mean(window);
     let limit = |squares: &[f64]| -> f64 {
         // The sum over what the variance is follows χ²; without windows nothing bounds it but the other side.
-        let least = chi_square_quantile(MISSED, squares.len());
+        let least = chi_square_quantile(DISCREPANCY_MISSED, squares.len());
         let largest = squares.iter().sum::<f64>() / least;
         if squares.is_empty() {
             0.0

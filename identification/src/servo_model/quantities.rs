@@ -5,7 +5,7 @@ use super::motion::{Fastest, Motion};
 use super::possible_servo::PossibleServo;
 use crate::numerics::dot;
 use crate::results::{Bounds, Interval};
-use crate::thresholds::SERVO_TOP_SPEED_REACHED;
+use crate::thresholds::{SERVO_TOP_SPEED_REACHED, UNDETERMINED_RATIO};
 use serde::{Deserialize, Serialize};
 use servoid_dynamics::{Load, ServoParameters};
 use std::f64::consts::TAU;
@@ -72,10 +72,6 @@ pub(super) fn widen_delay(quantities: &mut [Quantity], seconds: f64) {
         quantity.interval = interval.map(|found| found.widened(seconds));
     }
 }
-
-/// Ratio of the upper bound to the lower from which on a positive quantity is not determined: neither order of magnitude nor
-/// anything that follows from it is then known.
-const UNDETERMINED_RATIO: f64 = 10.0;
 
 /// Values that a quantity can have.
 #[derive(Clone, Copy, PartialEq)]
