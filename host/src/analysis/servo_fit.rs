@@ -1,9 +1,8 @@
 //! The servo model beside the linear one: when it is wanted, its fit, and its prediction of a stretch that it has not seen.
 
 use crate::data::dataset::Dataset;
-use crate::data::held_out::HeldOut;
+use crate::data::held_out::{HeldOut, HeldOutPrediction};
 use crate::data::model_file::ServoModelDocument;
-use crate::presentation::plots::HeldOutPrediction;
 use servoid_identification::comparison::{Comparison, Verdict};
 use servoid_identification::diagnostics::TakenOut;
 use servoid_identification::results::{Model, Precedence, Reason, Validation};

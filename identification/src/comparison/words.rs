@@ -5,7 +5,7 @@ use super::outcome::{
     Comparison, ComparisonBounds, DifferenceCurve, Direction, Levels, Sides, Subject,
 };
 use super::verdict::Verdict;
-use crate::numerics::four_digits;
+use crate::numerics::{four_digits, six_digits};
 use crate::results::Bounds;
 use crate::thresholds::NOTABLE_SHIFT_S;
 
@@ -38,7 +38,7 @@ fn answer(found: &Comparison, bounds: &ComparisonBounds) -> String {
          sure), most clearly {:.0} ms after a command{stroke}",
         bounds.at_least,
         bounds.at_most,
-        rounded(100.0 * level),
+        six_digits(100.0 * level),
         1e3 * bounds.at_s
     );
     let margin = found.margin_percent;
@@ -67,11 +67,6 @@ fn subject(found: &Comparison) -> &'static str {
         (Subject::Runs, Some(_)) => "These recordings",
         (Subject::Runs, None) => "These models",
     }
-}
-
-/// 99 rather than 99.00000000000001.
-fn rounded(percent: f64) -> f64 {
-    (percent * 1e6).round() / 1e6
 }
 
 fn feel(found: &Comparison, options: &ComparisonOptions) -> String {

@@ -39,7 +39,10 @@ pub(super) fn all(page: &Page<'_>) -> Vec<Shown> {
             let name = format!("held-out-{place}");
             let title = format!("Servo model and linear model, {}", part.subject.name);
             let unit = part.subject.units.output;
-            Shown::new(plots::held_out(&name, &title, found, unit), found.caption())
+            Shown::new(
+                plots::held_out(&name, &title, found, unit),
+                plots::held_out_caption(found),
+            )
         }));
     }
     let second = page.second.as_ref().map(|part| &part.subject);

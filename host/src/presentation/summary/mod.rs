@@ -39,9 +39,9 @@ pub(crate) use servo_model::{
     run_offsets_in_words, terms_in_words,
 };
 
+use crate::data::rounding::six_digits;
 use crate::data::units::Units;
 use layout::findings;
-use numbers::rounded;
 use servoid_identification::results::{Advice, Bounds, Model, Precedence, SelectedBy, Validation};
 
 /// The level of a model's bounds, as text.
@@ -108,7 +108,7 @@ pub(crate) fn facts(model: &Model, unit: Option<&str>) -> [(&'static str, String
         "{} used, {} missing, every {} ms",
         fit.samples_used,
         fit.samples_missing,
-        rounded(period_ms)
+        six_digits(period_ms)
     );
     let chosen = match structure.selected_by {
         SelectedBy::Auto => "chosen from the data",
