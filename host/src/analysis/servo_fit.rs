@@ -30,7 +30,7 @@ fn help(asked: bool, suffices: bool, withdrawn: Option<Reason>) -> bool {
 
 /// What was found of the servo as a machine.
 #[derive(Debug)]
-pub struct Found {
+pub struct FoundServo {
     /// The model, or the reason why there is none.
     pub model: Result<ServoModelDocument, String>,
     /// How it and the linear model predict a stretch, both identified without it.
@@ -46,7 +46,7 @@ pub fn find(
     options: &Options,
     held_out: bool,
     search: &dyn Watch,
-) -> Found {
+) -> FoundServo {
     let data = &Dataset {
         record: TakenOut::without_spikes(&linear.explanation.taken_out, &data.record),
         controllers: data.controllers.clone(),
@@ -58,7 +58,7 @@ pub fn find(
             held_out.then(|| threads.spawn(|| predict(&HeldOut::of(data)?, options, search)));
         let model = fit(data, Some(&*linear), options.level, search);
         let predicted = predicting.and_then(|thread| thread.join().ok().flatten());
-        Found {
+        FoundServo {
             held_out: predicted.filter(|_| model.is_ok()),
             model,
         }

@@ -5,7 +5,7 @@
 //! limit is taken, since bands and intervals have to hold for any discrepancy that the record does not exclude.
 
 use super::coordinates::Point;
-use super::motion::Motion;
+use super::motion::ServoMotion;
 use super::noise_at_rest::NoiseAtRest;
 use crate::numerics::chi_square_quantile;
 use crate::thresholds::DISCREPANCY_MISSED;
@@ -28,7 +28,7 @@ pub(super) fn window(point: &Point, grid: &Grid) -> usize {
 /// Upper limit of the root mean square of the discrepancy \[output\], at rest or in motion, whichever is larger.
 pub(super) fn upper_limit(
     errors: &[Vec<f64>],
-    motion: &Motion,
+    motion: &ServoMotion,
     noise: &NoiseAtRest,
     window: usize,
 ) -> f64 {
@@ -84,7 +84,7 @@ mod tests {
                 if at_rest[k] { noise } else { noise + slow }
             };
             let errors = vec![(0..samples).map(error).collect::<Vec<f64>>()];
-            let motion = Motion::resting(at_rest);
+            let motion = ServoMotion::resting(at_rest);
             let noise = NoiseAtRest::new(&motion, &errors).unwrap();
             let limit = upper_limit(&errors, &motion, &noise, 10);
             within += u64::from(limit > size);

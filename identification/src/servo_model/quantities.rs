@@ -1,7 +1,7 @@
 //! What people ask of a servo, with intervals.
 
 use super::coordinates::Point;
-use super::motion::{Fastest, Motion};
+use super::motion::{Fastest, ServoMotion};
 use super::possible_servo::PossibleServo;
 use crate::numerics::dot;
 use crate::results::{Bounds, Interval};
@@ -231,7 +231,7 @@ pub(super) fn quantities(
     possible: &[PossibleServo],
     critical: f64,
     level: &Bounds<f64>,
-    motion: &Motion,
+    motion: &ServoMotion,
     others: &[Point],
 ) -> Vec<Quantity> {
     let middle = motion.middle;

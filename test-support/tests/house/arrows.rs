@@ -6,7 +6,7 @@ use crate::workspace;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The folders and single files of each crate, or program, the lowest first: each imports only those before it.
-const ROOMS: [(&str, &[&str]); 11] = [
+pub const ROOMS: [(&str, &[&str]); 11] = [
     (
         "protocol/src",
         &[

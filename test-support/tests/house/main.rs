@@ -6,6 +6,7 @@ mod checks;
 mod documents;
 mod imports;
 mod manifests;
+mod names;
 mod source;
 mod validity;
 mod words;
