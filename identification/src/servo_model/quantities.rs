@@ -362,6 +362,12 @@ impl Definition {
     }
 }
 
+/// The names of all quantities.
+#[cfg(test)]
+pub(super) fn names() -> impl Iterator<Item = &'static str> {
+    DEFINITIONS.iter().map(|definition| definition.name)
+}
+
 /// The quantities of a servo under commands about zero by name, without intervals.
 #[cfg(test)]
 pub(super) fn values(point: &Point) -> Vec<(&'static str, f64)> {
