@@ -76,15 +76,6 @@ impl Start<f64> {
             command_before,
         }
     }
-
-    /// The same without derivatives.
-    pub fn lifted<S: Scalar>(&self) -> Start<S> {
-        Start {
-            output: S::constant(self.output),
-            rate: S::constant(self.rate),
-            command_before: self.command_before.map(S::constant),
-        }
-    }
 }
 
 /// Simulates the output under `input`, and hands each of its samples to `each`.

@@ -106,13 +106,14 @@ impl Limits {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use servoid_protocol::lease::LONGEST_LEASE_FRAMES;
+    use servoid_protocol::lease::LONGEST_LEASE_S;
     use servoid_protocol::pulse_train::PulseType;
     use servoid_protocol::reference::{Reference, Staircase};
     use servoid_protocol::schema::SCHEMA_HASH;
 
     const FULL_SCALE: Counts = Counts(16_380);
     const USUAL: PulseTrain = PulseTrain::USUAL;
+    const LONGEST_LEASE: u16 = USUAL.frames_in(LONGEST_LEASE_S);
 
     fn arm() -> Arm {
         Arm {
@@ -144,7 +145,7 @@ mod tests {
             shortest: PulseWidth(800),
             longest: PulseWidth(2_200),
             sensor_high: FULL_SCALE,
-            lease_frames: LONGEST_LEASE_FRAMES,
+            lease_frames: LONGEST_LEASE,
             ..arm()
         };
         assert!(Limits::new(&widest, &USUAL, FULL_SCALE).is_ok());
@@ -158,7 +159,7 @@ mod tests {
             ("beyond full scale", |a| a.sensor_high = Counts(16_381)),
             ("no lease", |a| a.lease_frames = 0),
             ("a lease of hours", |a| {
-                a.lease_frames = LONGEST_LEASE_FRAMES + 1;
+                a.lease_frames = LONGEST_LEASE + 1;
             }),
         ];
         for (name, change) in bad {

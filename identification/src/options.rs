@@ -21,7 +21,7 @@ pub const LEVELS: std::ops::RangeInclusive<f64> = 0.5..=0.99999;
 /// Settling time N: the number of samples after which the response to an input is over.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Settling {
-    /// Chosen from the data (see `selection::settling_time`).
+    /// Chosen from the data (see `selection::settling_choice`).
     #[default]
     Auto,
     /// Fixed \[samples\].

@@ -1,8 +1,9 @@
-//! Every threshold that decides what is chosen, found or withdrawn, in one table.
+//! The thresholds that decide what is chosen, found or withdrawn, in one table.
 //!
 //! Each entry says what it protects and where the evidence for its value is: a table of docs/method.md or
-//! the test that fails when it is moved. Tolerances of the arithmetic (passes, rounding) stay in the files
-//! that need them.
+//! the test that fails when it is moved. How a test is built (its lags, blocks and windows, and the least data that it can be computed
+//! from) and tolerances of the arithmetic (passes, rounding) stay in the files that need them. So do the thresholds of what the host
+//! finds in files and recordings, such as a servo that was switched off: these are advice and take no bounds away.
 //!
 //! One record is judged by several of these tests. How often a record of a linear servo is given any finding of
 //! them is measured by the example `coverage`, stated in docs/method.md ("False alarms in all") and held by the
@@ -178,7 +179,10 @@ pub const MOST_OUTLYING: f64 = 0.05;
 /// do not stand out as far, and no error of 50 simulated servos did. Evidence: the test of glitches under a limited servo.
 pub const SPIKE: f64 = 5.0;
 
-/// What is usual is this quantile of how far samples stand out: spikes are fewer than [`MOST_OUTLYING`].
+/// What is usual is this quantile of how far samples stand out: spikes are fewer than [`MOST_OUTLYING`], so it is not one of them.
+///
+/// Protects: as [`SPIKE`], from spikes that would raise what is usual. Evidence: follows from [`MOST_OUTLYING`]; the test of glitches under a
+/// limited servo.
 pub const SPIKE_SCALE_QUANTILE: f64 = 0.95;
 
 /// Ratio of a line in the spectrum of the errors to its neighbours above which it is hum.
@@ -500,6 +504,13 @@ pub const AGAINST_MOTION: f64 = 3.0;
 /// 0.47 to 0.96.
 pub const INPUT_EXPLAINED: f64 = 0.4;
 
+/// Share of the samples with an output that is not straight at which the input is, from which on it was planned.
+///
+/// Protects: planned commands from being taken for those of a controller. Evidence: triangles and squares of a real R/C servo have 0.93,
+/// stairs of a motor 0.99; simulated loops have 0.002, and 0.55 to 0.81 where the command is rounded to 13 to 100 times what the noise makes
+/// of it.
+pub const PLANNED: f64 = 0.9;
+
 /// Share of the largest value of the step response from which on such a response is evident though the errors are no noise.
 ///
 /// Protects: servos that are not linear from being taken for a closed loop. Evidence: table "Closed loop".
@@ -530,6 +541,9 @@ pub const LEADING_ADVANTAGE: f64 = 0.02;
 pub const HELD_OUTPUT_SHARE: f64 = 0.95;
 
 /// Share of changes of a single step of the sensor from which on these steps, and not its refresh, keep the output in place.
+///
+/// Protects: coarse sensors in slow motion from being called slow. Evidence: the tests of held outputs, with steps of 0.09 to 1 under strokes
+/// of about 10; half is by choice.
 pub const ONE_STEP_SHARE: f64 = 0.5;
 
 /// Probability below which a lag that changes along the record is no chance.
@@ -539,6 +553,16 @@ pub const LAG_DRIFT_SIGNIFICANCE: f64 = 1e-5;
 
 /// Change of the lag over a run that matters \[samples\]; see [`LAG_DRIFT_SIGNIFICANCE`].
 pub const LAG_DRIFT_SAMPLES: f64 = 0.25;
+
+/// Ratio of the ranges of the command in both halves of a run up to which its lag is asked for.
+///
+/// Protects: servos that are not linear, which answer another motion sooner or later, from a drift of the lag. Evidence: table "Times that are
+/// not what they seem, and stops" of docs/method.md, whose one recording in forty without a finding has such a command.
+pub const RANGES_ALIKE: f64 = 1.25;
+
+/// The same of how far the command goes in all: of a few dozen random levels halves differ by up to two times, of sweeps and of holds that
+/// get shorter by three times or more. Protects and evidence: as [`RANGES_ALIKE`].
+pub const WAYS_ALIKE: f64 = 2.5;
 
 /// Share of the gain elsewhere below which the output does not follow the command at an end of its range: it stands at a stop.
 ///
@@ -550,6 +574,9 @@ pub const STOP_GAIN: f64 = 0.1;
 pub const STOP_SHARE: f64 = 0.05;
 
 /// Samples in a row at the farthest output, where the model goes beyond it, that count as a stroke to a stop.
+///
+/// Protects: peaks of the motion, which the noise puts at the farthest output for a sample or two. Evidence: the lines without a stop of the
+/// table of stops in docs/method.md, which have none in 80 recordings; by choice, not tuned.
 pub const STOP_SAMPLES: usize = 5;
 
 /// Standard deviations from which on an output that stays behind the model at its farthest is beyond chance.
@@ -567,7 +594,22 @@ pub const EARLY_SIGNIFICANCE: f64 = 6.0;
 pub const EARLY_SHARE: f64 = 0.005;
 
 /// How many times larger it must be than any of the motions before it: a servo that has not come to rest, or rings, moves in these, too.
+///
+/// Protects: servos that ring or creep from a late command. Evidence: the test that such a servo is not early, with damping ratios of 0.05 to
+/// 4; the lead after which a late command is found in the test beside it.
 pub const EARLY_TO_EARLIER: f64 = 3.0;
+
+/// Share of the clearest early motion that a window must have to be said to be as long.
+///
+/// Protects: users from a lead that is longer than that of their logger. Evidence: the tests of late commands, where the lead is half of the
+/// true one or more, and no longer by more than three samples.
+pub const EARLY_WHOLE: f64 = 0.9;
+
+/// Changes of the command from which on the scatter of the motions before them shows what chance does.
+///
+/// Protects: short recordings from a finding by a few strokes. Evidence: by choice: a t of nine degrees of freedom is above
+/// [`EARLY_SIGNIFICANCE`] once in 10 000.
+pub const EARLY_CHANGES: usize = 10;
 
 // Validation and comparison.
 
@@ -652,6 +694,24 @@ pub const MOTION_NOISE_CHANCE: f64 = 4.0;
 ///
 /// Protects: the intervals of servos outside of the model's class. Evidence: as for [`MOTION_NOISE_RATIO`].
 pub const SERVO_LACK_OF_FIT: f64 = 0.01;
+
+/// Levels of the command from which on a record distinguishes gain, offset, friction, dead band and load: each shapes the line through the
+/// positions of rest, and between two of these any fits.
+///
+/// Protects: intervals of servos that seem to have none of them, have them all the same, and do not follow a third level as the model does.
+/// Evidence: the test that two levels have no intervals.
+pub const SERVO_LEVELS: usize = 3;
+
+/// Probability with which what the equation lacks is above its upper limit.
+///
+/// Protects: bands and intervals of servo models, which contain that limit. Evidence: the test that the limit holds a discrepancy below the noise.
+pub const DISCREPANCY_MISSED: f64 = 0.01;
+
+/// Ratio of the upper bound to the lower from which on a positive quantity is not determined: neither its order of magnitude nor anything that
+/// follows from it is then known.
+///
+/// Protects: users from a number that says nothing. Evidence: by choice, stated in docs/servo-model.md.
+pub const UNDETERMINED_RATIO: f64 = 10.0;
 
 /// Distance of the servo from the command to the largest of the record, up to which the record says what the servo does there.
 ///

@@ -16,9 +16,6 @@ pub const LONGEST_LEASE_S: u32 = 5;
 /// [`LEASE_S`] in frames of the usual train.
 pub const LEASE_FRAMES: u16 = PulseTrain::USUAL.frames_in(LEASE_S);
 
-/// [`LONGEST_LEASE_S`] in frames of the usual train.
-pub const LONGEST_LEASE_FRAMES: u16 = PulseTrain::USUAL.frames_in(LONGEST_LEASE_S);
-
 /// [`LEASE_S`] as a time. A rig arms and begins a run for no longer than this after a sign of life.
 pub const LEASE: Duration = Duration::from_secs(LEASE_S as u64);
 

@@ -27,7 +27,6 @@ from ._model import (
     Residuals,
     StepResponse,
     Structure,
-    Withdrawn,
 )
 from ._plan import Plan, plan
 from ._recording import Recording, Run, read, recording
@@ -35,6 +34,7 @@ from ._servo_model import Quantity, ServoModel, ServoResponse
 from ._servoid import ServoidError
 from ._simulate import simulate
 from ._identify import identify
+from ._withdrawn import Withdrawn
 
 __version__ = _version("servoid")
 

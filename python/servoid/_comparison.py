@@ -6,9 +6,10 @@ from typing import Any
 
 from . import _servoid
 from ._document import Printed
-from ._model import Advice, Model, Withdrawn, advice, withdrawn
+from ._model import Advice, Model, advice
 from ._recording import as_recording
 from ._recording import recording as of_arrays
+from ._withdrawn import Withdrawn, withdrawn
 
 
 class Comparison(Printed):

@@ -14,31 +14,10 @@ from . import _servoid
 from ._arrays import is_list_of_runs, samples
 from ._document import Column, Document, column, column_or_none
 from ._servo_model import ServoModel
+from ._withdrawn import Withdrawn, withdrawn
 
 if TYPE_CHECKING:
     from ._comparison import Validation
-
-
-@dataclass(frozen=True)
-class Withdrawn:
-    """Why no bounds can be given.
-
-    Attributes
-    ----------
-    reason : str
-        A stable name, such as ``"errors_not_noise"``.
-    because : str
-        The reason in a few words.
-    """
-
-    reason: str
-    because: str
-
-
-def withdrawn(fields: dict[str, Any]) -> Withdrawn | None:
-    """The reason that stands beside bounds."""
-    found = fields.get("withdrawn")
-    return None if found is None else Withdrawn(found["reason"], found["because"])
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from typing import Any
 
 from . import _servoid
 from ._document import Printed
-from ._model import Withdrawn, withdrawn
+from ._withdrawn import Withdrawn, withdrawn
 
 
 class Plan(Printed):

@@ -10,6 +10,7 @@ import numpy as np
 from . import _servoid
 from ._arrays import samples
 from ._document import Column
+from ._withdrawn import Withdrawn, withdrawn
 
 
 @dataclass(frozen=True)
@@ -50,14 +51,14 @@ class ServoResponse:
         The output, one value for each sample.
     lower, upper : ndarray or None
         Bounds for each sample by itself; ``None`` where they are withdrawn.
-    withdrawn : tuple of str, or None
-        Stable name of the reason why there is no band, and the reason in a few words.
+    withdrawn : Withdrawn or None
+        Why there is no band; ``None`` where there is one.
     """
 
     value: Column
     lower: Column | None
     upper: Column | None
-    withdrawn: tuple[str, str] | None
+    withdrawn: Withdrawn | None
 
 
 class ServoModel:
@@ -106,10 +107,9 @@ class ServoModel:
         return level
 
     @property
-    def withdrawn(self) -> dict[str, str] | None:
-        """Why no bounds can be given (``reason`` and ``because``); ``None`` where they hold."""
-        reason: dict[str, str] | None = self._fields.get("withdrawn")
-        return None if reason is None else dict(reason)
+    def withdrawn(self) -> Withdrawn | None:
+        """Why no bounds can be given; ``None`` where they hold."""
+        return withdrawn(self._fields)
 
     @property
     def quantities(self) -> dict[str, Quantity]:
@@ -174,7 +174,7 @@ class ServoModel:
         if at_rest is not None:
             value, half_width = value[1:], None if half_width is None else half_width[1:]
         if half_width is None:
-            return ServoResponse(value, None, None, reason)
+            return ServoResponse(value, None, None, None if reason is None else Withdrawn(*reason))
         return ServoResponse(value, value - half_width, value + half_width, None)
 
     def __repr__(self) -> str:

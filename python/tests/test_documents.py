@@ -56,7 +56,7 @@ def test_a_model_is_that_of_the_program(bench, tmp_path, options, keywords):
     assert model.to_dict() == json.loads(printed)
 
 
-def test_arrays_and_tables_give_the_numbers_of_the_file(table):
+def test_arrays_and_tables_give_the_numbers_of_the_file(table, needed):
     file, u, y = table
     printed = program("identify", str(file), "--input", "u", "--output", "y", "--period", "0.002", "--json")
     options = {"input": "u", "output": "y", "period": 0.002}
@@ -65,7 +65,7 @@ def test_arrays_and_tables_give_the_numbers_of_the_file(table):
     masked = np.ma.masked_invalid(y)
     for output in (y, masked, y.tolist()):
         assert servoid.identify(u, output, period=0.002).to_dict() == without
-    pandas = pytest.importorskip("pandas")
+    pandas = needed("pandas")
     frame = pandas.DataFrame({"u": u, "y": y})
     assert servoid.identify(frame, **options).to_dict() == json.loads(printed)
 
@@ -140,7 +140,7 @@ def test_a_servo_model_is_that_of_the_program(tmp_path):
     np.testing.assert_array_equal(stepped.lower, known.lower[1:])
     assert stepped.value[0] == pytest.approx(0.0, abs=0.1) and stepped.value[-1] == pytest.approx(10.0, abs=0.1)
     beyond = servo.simulate([0.0] * 50 + [500.0] * 150)
-    assert beyond.lower is None and beyond.withdrawn is not None and beyond.withdrawn[0] == "beyond_record"
+    assert beyond.lower is None and beyond.withdrawn is not None and beyond.withdrawn.reason == "beyond_record"
 
 
 def test_arrays_are_read_alike_wherever_their_values_lie():

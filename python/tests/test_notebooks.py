@@ -1,6 +1,5 @@
 """The notebooks run as they stand, and print what is stored in them."""
 
-import os
 import re
 from pathlib import Path
 
@@ -37,10 +36,9 @@ def figures(cell):
 
 
 @pytest.mark.parametrize("name", ["tutorial", "paper"])
-def test_a_notebook_prints_what_is_stored_in_it(name, tmp_path):
-    for needed in NEEDED:
-        if "CI" not in os.environ:
-            pytest.importorskip(needed, reason=f"SKIPPED: the notebooks need {needed}")
+def test_a_notebook_prints_what_is_stored_in_it(name, tmp_path, needed):
+    for module in NEEDED:
+        needed(module)
     import nbclient
     import nbformat
     from jupyter_client.manager import AsyncKernelManager

@@ -18,17 +18,16 @@ def test_a_model_shows_itself(model):
     assert model.summary.startswith("linear.csv")
 
 
-def test_a_figure_has_the_band(model):
-    matplotlib = pytest.importorskip("matplotlib")
-    matplotlib.use("Agg")
+def test_a_figure_has_the_band(model, needed):
+    needed("matplotlib").use("Agg")
     ax = model.plot()
     (band,) = ax.collections
     highest = band.get_paths()[0].vertices[:, 1].max()
     assert highest == pytest.approx(model.step.upper.max(), rel=1e-12)
 
 
-def test_control_simulates_as_the_model_does(model):
-    control = pytest.importorskip("control")
+def test_control_simulates_as_the_model_does(model, needed):
+    control = needed("control")
     u = np.concatenate([np.zeros(5), np.ones(100), np.full(100, -2.0)])
     expected = model.simulate(u, at_rest=0.0) - model.offset
     for kind in ("tf", "ss"):

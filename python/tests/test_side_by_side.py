@@ -1,6 +1,5 @@
 """The comparison with other tools, in short: those that the tests have anyway, and few seeds."""
 
-import os
 import sys
 from pathlib import Path
 
@@ -11,9 +10,8 @@ SEEDS = 10
 
 
 @pytest.fixture(scope="module")
-def table():
-    if "CI" not in os.environ:
-        pytest.importorskip("control", reason="SKIPPED: the comparison needs python-control")
+def table(needed):
+    needed("control")
     sys.path.insert(0, str(FOLDER))
     try:
         import table

@@ -1,7 +1,7 @@
 //! Recordings in closed loop, u(k) = C (r(k) - y(k)), and in open loop with the same references.
 
-use crate::coverage::Trial;
 use crate::plants::{Noise, PERIOD, Plant};
+use crate::trial::Trial;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use servoid_identification::Record;

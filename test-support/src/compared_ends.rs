@@ -5,9 +5,9 @@ use rayon::prelude::*;
 use servoid_identification::comparison::{Comparison, ComparisonOptions, Verdict, compare};
 use servoid_identification::{Record, Run};
 
-use crate::coverage::Trial;
 use crate::hard_lines::{Drive, HardLine, Hardship};
 use crate::plants::{Noise, PERIOD, Plant, random};
+use crate::trial::Trial;
 
 /// Time constant of the difference between strokes up and down \[samples\].
 const LEAN_SAMPLES: f64 = 10.0;

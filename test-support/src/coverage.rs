@@ -8,6 +8,7 @@ use servoid_identification::{Options, Record, identify_explained};
 
 use crate::oracle;
 use crate::plants::{Noise, PERIOD, Plant, low_passed, prbs, random, simulate, square, staircase};
+use crate::trial::Trial;
 
 /// The reference that drives the servo.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,13 +29,6 @@ pub struct Case {
     pub noise: Noise,
     /// Factor on the noise.
     pub scale: f64,
-}
-
-/// One recording of a servo whose response to a step is known.
-pub struct Trial {
-    pub record: Record<'static>,
-    /// The exact response to a unit step from sample 0 on, longer than any N.
-    pub truth: Vec<f64>,
 }
 
 /// The result of the runs of one case.

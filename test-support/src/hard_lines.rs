@@ -7,9 +7,10 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StudentT};
 use servoid_identification::{Options, Record, Run};
 
-use crate::coverage::{LONGEST_TRUTH, Line, Trial, measure_trials};
+use crate::coverage::{LONGEST_TRUTH, Line, measure_trials};
 use crate::oracle;
 use crate::plants::{Noise, PERIOD, Plant, normal, prbs, random, staircase};
+use crate::trial::Trial;
 
 /// Standard deviation of white noise at a factor of one.
 const NOISE: f64 = 0.05;

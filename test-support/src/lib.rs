@@ -39,6 +39,7 @@ pub mod servos;
 #[cfg(feature = "board")]
 pub mod stepped;
 pub mod tools;
+pub mod trial;
 #[cfg(feature = "rig")]
 pub mod trials;
 #[cfg(feature = "board")]

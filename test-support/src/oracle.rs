@@ -3,8 +3,8 @@
 use servoid_identification::results::{self, Bounds};
 use servoid_identification::{NoiseOrder, Options, Settling, expected_model, identify};
 
-use crate::coverage::Trial;
 use crate::plants::Noise;
+use crate::trial::Trial;
 
 /// Share of the final value within which an exact response counts as settled.
 const SETTLED: f64 = 1e-3;

@@ -1,7 +1,7 @@
 //! A core with something done around each of its steps.
 
 use virtual_board::cpu::rsemu::RsemuCore;
-use virtual_board::cpu::{Core, Line, Registers};
+use virtual_board::cpu::{Core, InterruptLine, Registers};
 
 /// Work around the steps of a core.
 pub trait Around {
@@ -56,7 +56,7 @@ impl<A: Around> Core for Stepped<A> {
         self.core.jump(table);
     }
 
-    fn set_line(&mut self, line: Line, level: bool) {
+    fn set_line(&mut self, line: InterruptLine, level: bool) {
         self.core.set_line(line, level);
     }
 

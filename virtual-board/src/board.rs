@@ -8,7 +8,7 @@ use crate::bootloader::End;
 use crate::bus::SharedChip;
 use crate::chip::Chip;
 use crate::cpu::rsemu::RsemuCore;
-use crate::cpu::{Bus, Core, Line};
+use crate::cpu::{Bus, Core, InterruptLine};
 use crate::fault::{BROWN_OUT, Fault};
 use crate::image::Image;
 use crate::memory::Ram;
@@ -299,13 +299,13 @@ impl<C: Core> VirtualBoard<C> {
         self.next_event = next.map_or(self.log_at, |next| next.min(self.log_at));
         self.in_bootloader = chip.in_bootloader();
         self.nmi = chip.rcc.nmi();
-        self.core.set_line(Line::Nmi, self.nmi);
+        self.core.set_line(InterruptLine::Nmi, self.nmi);
         let interrupts = chip.interrupts();
         let mut changed = interrupts ^ self.interrupts;
         while changed != 0 {
             let number = changed.trailing_zeros();
             let level = interrupts >> number & 1 != 0;
-            self.core.set_line(Line::Irq(number), level);
+            self.core.set_line(InterruptLine::Irq(number), level);
             changed &= changed - 1;
         }
         self.interrupts = interrupts;

@@ -27,7 +27,7 @@ pub struct Registers {
 
 /// An interrupt line of the core.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Line {
+pub enum InterruptLine {
     /// An interrupt request, by its number.
     Irq(u32),
     /// The non-maskable interrupt.
@@ -41,7 +41,7 @@ pub trait Core {
     fn step(&mut self) -> u64;
 
     /// The level of an interrupt line.
-    fn set_line(&mut self, line: Line, level: bool);
+    fn set_line(&mut self, line: InterruptLine, level: bool);
 
     /// Makes an exception pending, by its number, as an event within the core does. An interrupt is enabled first.
     fn raise(&mut self, exception: u16);

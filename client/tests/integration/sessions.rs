@@ -2,8 +2,8 @@
 
 use crate::bench::{Bench, FRAME, arm, ms, run, usual};
 use servoid_client::{Answer, ClientError, Event};
-use servoid_protocol::lease::LEASE;
-use servoid_protocol::lease::LONGEST_LEASE_FRAMES;
+use servoid_protocol::PulseTrain;
+use servoid_protocol::lease::{LEASE, LONGEST_LEASE_S};
 use servoid_protocol::message::{Command, RigMessage};
 
 #[test]
@@ -64,7 +64,7 @@ fn a_rig_whose_host_goes_on_is_not_had() {
     bench.armed().unwrap();
     // As if the first host kept it alive: a lease that is longer than any patience.
     let long = servoid_protocol::message::Arm {
-        lease_frames: LONGEST_LEASE_FRAMES,
+        lease_frames: PulseTrain::USUAL.frames_in(LONGEST_LEASE_S),
         ..arm()
     };
     bench.other_host(1, 100, Command::Arm(long));
@@ -104,7 +104,7 @@ fn a_run_of_another_program_that_goes_on_is_left_alone() {
     let mut bench = Bench::new();
     bench.armed().unwrap();
     let long = servoid_protocol::message::Arm {
-        lease_frames: LONGEST_LEASE_FRAMES,
+        lease_frames: PulseTrain::USUAL.frames_in(LONGEST_LEASE_S),
         ..arm()
     };
     bench.other_host(1, 100, Command::Arm(long));

@@ -175,7 +175,11 @@ fn slopes_are_those_of_dual_numbers() {
             simulate(
                 &variables(&servo),
                 &grid,
-                &start.lifted(),
+                &Start {
+                    output: Number::constant(start.output),
+                    rate: Number::constant(start.rate),
+                    command_before: before.map(Number::constant),
+                },
                 &input,
                 |_, y| {
                     slow.push(y);

@@ -18,14 +18,15 @@ use super::*;
 use crate::board::{ChipIdentity, FrameTiming, Supply};
 use servoid_protocol::Counts;
 use servoid_protocol::hello::{ClockSource, ResetCause};
-use servoid_protocol::lease::LONGEST_LEASE_FRAMES;
+use servoid_protocol::lease::LONGEST_LEASE_S;
 use servoid_protocol::message::{Frame, RunCheck};
 use servoid_protocol::reference::{Reference, Staircase};
 
 const HEALTHY: [Counts; 10] = [Counts(8_000); 10];
 const SICK: Counts = Counts(100);
 const NEUTRAL: PulseWidth = PulseWidth(1_500);
-const LEASE: u16 = LONGEST_LEASE_FRAMES;
+/// The longest that is granted.
+const LEASE: u16 = PulseTrain::USUAL.frames_in(LONGEST_LEASE_S);
 
 fn identity() -> Identity {
     Identity {

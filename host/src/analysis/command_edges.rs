@@ -12,7 +12,7 @@ use servoid_identification::results::{Advice, Check, Model};
 use servoid_identification::{Identification, Run};
 
 /// The answer to one change of the command.
-struct Answer {
+struct CommandAnswer {
     /// Later than the model by \[samples\].
     late: f64,
     /// Sum of squares of the speed.
@@ -89,14 +89,14 @@ pub(super) fn commands_between_rows(data: &Dataset, found: &Identification) -> O
 
 /// The length of the interval over which the answers scatter evenly \[samples\]; `None` where they do not.
 fn even_scatter(runs: &[Run<'_>], model: &Model) -> Option<f64> {
-    let mut answers: Vec<Answer> = runs.iter().flat_map(|run| answers(run, model)).collect();
+    let mut answers: Vec<CommandAnswer> = runs.iter().flat_map(|run| answers(run, model)).collect();
     answers.sort_by(|a, b| a.weight.total_cmp(&b.weight));
     let usual = answers.get(answers.len() / 2)?.weight;
     answers.retain(|answer| answer.weight > SMALL * usual);
     if answers.len() < FEWEST {
         return None;
     }
-    let mean = |of: &dyn Fn(&Answer) -> f64| -> f64 {
+    let mean = |of: &dyn Fn(&CommandAnswer) -> f64| -> f64 {
         answers.iter().map(of).sum::<f64>() / answers.len() as f64
     };
     let middle = mean(&|answer| answer.late);
@@ -109,7 +109,7 @@ fn even_scatter(runs: &[Run<'_>], model: &Model) -> Option<f64> {
 }
 
 /// The answers of a run, each from one change of the command to the next.
-fn answers(run: &Run<'_>, model: &Model) -> Vec<Answer> {
+fn answers(run: &Run<'_>, model: &Model) -> Vec<CommandAnswer> {
     let simulated = model.simulate(run);
     let speed = |beside: &[f64]| match beside {
         [before, _, after] => 0.5 * (after - before),
@@ -126,7 +126,7 @@ fn answers(run: &Run<'_>, model: &Model) -> Vec<Answer> {
 }
 
 /// The answer within a hold, by its rows of command, error and speed.
-fn answer(hold: &[(f64, (f64, f64))]) -> Option<Answer> {
+fn answer(hold: &[(f64, (f64, f64))]) -> Option<CommandAnswer> {
     let pairs = || {
         let known = hold.iter().map(|(_, pair)| *pair);
         known.filter(|(error, speed)| !(error * speed).is_nan())
@@ -135,7 +135,7 @@ fn answer(hold: &[(f64, (f64, f64))]) -> Option<Answer> {
     let late = -pairs().map(|(error, speed)| error * speed).sum::<f64>() / weight;
     let left = pairs().map(|(error, speed)| (error + late * speed).powi(2));
     let noise = left.sum::<f64>() / pairs().count() as f64;
-    (weight > 0.0).then_some(Answer {
+    (weight > 0.0).then_some(CommandAnswer {
         late,
         weight,
         noise,

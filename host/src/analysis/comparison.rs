@@ -40,7 +40,7 @@ pub fn compared(
     let [prints_a, prints_b] = [a, b].map(|side| fingerprint::of(&side.record));
     let same = fingerprint::advice_on_sides(&prints_a, &prints_b);
     let overlap = || fingerprint::advice_on_overlap(&a.record, &b.record);
-    say_first(&mut found, same.or_else(overlap));
+    say_same_data(&mut found, same.or_else(overlap));
     if a.about.units().output.is_none() {
         let advice = advice_on_units(names, [a.record.runs(), b.record.runs()]);
         found.advice.splice(0..0, advice);
@@ -152,9 +152,10 @@ impl StepResponses {
     }
 }
 
-/// Puts a finding that makes all others worthless before them, and before the verdict.
-fn say_first(found: &mut Comparison, finding: Option<Advice>) {
+/// Puts a finding that both sides have the same data, which makes all others worthless, before them and before the verdict.
+fn say_same_data(found: &mut Comparison, finding: Option<Advice>) {
     if let Some(advice) = &finding {
+        found.same_data = true;
         found.summary = format!("{} {}", advice.finding, found.summary);
     }
     found.advice.splice(0..0, finding);
@@ -249,7 +250,7 @@ impl Compared {
         let mut found = StepResponses::of(found, both.is_some(), options.margin_percent)?;
         if let StepResponses::Compared(found) = &mut found {
             let same = fingerprint::advice_on_sides(&a.fingerprints, &b.fingerprints);
-            say_first(found, same);
+            say_same_data(found, same);
         }
         Ok(Self {
             found,

@@ -1,10 +1,10 @@
 //! One identification with all that may follow it: servo model, low-order model, limits.
 
 use super::{identified, servo_fit};
+use crate::data::HeldOutPrediction;
 use crate::data::dataset::{Dataset, DatasetOptions};
 use crate::data::model_file::{ModelDocument, ServoModelDocument};
 use crate::data::model_metadata::ModelMetadata;
-use crate::presentation::plots::HeldOutPrediction;
 use crate::presentation::summary::{self, Extent};
 use crate::presentation::{explanation, scope};
 use anyhow::Result;

@@ -5,6 +5,7 @@ use super::command_edges::commands_between_rows;
 use super::duration_in_words::in_words;
 use super::travel;
 use crate::data::dataset::Dataset;
+use crate::data::rounding::six_digits;
 use crate::presentation::summary::percent;
 use anyhow::{Context, Result};
 use servoid_identification::results::{Advice, Check, Metrics, Model, pointwise_critical};
@@ -93,8 +94,8 @@ fn unlikely_period(seconds: f64) -> Option<Advice> {
         limit,
         format!(
             "State it in seconds: --period {} if it is {} ms.",
-            rounded(rather),
-            rounded(1e3 * rather)
+            six_digits(rather),
+            six_digits(1e3 * rather)
         ),
     ))
 }
@@ -180,9 +181,4 @@ fn unlikely_duration(model: &Model) -> Option<Advice> {
             in_words(model.sample_period_s)
         ),
     ))
-}
-
-/// The first digits of a number.
-fn rounded(number: f64) -> f64 {
-    (number * 1e9).round() / 1e9
 }

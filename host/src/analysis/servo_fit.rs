@@ -1,12 +1,11 @@
 //! The servo model beside the linear one: when it is wanted, its fit, and its prediction of a stretch that it has not seen.
 
 use crate::data::dataset::Dataset;
-use crate::data::held_out::HeldOut;
+use crate::data::held_out::{HeldOut, HeldOutPrediction};
 use crate::data::model_file::ServoModelDocument;
-use crate::presentation::plots::HeldOutPrediction;
 use servoid_identification::comparison::{Comparison, Verdict};
 use servoid_identification::diagnostics::TakenOut;
-use servoid_identification::results::{Model, Reason, Validation};
+use servoid_identification::results::{Model, Precedence, Reason, Validation};
 use servoid_identification::servo_model::{self, ServoModelOptions, Watch, no_prediction};
 use servoid_identification::{Identification, Options, Record, Run, identify};
 
@@ -31,7 +30,7 @@ fn help(asked: bool, suffices: bool, withdrawn: Option<Reason>) -> bool {
 
 /// What was found of the servo as a machine.
 #[derive(Debug)]
-pub struct Found {
+pub struct FoundServo {
     /// The model, or the reason why there is none.
     pub model: Result<ServoModelDocument, String>,
     /// How it and the linear model predict a stretch, both identified without it.
@@ -47,7 +46,7 @@ pub fn find(
     options: &Options,
     held_out: bool,
     search: &dyn Watch,
-) -> Found {
+) -> FoundServo {
     let data = &Dataset {
         record: TakenOut::without_spikes(&linear.explanation.taken_out, &data.record),
         controllers: data.controllers.clone(),
@@ -59,7 +58,7 @@ pub fn find(
             held_out.then(|| threads.spawn(|| predict(&HeldOut::of(data)?, options, search)));
         let model = fit(data, Some(&*linear), options.level, search);
         let predicted = predicting.and_then(|thread| thread.join().ok().flatten());
-        Found {
+        FoundServo {
             held_out: predicted.filter(|_| model.is_ok()),
             model,
         }
@@ -70,7 +69,7 @@ pub fn find(
     let causes = linear
         .advice
         .iter()
-        .take_while(|item| item.check.comes_first());
+        .take_while(|item| item.precedence() == Precedence::InPlaceOfTheAnswer);
     let at = causes.count();
     linear.advice.splice(at..at, doubt);
     found

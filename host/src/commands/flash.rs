@@ -7,7 +7,7 @@ use super::output::Talk;
 use super::rig_args::RigFileArgs;
 use crate::data::input_file;
 use crate::instrument::flash::{
-    BootLines, FlashError, Flashed, Hand, Progress, Start, Switch, embedded_image, flash,
+    BootLines, FlashError, FlashProgress, Flashed, Hand, Start, Switch, embedded_image, flash,
 };
 use crate::instrument::port::{self, Port};
 use crate::instrument::rig::{Mismatch, RigClient, mismatches};
@@ -234,17 +234,17 @@ impl Shown {
         }
     }
 
-    fn show(&mut self, progress: Progress) {
+    fn show(&mut self, progress: FlashProgress) {
         match progress {
-            Progress::Waiting if !self.waits && !self.resets => {
+            FlashProgress::Waiting if !self.waits && !self.resets => {
                 self.waits = true;
                 self.say("no bootloader answers yet: set BOOT0 to 1 and press the board's reset");
             }
-            Progress::Waiting => {}
-            Progress::Found(_) => self.bar.tick(),
-            Progress::Unlocking => self.say("removing the read protection"),
-            Progress::Written(bytes) => self.bar.set_position(bytes as u64),
-            Progress::Starting => self.finish(),
+            FlashProgress::Waiting => {}
+            FlashProgress::Found(_) => self.bar.tick(),
+            FlashProgress::Unlocking => self.say("removing the read protection"),
+            FlashProgress::Written(bytes) => self.bar.set_position(bytes as u64),
+            FlashProgress::Starting => self.finish(),
         }
     }
 

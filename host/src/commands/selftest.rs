@@ -8,7 +8,7 @@ use super::rig_args::RigFileArgs;
 use crate::instrument::flash::embedded_image;
 use crate::instrument::port;
 use crate::instrument::rig::{RigClient, mismatches};
-use crate::instrument::selftest::{Extent, Report, measure};
+use crate::instrument::selftest::{SelfTestExtent, SelfTestReport, measure};
 use anyhow::{Result, bail};
 use clap::Args;
 use std::fmt;
@@ -64,11 +64,14 @@ impl SelfTest {
                 mismatch.servoid
             );
         }
-        let measured = measure(&mut client, Extent::FULL, &ctrl_c::asked, &mut |what| {
-            talk.say(what)
-        })?;
+        let measured = measure(
+            &mut client,
+            SelfTestExtent::FULL,
+            &ctrl_c::asked,
+            &mut |what| talk.say(what),
+        )?;
         let image = embedded_image().map(|image| image.sha256());
-        let report = Report::new(measured, &address, image);
+        let report = SelfTestReport::new(measured, &address, image);
         self.files.write_json(Some(&self.output), &report)?;
         talk.say(format_args!(
             "{} has everything that was measured",

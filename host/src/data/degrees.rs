@@ -1,7 +1,8 @@
-//! Pulse widths and counts of a rig become degrees here, and nowhere else.
+//! Pulse widths and counts of a rig become degrees here.
 //!
 //! Rigs and recordings have microseconds and counts. The two columns that are identified, the columns that
-//! people read in a recording, and the live view are all made of them here.
+//! people read in a recording, and the live view are all made of them here. A calibration has no such scales yet: it finds them, and has
+//! the degrees of its readings by the sensor's section alone.
 
 use crate::data::recording::{Header, Row};
 use crate::data::rig_file::RigFile;

@@ -45,14 +45,14 @@ pub struct FrozenSensor {
     sample_s: f64,
     /// [`SHORTEST_S`] in samples.
     shortest: u64,
-    now: Option<Stretch>,
+    now: Option<EqualCounts>,
     /// All stretches that are over or long enough already.
     found: Vec<StandStill>,
 }
 
 /// Equal counts so far.
 #[derive(Clone, Copy, Debug)]
-struct Stretch {
+struct EqualCounts {
     counts: Counts,
     pulse: PulseWidth,
     begin: u64,
@@ -75,7 +75,7 @@ impl FrozenSensor {
     /// Takes the next reading: the number of the sample, the pulse of its frame, and the counts.
     pub fn take(&mut self, sample: u64, pulse: PulseWidth, counts: Counts) {
         let goes_on = self.now.filter(|now| now.counts == counts);
-        let mut now = goes_on.unwrap_or(Stretch {
+        let mut now = goes_on.unwrap_or(EqualCounts {
             counts,
             pulse,
             begin: sample,

@@ -22,6 +22,23 @@ pub struct HeldOut<'a> {
     pub words: &'static str,
 }
 
+/// A stretch of a record, and what two models predict of it that were identified without it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeldOutPrediction {
+    /// What part of the record it is, in words.
+    pub stretch: &'static str,
+    /// Sample period \[s\].
+    pub period_s: f64,
+    /// Fit of the linear model and of the servo model, on the samples that both predict \[%\].
+    pub fits_percent: [f64; 2],
+    /// The measured output, sample by sample.
+    pub measured: Vec<f64>,
+    /// The output of the linear model; NaN where its history is not complete.
+    pub by_linear: Vec<f64>,
+    /// The output of the servo model.
+    pub by_servo: Vec<f64>,
+}
+
 impl<'a> HeldOut<'a> {
     /// Holds out the last run of four or more, else the last fifth of the last run. A controller that drives no other run
     /// is not held out. `None` where nothing can be identified from the rest.

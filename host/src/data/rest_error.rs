@@ -24,7 +24,7 @@ const ONE_ANGLE: std::ops::RangeInclusive<f64> = 0.8..=1.25;
 const BEYOND_CHANCE: f64 = 4.0;
 
 /// A rest under a held command.
-struct Rest {
+struct CommandedRest {
     command: f64,
     position: f64,
     upwards: bool,
@@ -35,12 +35,13 @@ pub(super) fn advice(record: &Record, unit: Option<&str>) -> Option<Advice> {
     let hold = (SHORTEST_S / record.sample_period_s()).ceil() as usize;
     let hold = hold.max(SHORTEST_SAMPLES);
     let travel = span(record.runs().iter().flat_map(Run::output).copied())?;
-    let all: Vec<Rest> = record
+    let all: Vec<CommandedRest> = record
         .runs()
         .iter()
         .flat_map(|run| rests(run, hold, MATTERS * travel))
         .collect();
-    let (up, down): (Vec<&Rest>, Vec<&Rest>) = all.iter().partition(|rest| rest.upwards);
+    let (up, down): (Vec<&CommandedRest>, Vec<&CommandedRest>) =
+        all.iter().partition(|rest| rest.upwards);
     if all.len() < RESTS || up.len().min(down.len()) < 2 || !ONE_ANGLE.contains(&slope(&all)?) {
         return None;
     }
@@ -67,7 +68,7 @@ pub(super) fn advice(record: &Record, unit: Option<&str>) -> Option<Advice> {
 }
 
 /// The rests of a run: holds whose last quarter has one mean in both of its halves, to within `still`.
-fn rests(run: &Run<'_>, hold: usize, still: f64) -> Vec<Rest> {
+fn rests(run: &Run<'_>, hold: usize, still: f64) -> Vec<CommandedRest> {
     let (input, output) = (run.input(), run.output());
     let mut found = Vec::new();
     let mut begin = 0;
@@ -85,7 +86,7 @@ fn rests(run: &Run<'_>, hold: usize, still: f64) -> Vec<Rest> {
             continue;
         };
         if stretch.len() >= hold && (means[0] - means[1]).abs() < still {
-            found.push(Rest {
+            found.push(CommandedRest {
                 command,
                 position: (means[0] + means[1]) / 2.0,
                 upwards: command > before,
@@ -96,7 +97,7 @@ fn rests(run: &Run<'_>, hold: usize, still: f64) -> Vec<Rest> {
 }
 
 /// Mean error of some rests, and the variance of that mean.
-fn errors(rests: &[&Rest]) -> (f64, f64) {
+fn errors(rests: &[&CommandedRest]) -> (f64, f64) {
     let errors: Vec<f64> = rests
         .iter()
         .map(|rest| rest.position - rest.command)
@@ -108,7 +109,7 @@ fn errors(rests: &[&Rest]) -> (f64, f64) {
 }
 
 /// Slope of the positions over the commands; `None` of one command.
-fn slope(rests: &[Rest]) -> Option<f64> {
+fn slope(rests: &[CommandedRest]) -> Option<f64> {
     let commands: Vec<f64> = rests.iter().map(|rest| rest.command).collect();
     let positions: Vec<f64> = rests.iter().map(|rest| rest.position).collect();
     let (u, y) = (mean(&commands)?, mean(&positions)?);

@@ -7,7 +7,7 @@ use super::request::PlanRequest;
 use super::simulated_runs::simulated;
 use serde::Serialize;
 use servoid_identification::results::{Bounds, Reason};
-use servoid_identification::servo_model::{Quantity, ServoModelOptions, Terms, fit};
+use servoid_identification::servo_model::{Quantity, QuantityKind, ServoModelOptions, Terms, fit};
 use servoid_identification::{Error, Record, Run};
 use servoid_simulator::{ServoKind, SimulationOptions};
 
@@ -102,10 +102,10 @@ fn remedies(
     level: &Bounds<f64>,
     quantities: &[Quantity],
 ) -> Vec<&'static str> {
-    let open = |names: &[&str]| {
-        quantities
-            .iter()
-            .any(|found| !found.determined && names.iter().any(|name| found.name.contains(name)))
+    let open = |kinds: &[QuantityKind]| {
+        let left_open = quantities.iter().filter(|found| !found.determined);
+        let mut left_open = left_open.filter_map(Quantity::kind);
+        left_open.any(|kind| kinds.contains(&kind))
     };
     let by_reason = match level.withdrawn() {
         Some(Reason::InputUnexcited) => Some(
@@ -125,16 +125,16 @@ fn remedies(
         (!terms.limit).then_some(
             "raise --amplitude, if the servo may turn further: no stroke of this reference shows a limit of the drive or of the speed",
         ),
-        (terms.limit && open(&["top speed", "acceleration", "full drive"])).then_some(
+        (terms.limit && open(QuantityKind::OF_LIMIT)).then_some(
             "raise --amplitude and the hold, so that strokes reach the top speed and stay at it",
         ),
-        open(&["bandwidth", "damping"]).then_some(
+        open(QuantityKind::OF_SMALL_SIGNALS).then_some(
             "add small strokes, within the error of full drive: stairs with more --levels have both kinds",
         ),
-        open(&["dead band", "resting error", "friction"]).then_some(
+        open(QuantityKind::OF_FRICTION).then_some(
             "approach each level from both sides and rest there: stairs with a longer --hold",
         ),
-        open(&["load"]).then_some("use more of the travel: a load shows where it changes with the angle"),
+        open(QuantityKind::OF_LOAD).then_some("use more of the travel: a load shows where it changes with the angle"),
     ];
     by_reason
         .into_iter()

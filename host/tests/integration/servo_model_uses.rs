@@ -1,7 +1,7 @@
 //! What a servo model is used for: to be simulated, reported, compared and planned with.
 
 use crate::report::embedded;
-use crate::support::{arg, data, json, refusal, run};
+use crate::support::{arg, data, json, refusal, run, withdraw};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -161,8 +161,7 @@ fn what_cannot_be_simulated_is_refused_in_a_sentence() {
         let own = model["coordinates"].as_array_mut().unwrap();
         own.push(serde_json::json!({ "ln_own_stiffness": 1 }));
         model["values"].as_array_mut().unwrap().push(0.5.into());
-        model["bounds"] = Value::Null;
-        model["withdrawn"] = serde_json::json!({ "reason": "errors_not_noise" });
+        withdraw(model);
         model["alternatives"] = serde_json::json!([]);
     });
     let out = at("x.csv");

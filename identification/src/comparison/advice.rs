@@ -71,7 +71,7 @@ pub(super) fn gather(
 ) -> Vec<Advice> {
     let mut advice = Vec::new();
     for (which, model) in ["The first", "The second"].into_iter().zip(models) {
-        let bearing = |found: &&Advice| found.check.bears_on_comparison();
+        let bearing = |found: &&Advice| found.bears_on_comparison();
         advice.extend(model.advice.iter().filter(bearing).map(|found| Advice {
             finding: format!("{which}: {}", found.finding),
             ..found.clone()

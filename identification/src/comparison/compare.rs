@@ -200,6 +200,7 @@ fn of_curves(
         split: false,
         motions: None,
         descriptions_of_different_motions: false,
+        same_data: false,
         over_prediction: None,
         levels: None,
         asymmetry: None,

@@ -177,6 +177,10 @@ pub struct Comparison {
     /// descriptions of two motions, and no finding about the servos.
     #[serde(default)]
     pub descriptions_of_different_motions: bool,
+    /// Whether both sides are known to have samples in common: then the comparison says nothing about the servos. Who has the files
+    /// finds that, so a new comparison has `false`.
+    #[serde(default)]
+    pub same_data: bool,
     /// By how much the first, driven like the second, goes farther; `None` without plateaus at two
     /// levels.
     pub over_prediction: Option<OverPrediction>,

@@ -10,7 +10,7 @@
 //! which holds wherever both hold. For independent records it is wider than it would have to be.
 
 use crate::results::{Bounds, Interval};
-use crate::servo_model::{Quantity, ServoModel, Unit};
+use crate::servo_model::{Quantity, QuantityKind, ServoModel, Unit};
 use serde::{Deserialize, Serialize};
 
 /// Two servo models beside each other.
@@ -56,6 +56,14 @@ pub struct QuantityDifference {
     pub b: Option<Interval>,
     /// Second less first, where both are determined.
     pub difference: Option<Interval>,
+}
+
+impl QuantityPair {
+    /// Which quantity it is; `None` of one that this version does not know.
+    #[must_use]
+    pub fn kind(&self) -> Option<QuantityKind> {
+        QuantityKind::named(&self.name)
+    }
 }
 
 impl QuantityDifference {

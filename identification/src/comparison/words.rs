@@ -5,7 +5,7 @@ use super::outcome::{
     Comparison, ComparisonBounds, DifferenceCurve, Direction, Levels, Sides, Subject,
 };
 use super::verdict::Verdict;
-use crate::numerics::four_digits;
+use crate::numerics::{four_digits, six_digits};
 use crate::results::Bounds;
 use crate::thresholds::NOTABLE_SHIFT_S;
 
@@ -77,7 +77,7 @@ fn apart(found: &Comparison, bounds: &ComparisonBounds) -> String {
         "where they differ most they are at least {:.1} % and at most {:.1} % of the step apart ({} % sure){clearest}",
         bounds.at_least,
         bounds.at_most,
-        rounded(100.0 * level),
+        six_digits(100.0 * level),
     )
 }
 
@@ -105,11 +105,6 @@ fn subject(found: &Comparison) -> &'static str {
         (Subject::Runs, Some(_)) => "These recordings",
         (Subject::Runs, None) => "These models",
     }
-}
-
-/// 99 rather than 99.00000000000001.
-fn rounded(percent: f64) -> f64 {
-    (percent * 1e6).round() / 1e6
 }
 
 fn feel(found: &Comparison, options: &ComparisonOptions) -> String {

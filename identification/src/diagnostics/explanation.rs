@@ -118,7 +118,7 @@ pub struct Explanation {
     /// That the response goes on beyond N, where it does.
     #[serde(default)]
     pub slow_end: Option<SlowEnd>,
-    /// The slow end that bounds allow for; `None` where they rest on the response being over after N.
+    /// The slow end that bounds, where they hold, allow for; `None` where they rest on the response being over after N.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub allowed_end: Option<AllowedEnd>,
     /// Whether the input follows the output; `None` where the errors are no noise.
@@ -190,7 +190,7 @@ impl Explanation {
             sentences.push(end.in_words(gain));
         }
         if let Some(uneven) = &self.uneven_noise {
-            sentences.push(uneven.in_words());
+            sentences.push(uneven.in_words(model.bounds.valid().is_some()));
         }
         sentences.extend(self.prior.as_ref().map(PriorOutcome::in_words));
         if let Some(errors) = &self.model_errors {

@@ -12,6 +12,7 @@
 
 use crate::data::Record;
 use crate::diagnostics::simulation_error::{SAMPLES, beginnings};
+use crate::thresholds::PLANNED;
 use faer::Mat;
 
 /// Inputs and outputs of the past. The present output is not among them: it may answer the present input.
@@ -105,11 +106,6 @@ const STRAIGHT: f64 = 1e-5;
 
 /// Second differences of the output below this share of their rms say nothing of the input.
 const AT_REST: f64 = 1e-2;
-
-/// Share of the samples with an output that is not straight at which the input is. Triangles and squares of a real R/C servo have 0.93,
-/// stairs of a motor 0.99; simulated loops have 0.002, and 0.55 to 0.81 where the command is rounded to 13 to 100 times what the noise
-/// makes of it.
-const PLANNED: f64 = 0.9;
 
 /// Whether the input is made of straight pieces, also where the output is not: a controller would carry the bends of the output into it.
 pub(crate) fn is_of_straight_pieces(record: &Record) -> bool {

@@ -16,20 +16,13 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 use crate::data::{Moments, Record, Run};
 use crate::diagnostics::simulation_error::{Simulated, simulated_whole};
 use crate::estimation::GlsFit;
-use crate::thresholds::{LAG_DRIFT_SAMPLES, LAG_DRIFT_SIGNIFICANCE};
+use crate::thresholds::{LAG_DRIFT_SAMPLES, LAG_DRIFT_SIGNIFICANCE, RANGES_ALIKE, WAYS_ALIKE};
 
 /// Blocks of a record.
 const BLOCKS: usize = 24;
 
 /// The shortest block, in lengths of the history: its ends are those of other blocks, too.
 const HISTORIES: usize = 2;
-
-/// Ratio of the ranges of the command in both halves of a run up to which they are alike.
-const RANGES_ALIKE: f64 = 1.25;
-
-/// The same of how far it goes in all: of a few dozen random levels they differ by up to two times, of sweeps and of holds that
-/// get shorter by three times or more.
-const WAYS_ALIKE: f64 = 2.5;
 
 /// A lag that changes.
 #[derive(Debug, Clone, Copy, PartialEq)]

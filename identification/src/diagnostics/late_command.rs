@@ -12,17 +12,16 @@
 //! speaks of servos that are not linear.
 
 use crate::data::{EXACTLY, Hold, Record, Run, holds, usual_hold};
-use crate::thresholds::{EARLY_SHARE, EARLY_SIGNIFICANCE, EARLY_TO_EARLIER};
+use crate::thresholds::{
+    EARLY_CHANGES, EARLY_SHARE, EARLY_SIGNIFICANCE, EARLY_TO_EARLIER, EARLY_WHOLE,
+};
 
 /// Windows before each change.
 const WINDOWS: usize = 4;
 
-/// Changes from which on their scatter shows what chance does.
-const FEWEST: usize = 10;
-
 /// That the servo moves before its command.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct EarlyMotion {
+pub(crate) struct LateCommand {
     /// For how long before the change it moves at least \[s\].
     pub(crate) lead_s: f64,
     /// Share of its stroke that it has made when the command changes.
@@ -33,7 +32,7 @@ pub(crate) struct EarlyMotion {
 
 /// The motion before the changes of a held command, where there is any. `settling` is that of a model of the record \[samples\]: after half of
 /// it a servo is near its rest, and before, its answer to an earlier change may look like one to the next.
-pub(crate) fn early_motion(record: &Record, settling: usize) -> Option<EarlyMotion> {
+pub(crate) fn late_command(record: &Record, settling: usize) -> Option<LateCommand> {
     let usual = usual_hold(record);
     let mut changes: Vec<Change> = record.runs().iter().flat_map(changes_of).collect();
     // After the longer half of all holds the servo is nearest to its rest.
@@ -47,17 +46,15 @@ pub(crate) fn early_motion(record: &Record, settling: usize) -> Option<EarlyMoti
     let found = shown.iter().filter(|(_, before)| before.is_early());
     let (_, clearest) = found.max_by(|(_, a), (_, b)| a.deviations.total_cmp(&b.deviations))?;
     // A window shorter than the lead has only its last part.
-    let whole = |(_, before): &&(usize, Before)| before.shares[0] >= MOST * clearest.shares[0];
+    let whole =
+        |(_, before): &&(usize, Before)| before.shares[0] >= EARLY_WHOLE * clearest.shares[0];
     let (length, _) = shown.iter().find(whole)?;
-    Some(EarlyMotion {
+    Some(LateCommand {
         lead_s: *length as f64 * record.sample_period_s(),
         share: clearest.shares[0],
         changes: clearest.changes,
     })
 }
-
-/// What of an early motion a window must have to be said to be as long.
-const MOST: f64 = 0.9;
 
 /// A change of the command, and the output from the change before it up to the next one.
 struct Change<'a> {
@@ -103,7 +100,7 @@ impl Before {
             is_known.then_some((change.by, stroke, moved))
         };
         let all: Vec<Moved> = changes.iter().filter_map(of_change).collect();
-        if all.len() < FEWEST {
+        if all.len() < EARLY_CHANGES {
             return None;
         }
         let sum = |of: &dyn Fn(&Moved) -> f64| all.iter().map(of).sum::<f64>();
@@ -171,7 +168,7 @@ mod tests {
             let (commands, output) = recording(0.08, damping, 6, top);
             let late = |late: usize| {
                 let input = written(&commands, late);
-                early_motion(&Record::of_run(0.002, &input, &output).unwrap(), 100)
+                late_command(&Record::of_run(0.002, &input, &output).unwrap(), 100)
             };
             for causal in [0, 3, 6] {
                 assert_eq!(late(causal), None, "{damping}, {top}");
@@ -191,7 +188,7 @@ mod tests {
         for damping in [0.05, 0.1, 0.3, 4.0] {
             let (commands, output) = recording(0.08, damping, 6, f64::INFINITY);
             let record = Record::of_run(0.002, &commands, &output).unwrap();
-            assert_eq!(early_motion(&record, 100), None, "{damping}");
+            assert_eq!(late_command(&record, 100), None, "{damping}");
         }
     }
 }

@@ -66,7 +66,9 @@ pub(crate) use simulation_error::{
     beginnings, one_step_errors, simulated, simulated_whole, square,
 };
 pub use slow_end::{AllowedEnd, SlowEnd};
-pub(crate) use slow_end::{Regression, RegressionRun, SlowColumns, is_unseen as end_is_unseen};
+pub(crate) use slow_end::{
+    EstimatedEnd, Regression, RegressionRun, SlowColumns, is_unseen as end_is_unseen,
+};
 pub use standstill_noise::StandstillNoise;
 pub(crate) use standstill_noise::against_standstill;
 pub(crate) use time_fault::TimeFault;

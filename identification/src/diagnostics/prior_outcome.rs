@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::results::Bounds;
+
 /// The stable prior, where it was asked for.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", tag = "outcome")]
@@ -32,6 +34,16 @@ pub enum PriorOutcome {
 }
 
 impl PriorOutcome {
+    /// The same beside bounds of this `level`: without bounds, the standard deviation of a slow end is no reason.
+    pub(crate) fn beside(self, level: Bounds<f64>) -> Self {
+        match self {
+            Self::SlowEnd {
+                hidden_percent: Some(_),
+            } if level.valid().is_none() => Self::NotApplicable,
+            outcome => outcome,
+        }
+    }
+
     /// In a sentence.
     #[must_use]
     pub fn in_words(&self) -> String {
@@ -63,7 +75,7 @@ impl PriorOutcome {
                 hidden_percent: None,
             } => "Prior: not used, because the response goes on beyond the settling times that can be judged.".to_owned(),
             Self::NotApplicable => {
-                "Prior: not used, because the errors are not noise, or the input does not excite all frequencies.".to_owned()
+                "Prior: not used, because no bounds can be given, or the input does not excite all frequencies.".to_owned()
             }
             Self::NotFound => {
                 "Prior: not used, because its numbers cannot be found from this recording.".to_owned()

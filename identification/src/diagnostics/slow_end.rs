@@ -32,6 +32,7 @@ use crate::diagnostics::filtered_rows::{filtered, only, present, with_history};
 use crate::diagnostics::simulation_error::Simulated;
 use crate::estimation::{GlsFit, noise_filter};
 use crate::numerics::{LaggedSums, chi_square_upper_tail, dot, times};
+use crate::results::Bounds;
 use crate::thresholds::UNSEEN_END;
 
 use faer::Mat;
@@ -64,20 +65,37 @@ pub struct SlowEnd {
 pub struct AllowedEnd {
     /// Part of the gain that has a time constant of N, as estimated \[output per input\].
     pub value: f64,
-    /// Its standard deviation.
-    pub sd: f64,
+    /// Its standard deviation; `None` where bounds are withdrawn.
+    pub sd: Option<f64>,
 }
 
 impl AllowedEnd {
+    pub(crate) fn new(found: EstimatedEnd, level: Bounds<f64>) -> Self {
+        Self {
+            value: found.value,
+            sd: level.valid().map(|_| found.sd),
+        }
+    }
+
     /// As one sentence, beside the gain.
     pub(crate) fn in_words(&self, gain: f64) -> String {
-        format!(
-            "Slow end: {:.2} % of the gain, standard deviation {:.2} %, with the settling time as its time constant; the bounds \
-             contain it.",
-            100.0 * self.value / gain,
-            100.0 * self.sd / gain.abs()
-        )
+        let percent = 100.0 * self.value / gain;
+        let time = "with the settling time as its time constant";
+        match self.sd {
+            Some(sd) => format!(
+                "Slow end: {percent:.2} % of the gain, standard deviation {:.2} %, {time}; the bounds contain it.",
+                100.0 * sd / gain.abs()
+            ),
+            None => format!("Slow end: {percent:.2} % of the gain, {time}."),
+        }
     }
+}
+
+/// γ with its standard deviation \[output per input\], before it is decided whether bounds hold.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct EstimatedEnd {
+    pub(crate) value: f64,
+    pub(crate) sd: f64,
 }
 
 /// Whether the input shows nothing of an end, or repeats itself and shows so little that the response may end anywhere after N, beside
@@ -243,12 +261,12 @@ impl SlowColumns {
     }
 
     /// The end \[output per input\].
-    pub(crate) fn end(&self) -> AllowedEnd {
+    pub(crate) fn end(&self) -> EstimatedEnd {
         self.columns[0].end(self.variance)
     }
 
     /// The covariance of `fit`, which is `ratio` times that of its rows for outliers, becomes that with a slow end.
-    pub(crate) fn allow_in(&self, fit: &mut GlsFit, ratio: f64) -> AllowedEnd {
+    pub(crate) fn allow_in(&self, fit: &mut GlsFit, ratio: f64) -> EstimatedEnd {
         fit.further.slow_end = Some(self.allowance(ratio));
         self.columns[0].end(ratio * self.variance)
     }
@@ -322,8 +340,8 @@ impl SlowColumn {
     }
 
     /// γ, where ε has this variance.
-    fn end(&self, variance: f64) -> AllowedEnd {
-        AllowedEnd {
+    fn end(&self, variance: f64) -> EstimatedEnd {
+        EstimatedEnd {
             value: self.score / self.left,
             sd: (variance / self.left).sqrt(),
         }

@@ -3,7 +3,7 @@
 
 use super::held_output::output_held_for;
 use super::lag_drift::{LagDrift, lag_drift};
-use super::late_command::{EarlyMotion, early_motion};
+use super::late_command::{LateCommand, late_command};
 use crate::data::{Moments, Record};
 use crate::estimation::GlsFit;
 use crate::results::Reason;
@@ -12,7 +12,7 @@ use crate::results::Reason;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum TimeFault {
     /// The servo moves before its command.
-    EarlyMotion(EarlyMotion),
+    LateCommand(LateCommand),
     /// The output is refreshed every so many samples only.
     HeldOutput(usize),
     /// The lag changes along the record.
@@ -30,7 +30,7 @@ impl TimeFault {
     ) -> Option<Self> {
         let held = || output_held_for(recorded).map(Self::HeldOutput);
         let settling = fit.coordinates.basis.settling();
-        let early = || early_motion(recorded, settling).map(Self::EarlyMotion);
+        let early = || late_command(recorded, settling).map(Self::LateCommand);
         let drift = || lag_drift(undisturbed, moments, fit).map(Self::LagDrift);
         held().or_else(early).or_else(drift)
     }
@@ -38,7 +38,7 @@ impl TimeFault {
     /// Why there are no bounds then.
     pub(crate) fn reason(&self) -> Reason {
         match self {
-            Self::EarlyMotion(_) => Reason::EarlyMotion,
+            Self::LateCommand(_) => Reason::EarlyMotion,
             Self::HeldOutput(_) => Reason::HeldOutput,
             Self::LagDrift(_) => Reason::LagDrift,
         }

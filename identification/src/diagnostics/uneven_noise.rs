@@ -48,8 +48,8 @@ pub struct UnevenNoise {
 }
 
 impl UnevenNoise {
-    /// As one sentence.
-    pub(crate) fn in_words(&self) -> String {
+    /// In words, beside a model that has bounds or none.
+    pub(crate) fn in_words(&self, has_bounds: bool) -> String {
         let in_motion = (self.jitter_s > 0.0).then(|| {
             format!(
                 "larger in motion, as times of sampling that scatter by {:.2} ms would make it",
@@ -63,8 +63,12 @@ impl UnevenNoise {
             )
         });
         let found: Vec<String> = in_motion.into_iter().chain(in_parts).collect();
+        let consequence = match has_bounds {
+            true => " The bounds allow for it.",
+            false => "",
+        };
         format!(
-            "The noise is not even: it is {}. The bounds allow for it.",
+            "The noise is not even: it is {}.{consequence}",
             found.join(", and ")
         )
     }
@@ -96,7 +100,7 @@ pub(crate) fn allow_for_uneven_noise(
     let mean_motion = rows.iter().map(|row| row.motion).sum::<f64>() / rows.len() as f64;
     let (in_motion, relative_variance) = motion_variance(&rows).unwrap_or_default();
     let in_motion = (in_motion * absorbed).min(most_in_motion(fit, mean_motion));
-    let levels = Levels::of(&rows, in_motion, absorbed);
+    let levels = NoiseLevels::of(&rows, in_motion, absorbed);
     if in_motion == 0.0 && levels.are_even {
         return None;
     }
@@ -150,7 +154,7 @@ struct Found {
     in_motion: f64,
     /// Mean of q.
     mean_motion: f64,
-    levels: Levels,
+    levels: NoiseLevels,
 }
 
 /// v(k)² of a run; 0 where the simulation is missing.
@@ -215,13 +219,13 @@ fn motion_variance(rows: &[Row]) -> Option<(f64, f64)> {
 }
 
 /// The noise of the parts, that of motion taken out.
-struct Levels {
+struct NoiseLevels {
     /// s_b².
     variance: Vec<f64>,
     are_even: bool,
 }
 
-impl Levels {
+impl NoiseLevels {
     fn of(rows: &[Row], in_motion: f64, absorbed: f64) -> Self {
         let mut parts = [(0.0, 0.0, 0.0); PARTS];
         for row in rows {

@@ -7,8 +7,8 @@ use super::responses::Responses;
 use super::task::Task;
 use crate::data::{Run, Timing};
 use crate::diagnostics::{
-    Bank, Explanation, Resolution, RunComparison, TakenOut, TimeFault, TravelEnd, Validity,
-    ValidityEvidence, contradicted_rest,
+    AllowedEnd, Bank, Explanation, PriorOutcome, Resolution, RunComparison, TakenOut, TimeFault,
+    TravelEnd, Validity, ValidityEvidence, contradicted_rest,
 };
 use crate::estimation::{Excitation, Noise};
 use crate::numerics::matrix_rows::to_rows;
@@ -239,9 +239,11 @@ pub(super) fn explanation(
         drift: drift(task),
         uneven_noise: fitted.uneven,
         slow_end: fitted.slow_end,
-        allowed_end: fitted.allowed_end,
+        allowed_end: (fitted.allowed_end).map(|found| AllowedEnd::new(found, level)),
         feedback: fitted.feedback,
-        prior: fitted.prior,
+        prior: fitted
+            .prior
+            .map(|outcome| PriorOutcome::beside(outcome, level)),
         runs,
     }
 }

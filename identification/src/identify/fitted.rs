@@ -6,7 +6,7 @@ use super::candidate::Candidate;
 use super::estimate::Estimate;
 use super::task::Task;
 use crate::diagnostics::{
-    AllowedEnd, Feedback, Linearity, Misfit, PriorOutcome, RunComparison, SlowColumns, SlowEnd,
+    EstimatedEnd, Feedback, Linearity, Misfit, PriorOutcome, RunComparison, SlowColumns, SlowEnd,
     UnevenNoise, against_standstill, allow_for_run_offsets, allow_for_run_trends,
     allow_for_scatter, allow_for_uneven_noise, simulated, test_linearity,
 };
@@ -28,7 +28,7 @@ pub(super) struct Fitted {
     /// covariance has beside that of even noise.
     pub(super) slow_columns: OnceCell<Option<SlowColumns>>,
     /// The slow end that is part of the covariance.
-    pub(super) allowed_end: Option<AllowedEnd>,
+    pub(super) allowed_end: Option<EstimatedEnd>,
     /// Whether the input is such that the response may end anywhere after N.
     pub(super) end_is_unseen: bool,
     /// Whether the input follows the output; `None` where that could not be tested.

@@ -4,3 +4,8 @@
 pub(crate) fn four_digits(number: f64) -> f64 {
     format!("{number:.3e}").parse().unwrap_or(number)
 }
+
+/// A number with six digits: 99 rather than 99.00000000000001.
+pub(crate) fn six_digits(number: f64) -> f64 {
+    format!("{number:.5e}").parse().unwrap_or(number)
+}

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-/// What was checked. Documents have these names, which are stable between versions; nothing but their
-/// reader acts on them.
+/// What was checked. Documents have these names, which are stable between versions. Nothing outside this file asks for them: what
+/// follows from a finding is its [`Precedence`], its [`Setting`], and whether it [bears on a comparison](Advice::bears_on_comparison).
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Check {
@@ -139,43 +139,30 @@ impl std::fmt::Display for Check {
     }
 }
 
-impl Check {
-    /// Whether a finding leaves nothing of the results to be said before it.
-    #[must_use]
-    pub fn comes_first(&self) -> bool {
-        matches!(
-            self,
-            Self::Period
-                | Self::OutputLeads
-                | Self::EarlyMotion
-                | Self::HeldOutput
-                | Self::LagDrift
-                | Self::TravelEnd
-                | Self::Feedback
-                | Self::Prediction
-                | Self::Stopped
-        )
-    }
+/// Where a finding stands beside the results.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Precedence {
+    /// In place of the sentence on the servo: nothing of the results is to be said before it.
+    InPlaceOfTheAnswer,
+    /// Before that sentence.
+    BeforeTheAnswer,
+    /// Below the results.
+    BelowTheResults,
+}
 
-    /// Whether a finding on one model is worth repeating where it is compared with another.
-    #[must_use]
-    pub fn bears_on_comparison(&self) -> bool {
-        matches!(
-            self,
-            Self::ModelError
-                | Self::Linearity
-                | Self::Excitation
-                | Self::LeftOut
-                | Self::Repeats
-                | Self::Settled
-                | Self::Feedback
-                | Self::OutputLeads
-                | Self::EarlyMotion
-                | Self::HeldOutput
-                | Self::LagDrift
-                | Self::TravelEnd
-        )
-    }
+/// What a remedy sets, where a program has an option for it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Setting {
+    /// The limits of a linear model are to be found.
+    Limits,
+    /// The input at which the servo rested before the record.
+    InputAtRest,
+    /// The explanation of the model.
+    Explanation,
+    /// A trend is to stay in the output.
+    KeptTrend,
+    /// Input and output are to be exchanged.
+    ExchangedColumns,
 }
 
 /// One finding.
@@ -215,5 +202,76 @@ impl Advice {
             threshold: finite(threshold),
             remedy: remedy.into(),
         }
+    }
+    /// Where it stands beside the results.
+    #[must_use]
+    pub fn precedence(&self) -> Precedence {
+        match self.check {
+            Check::Period
+            | Check::OutputLeads
+            | Check::EarlyMotion
+            | Check::HeldOutput
+            | Check::LagDrift
+            | Check::TravelEnd
+            | Check::Feedback
+            | Check::Prediction
+            | Check::Stopped => Precedence::InPlaceOfTheAnswer,
+            Check::Duration | Check::Travel | Check::UnlikeRuns => Precedence::BeforeTheAnswer,
+            _ => Precedence::BelowTheResults,
+        }
+    }
+
+    /// What its remedy sets, where that is an option.
+    #[must_use]
+    pub fn setting(&self) -> Option<Setting> {
+        Some(match self.check {
+            Check::Linearity => Setting::Limits,
+            Check::AtRest => Setting::InputAtRest,
+            Check::Outliers => Setting::Explanation,
+            Check::Drift => Setting::KeptTrend,
+            Check::OutputLeads => Setting::ExchangedColumns,
+            _ => return None,
+        })
+    }
+
+    /// Whether a finding on one model is worth repeating where it is compared with another.
+    #[must_use]
+    pub fn bears_on_comparison(&self) -> bool {
+        matches!(
+            self.check,
+            Check::ModelError
+                | Check::Linearity
+                | Check::Excitation
+                | Check::LeftOut
+                | Check::Repeats
+                | Check::Settled
+                | Check::Feedback
+                | Check::OutputLeads
+                | Check::EarlyMotion
+                | Check::HeldOutput
+                | Check::LagDrift
+                | Check::TravelEnd
+        )
+    }
+
+    /// Whether both are findings of one check.
+    #[must_use]
+    pub fn is_of_same_check(&self, other: &Self) -> bool {
+        self.check == other.check
+    }
+
+    /// Findings, each with its side, by what was checked, in the order in which the checks come first.
+    pub fn by_check<'a, S>(
+        findings: impl IntoIterator<Item = (S, &'a Self)>,
+    ) -> Vec<Vec<(S, &'a Self)>> {
+        let mut checks: Vec<Vec<(S, &Self)>> = Vec::new();
+        for (side, item) in findings {
+            let own = |found: &&mut Vec<(S, &Self)>| found[0].1.is_of_same_check(item);
+            match checks.iter_mut().find(own) {
+                Some(found) => found.push((side, item)),
+                None => checks.push(vec![(side, item)]),
+            }
+        }
+        checks
     }
 }

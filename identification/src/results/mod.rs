@@ -13,7 +13,7 @@ mod validity;
 
 pub use crate::estimation::Noise;
 pub use crate::numerics::{pointwise_critical, student_critical};
-pub use advice::{Advice, Check};
+pub use advice::{Advice, Check, Precedence, Setting};
 pub use frequency_response::{FrequencyBounds, FrequencyResponse};
 pub(crate) use frequency_response::{frequency_grid, frequency_map};
 pub(crate) use metrics::measured::Measured;

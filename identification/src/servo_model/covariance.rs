@@ -13,7 +13,7 @@ use super::discrepancy;
 use super::error_row::Row;
 use super::fit::Problem;
 use super::hidden_parts::hidden_parts;
-use super::motion::Motion;
+use super::motion::ServoMotion;
 use super::noise_at_rest::NoiseAtRest;
 use super::possible_servo::PossibleServo;
 use super::run_offsets;
@@ -54,7 +54,7 @@ pub(super) struct Uncertainty {
     /// Errors of the simulation and their derivatives, by stretch.
     pub(super) rows: Vec<Vec<Row>>,
     /// The motion of the simulation.
-    pub(super) motion: Motion,
+    pub(super) motion: ServoMotion,
     /// The noise of the sensor; `None` where too little is at rest to show it.
     pub(super) at_rest: Option<NoiseAtRest>,
     /// Samples over which errors of the equation are taken as constant.
@@ -115,7 +115,7 @@ pub(super) fn uncertainty(problem: &Problem<'_>, point: &Point, blocks: usize) -
     }
     let all = errors(&rows);
     let (ar, sigma) = noise(&all);
-    let motion = Motion::new(problem.stretches, &all, problem.grid.period_s);
+    let motion = ServoMotion::new(problem.stretches, &all, problem.grid.period_s);
     let at_rest = NoiseAtRest::new(&motion, &all);
     let window = discrepancy::window(point, &problem.grid);
     let discrepancy = match &at_rest {

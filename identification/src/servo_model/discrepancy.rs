@@ -5,13 +5,11 @@
 //! limit is taken, since bands and intervals have to hold for any discrepancy that the record does not exclude.
 
 use super::coordinates::Point;
-use super::motion::Motion;
+use super::motion::ServoMotion;
 use super::noise_at_rest::NoiseAtRest;
 use crate::numerics::chi_square_quantile;
+use crate::thresholds::DISCREPANCY_MISSED;
 use servoid_dynamics::Grid;
-
-/// Probability with which the discrepancy is above its limit.
-const MISSED: f64 = 0.01;
 
 /// Windows in the time in which a servo settles.
 pub(super) const WINDOWS: usize = 8;
@@ -30,7 +28,7 @@ pub(super) fn window(point: &Point, grid: &Grid) -> usize {
 /// Upper limit of the root mean square of the discrepancy \[output\], at rest or in motion, whichever is larger.
 pub(super) fn upper_limit(
     errors: &[Vec<f64>],
-    motion: &Motion,
+    motion: &ServoMotion,
     noise: &NoiseAtRest,
     window: usize,
 ) -> f64 {
@@ -53,7 +51,7 @@ pub(super) fn upper_limit(
     let noise = noise.variance_of_mean(window);
     let limit = |squares: &[f64]| -> f64 {
         // The sum over what the variance is follows χ²; without windows nothing bounds it but the other side.
-        let least = chi_square_quantile(MISSED, squares.len());
+        let least = chi_square_quantile(DISCREPANCY_MISSED, squares.len());
         let largest = squares.iter().sum::<f64>() / least;
         if squares.is_empty() {
             0.0
@@ -86,7 +84,7 @@ mod tests {
                 if at_rest[k] { noise } else { noise + slow }
             };
             let errors = vec![(0..samples).map(error).collect::<Vec<f64>>()];
-            let motion = Motion::resting(at_rest);
+            let motion = ServoMotion::resting(at_rest);
             let noise = NoiseAtRest::new(&motion, &errors).unwrap();
             let limit = upper_limit(&errors, &motion, &noise, 10);
             within += u64::from(limit > size);

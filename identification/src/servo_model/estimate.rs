@@ -356,7 +356,7 @@ fn describe(
             held_out_percent: held_out(climbed.best()),
             linear_held_out_percent: linear.map_or(f64::NAN, held_out),
             rmse: (error / count).sqrt(),
-            discrepancy: found.discrepancy,
+            discrepancy: level.valid().map(|_| found.discrepancy),
             largest_error: largest_error_of(parts, point, found),
             samples_used: known.len(),
             samples_missing: record.samples() - known.len(),

@@ -30,6 +30,7 @@ mod other_valleys;
 mod possible_servo;
 mod prediction;
 mod quantities;
+mod quantity_kind;
 mod run_offsets;
 mod score_test;
 mod search_progress;
@@ -52,5 +53,6 @@ pub use model::{
 };
 pub use prediction::no_prediction;
 pub use quantities::{Quantity, Spread, Unit};
+pub use quantity_kind::QuantityKind;
 pub use search_progress::Watch;
 pub use servoid_dynamics::{AtRest, DriveLimit, Friction, Load, ServoParameters};

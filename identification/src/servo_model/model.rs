@@ -101,8 +101,8 @@ pub struct ServoFit {
     /// Root mean square of the errors.
     pub rmse: f64,
     /// Upper limit of the root mean square of what the equation lacks: the part of the errors that does not average out as
-    /// the noise at rest does.
-    pub discrepancy: f64,
+    /// the noise at rest does. A bound like the others: `None` where bounds are withdrawn.
+    pub discrepancy: Option<f64>,
     /// Largest distance of the simulated angle from the command \[command\].
     pub largest_error: f64,
     /// Samples used.
@@ -223,7 +223,8 @@ impl ServoModel {
         let rows = own.map_or(&[][..], |found| &found.rows);
         let (value, spread) = self.response_of(&self.point(), rows, input, controller);
         let critical = own.map_or(f64::NAN, |found| pointwise_critical(found.level));
-        let bound = |sd: f64| critical * sd.hypot(self.fit.discrepancy);
+        let discrepancy = self.fit.discrepancy.unwrap_or(f64::NAN);
+        let bound = |sd: f64| critical * sd.hypot(discrepancy);
         let mut half: Vec<f64> = spread.iter().map(|sd| bound(*sd)).collect();
         for other in self.alternatives.iter().filter(|_| own.is_some()) {
             let point = Point {
@@ -351,6 +352,17 @@ impl ServoModel {
             && sized(self.terms, &self.coordinates, &self.values)
             && own
             && self.alternatives.iter().all(other)
+            && self.is_of_one_validity()
+    }
+
+    /// Whether all parts have bounds, or none for one reason. Withdrawn models of older files have a discrepancy all the same.
+    fn is_of_one_validity(&self) -> bool {
+        let own = self.covariance.as_ref().map(|_| ());
+        let has_bounds = own.valid().is_some();
+        let of_quantity = |quantity: &Quantity| quantity.interval.as_ref().map(|_| ()) == own;
+        self.quantities.iter().all(of_quantity)
+            && (has_bounds || self.alternatives.is_empty())
+            && (!has_bounds || self.fit.discrepancy.is_some_and(f64::is_finite))
     }
 
     /// How well the linear model predicts where it predicts better than the servo model, by as much as matters and on most of

@@ -7,7 +7,7 @@ use servoid_dynamics::ServoParameters;
 const MOVING: f64 = 0.02;
 
 /// The simulated outputs by stretch, NaN where no output was measured.
-pub(super) struct Motion {
+pub(super) struct ServoMotion {
     /// The outputs.
     pub(super) simulated: Vec<Vec<f64>>,
     /// Whether the servo stands still between the sample before and this one; false where that is not known.
@@ -55,7 +55,7 @@ pub(super) fn largest_error(physics: &ServoParameters, input: &[f64], output: &[
     errors.fold(0.0, f64::max)
 }
 
-impl Motion {
+impl ServoMotion {
     /// The motion behind errors of the simulation: measured output less error.
     pub(super) fn new(stretches: &[Stretch], errors: &[Vec<f64>], period_s: f64) -> Self {
         let less = |(stretch, errors): (&Stretch, &Vec<f64>)| {
@@ -93,7 +93,7 @@ fn middle(stretches: &[Stretch]) -> f64 {
 }
 
 #[cfg(test)]
-impl Motion {
+impl ServoMotion {
     /// One run that stands still where it says so, and moves elsewhere.
     pub(super) fn resting(at_rest: Vec<bool>) -> Self {
         Self {

@@ -3,7 +3,7 @@
 //! Errors in motion hold what the equation does not know of the servo, and a noise model of all errors takes that for noise. At
 //! rest such errors stand still: the scatter about the mean of each rest is that of the sensor.
 
-use super::motion::Motion;
+use super::motion::ServoMotion;
 use crate::estimation::{autoregressive, noise_filter};
 
 /// Samples at rest that show the noise.
@@ -34,7 +34,7 @@ pub(super) struct NoiseAtRest {
 
 impl NoiseAtRest {
     /// `None` where too little of the record is at rest to show it.
-    pub(super) fn new(motion: &Motion, errors: &[Vec<f64>]) -> Option<Self> {
+    pub(super) fn new(motion: &ServoMotion, errors: &[Vec<f64>]) -> Option<Self> {
         let rests = rests(motion, errors);
         if rests.iter().map(Vec::len).sum::<usize>() < FEWEST {
             return None;
@@ -94,7 +94,7 @@ impl NoiseAtRest {
 }
 
 /// Errors of each rest less their mean.
-fn rests(motion: &Motion, errors: &[Vec<f64>]) -> Vec<Vec<f64>> {
+fn rests(motion: &ServoMotion, errors: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let mut rests = Vec::new();
     for (at_rest, errors) in motion.at_rest.iter().zip(errors) {
         let mut at = 0;
@@ -142,7 +142,7 @@ mod tests {
                 at_rest.push(!moving);
             }
         }
-        let motion = Motion::resting(at_rest);
+        let motion = ServoMotion::resting(at_rest);
         let found = NoiseAtRest::new(&motion, &[errors]).unwrap();
         // Four standard errors of 10 000 samples: 0.6/100 for the coefficient, 1/141 for sigma. With the means of 50 samples left
         // in, it is 0.76.

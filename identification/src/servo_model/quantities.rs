@@ -1,11 +1,11 @@
 //! What people ask of a servo, with intervals.
 
 use super::coordinates::Point;
-use super::motion::{Fastest, Motion};
+use super::motion::{Fastest, ServoMotion};
 use super::possible_servo::PossibleServo;
 use crate::numerics::dot;
 use crate::results::{Bounds, Interval};
-use crate::thresholds::SERVO_TOP_SPEED_REACHED;
+use crate::thresholds::{SERVO_TOP_SPEED_REACHED, UNDETERMINED_RATIO};
 use serde::{Deserialize, Serialize};
 use servoid_dynamics::{Load, ServoParameters};
 use std::f64::consts::TAU;
@@ -72,10 +72,6 @@ pub(super) fn widen_delay(quantities: &mut [Quantity], seconds: f64) {
         quantity.interval = interval.map(|found| found.widened(seconds));
     }
 }
-
-/// Ratio of the upper bound to the lower from which on a positive quantity is not determined: neither order of magnitude nor
-/// anything that follows from it is then known.
-const UNDETERMINED_RATIO: f64 = 10.0;
 
 /// Values that a quantity can have.
 #[derive(Clone, Copy, PartialEq)]
@@ -235,7 +231,7 @@ pub(super) fn quantities(
     possible: &[PossibleServo],
     critical: f64,
     level: &Bounds<f64>,
-    motion: &Motion,
+    motion: &ServoMotion,
     others: &[Point],
 ) -> Vec<Quantity> {
     let middle = motion.middle;
@@ -364,6 +360,12 @@ impl Definition {
             _ => false,
         }
     }
+}
+
+/// The names of all quantities.
+#[cfg(test)]
+pub(super) fn names() -> impl Iterator<Item = &'static str> {
+    DEFINITIONS.iter().map(|definition| definition.name)
 }
 
 /// The quantities of a servo under commands about zero by name, without intervals.

@@ -1,13 +1,13 @@
 //! The equation against exact answers, and the fit against servos that are known.
 
 use super::coordinates::{Coordinate, FRICTION_SPEED_SHARE, LoadKind, Point, Terms};
-use super::{ServoModelOptions, Spread, fit};
+use super::{Alternative, ServoModel, ServoModelOptions, Spread, fit};
 use crate::data::{Record, Run};
-use crate::results::Reason;
+use crate::results::{Bounds, Interval, Reason};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use servoid_dynamics::{Dual, Grid, Start, simulate};
+use servoid_dynamics::{Dual, Grid, Scalar, Start, simulate};
 
 const PERIOD_S: f64 = 0.002;
 
@@ -137,7 +137,12 @@ fn derivatives_of_the_motion_are_those_of_differences() {
         let grid = Grid::new(PERIOD_S, 0.0, 1e-3);
         let mut slopes = Vec::new();
         let start = Start::at_rest(0.3, Some(0.0));
-        simulate(&physics, &grid, &start.lifted(), &input, |_, y| {
+        let constants = Start {
+            output: Dual::constant(start.output),
+            rate: Dual::constant(start.rate),
+            command_before: start.command_before.map(Dual::constant),
+        };
+        simulate(&physics, &grid, &constants, &input, |_, y| {
             slopes.push(y.slope)
         });
         for (i, coordinate) in servo.coordinates.iter().enumerate() {
@@ -295,6 +300,30 @@ fn two_levels_have_no_intervals() {
     assert!(
         found.alternatives.is_empty() && found.respond(&[0.0, 1.0], 0).half_width.valid().is_none()
     );
+    assert_eq!(found.fit.discrepancy, None);
+    require_one_validity(&found);
+}
+
+/// A document that has bounds in one part and none in another is refused.
+fn require_one_validity(withdrawn: &ServoModel) {
+    assert!(withdrawn.is_consistent());
+    let mut with_interval = withdrawn.clone();
+    let quantity = &mut with_interval.quantities[0];
+    quantity.interval = Bounds::Valid(Interval::new(quantity.value, 0.0, 1.0));
+    assert!(!with_interval.is_consistent());
+    let mut for_another_reason = withdrawn.clone();
+    for_another_reason.quantities[0].interval = Bounds::Withdrawn(Reason::ErrorsNotNoise);
+    assert!(!for_another_reason.is_consistent());
+    let mut with_alternative = withdrawn.clone();
+    let count = withdrawn.values.len();
+    with_alternative.alternatives.push(Alternative {
+        terms: withdrawn.terms,
+        coordinates: withdrawn.coordinates.clone(),
+        values: withdrawn.values.clone(),
+        friction_speed_share: 0.1,
+        covariance: vec![vec![0.0; count]; count],
+    });
+    assert!(!with_alternative.is_consistent());
 }
 
 /// Missing samples, a stop in the middle of the travel, a servo that is switched off half-way, a single stroke, a glitch: numbers

@@ -11,17 +11,12 @@ use super::stretches::Stretch;
 use crate::diagnostics::one_step_errors;
 use crate::numerics::square_about_mean;
 use crate::results::Reason;
-use crate::thresholds::{MOTION_IN_NOISE, MOTION_NOISE_CHANCE, MOTION_NOISE_RATIO};
-
-/// Levels of the command from which on a record distinguishes gain, offset, friction, dead band and load: each shapes the line
-/// through the positions of rest, and between two of these any fits. A servo that seems to have none of them may have
-/// them all the same, and not follow a third level as the model does.
-const LEVELS: usize = 3;
+use crate::thresholds::{MOTION_IN_NOISE, MOTION_NOISE_CHANCE, MOTION_NOISE_RATIO, SERVO_LEVELS};
 
 /// What speaks against intervals of `point`.
 pub(super) fn against(stretches: &[Stretch], point: &Point, found: &Uncertainty) -> Option<Reason> {
     let shows_little = hides_friction(point, found) || hardly_moves(stretches, found);
-    if levels(stretches) < LEVELS || shows_little {
+    if levels(stretches) < SERVO_LEVELS || shows_little {
         return Some(Reason::InputUnexcited);
     }
     let follow = lack_of_fit::follows_command(stretches, point, found)
@@ -48,13 +43,13 @@ fn hardly_moves(stretches: &[Stretch], found: &Uncertainty) -> bool {
     square_about_mean(&simulated) < MOTION_IN_NOISE * square_about_mean(&measured)
 }
 
-/// Different commands, up to three.
+/// Different commands, up to as many as are needed.
 fn levels(stretches: &[Stretch]) -> usize {
     let mut found: Vec<f64> = Vec::new();
     for command in stretches.iter().flat_map(|stretch| &stretch.input) {
         if !found.contains(command) {
             found.push(*command);
-            if found.len() == LEVELS {
+            if found.len() == SERVO_LEVELS {
                 break;
             }
         }

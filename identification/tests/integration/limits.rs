@@ -150,10 +150,13 @@ fn two_levels_do_not_determine_limits_and_say_what_to_record() {
             .iter()
             .all(|end| end.softens.is_none())
     );
-    assert!(
-        limits
-            .statements()
-            .iter()
-            .all(|text| text.contains("does not determine"))
-    );
+    let of_ends = limits.ends.iter().flatten().map(|end| &end.statement);
+    let others = [
+        &limits.rate_up.statement,
+        &limits.rate_down.statement,
+        &limits.hysteresis.statement,
+    ];
+    for statement in of_ends.chain(others) {
+        assert!(statement.contains("does not determine"), "{statement}");
+    }
 }

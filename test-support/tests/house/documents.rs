@@ -54,6 +54,25 @@ fn quoted(text: &str) -> impl Iterator<Item = &str> {
 }
 
 #[test]
+fn every_file_that_the_guides_name_exists() {
+    const ENDINGS: [&str; 5] = ["rs", "md", "py", "toml", "txt"];
+    for guide in ["ARCHITECTURE.md", "CONTRIBUTING.md"] {
+        let text = std::fs::read_to_string(workspace().join(guide)).unwrap();
+        let is_path = |word: &&str| {
+            let ending = word.rsplit_once('.').map_or("", |(_, ending)| ending);
+            !word.contains(' ') && (word.contains('/') || ENDINGS.contains(&ending))
+        };
+        let paths: Vec<&str> = quoted(&text).filter(is_path).collect();
+        assert!(paths.len() > 20, "{guide} names {}", paths.len());
+        let missing: Vec<_> = paths
+            .iter()
+            .filter(|path| !workspace().join(path).exists())
+            .collect();
+        assert!(missing.is_empty(), "{guide}: {missing:#?}");
+    }
+}
+
+#[test]
 fn every_test_and_file_that_a_promise_names_exists() {
     let text = document("reliability.md");
     let mut files = Vec::new();

@@ -2,9 +2,11 @@
 //! the code.
 
 mod arrows;
+mod checks;
 mod documents;
 mod imports;
 mod manifests;
+mod names;
 mod source;
 mod validity;
 mod words;

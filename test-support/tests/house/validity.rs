@@ -33,7 +33,7 @@ fn makes_a_value(rest: &[String]) -> bool {
 #[test]
 fn nothing_but_the_evidence_makes_bounds_valid() {
     let mut forged = Vec::new();
-    for folder in ["identification/src", "host/src", "client/src"] {
+    for folder in ["identification/src", "host/src", "client/src", "python/src"] {
         let sources = Sources::read(&workspace().join(folder));
         for (module, words) in sources.words() {
             let name = format!("{folder}/{}", module.join("/"));

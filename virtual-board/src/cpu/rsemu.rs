@@ -8,7 +8,7 @@
 //! stacks all of it), so after the return the rest of the block runs with any condition. Therefore a line that rises
 //! within an IT block is raised after it, at most four instructions later.
 
-use super::{Bus, Core, Line, Registers};
+use super::{Bus, Core, InterruptLine, Registers};
 use crate::memory::{FLASH_START, RAM_START, Ram};
 use rsemu::core::space::{AddressSpace, MemAttrs, MemOps, MemResult, Region, RomStore, RomWrite};
 use rsemu::cpu::arm::v7m::sys::Exception;
@@ -39,7 +39,7 @@ pub struct RsemuCore {
     /// asked.
     seen: (u64, bool),
     /// Lines that rose within an IT block, and are raised behind it.
-    waiting: Vec<Line>,
+    waiting: Vec<InterruptLine>,
 }
 
 /// The state of an IT block in the program status register: bits 26:25 and 15:10 (B1.4.2).
@@ -126,15 +126,15 @@ impl Core for RsemuCore {
         self.core.step()
     }
 
-    fn set_line(&mut self, line: Line, level: bool) {
+    fn set_line(&mut self, line: InterruptLine, level: bool) {
         self.waiting.retain(|other| *other != line);
         if level && self.in_it_block() {
             self.waiting.push(line);
             return;
         }
         match line {
-            Line::Irq(number) => self.core.set_irq(number as u16, level),
-            Line::Nmi => self.core.set_nmi(level),
+            InterruptLine::Irq(number) => self.core.set_irq(number as u16, level),
+            InterruptLine::Nmi => self.core.set_nmi(level),
         }
     }
 
@@ -292,11 +292,11 @@ mod tests {
             let mut core = RsemuCore::new(&flash, &Ram::default(), &bus);
             for step in 0..40 {
                 if step == steps_before {
-                    core.set_line(Line::Irq(0), true);
+                    core.set_line(InterruptLine::Irq(0), true);
                 }
                 core.step();
                 if core.registers().r[5] == 1 {
-                    core.set_line(Line::Irq(0), false);
+                    core.set_line(InterruptLine::Irq(0), false);
                 }
             }
             let registers = core.registers();

@@ -12,8 +12,9 @@
 
 use servoid::data::recording::Ending;
 use servoid::instrument::rig::RigClient;
+use servoid_protocol::PulseTrain;
 use servoid_protocol::hello::{ClockSource, ResetCause};
-use servoid_protocol::lease::LONGEST_LEASE_FRAMES;
+use servoid_protocol::lease::LONGEST_LEASE_S;
 use servoid_protocol::message::{Activity, Arm, Command, EndReason};
 use servoid_test_support::virtual_board::{FRAME, SharedBoard, arm, capture, options, staircase};
 use std::time::Duration;
@@ -66,7 +67,7 @@ pub fn start(client: &mut RigClient, lease_frames: u16) {
 }
 
 /// A lease that outlasts every test.
-const LONG_LEASE: u16 = LONGEST_LEASE_FRAMES;
+const LONG_LEASE: u16 = PulseTrain::USUAL.frames_in(LONGEST_LEASE_S);
 
 /// Connects anew and captures a whole staircase; returns the status of the rig before.
 fn next_run_works(board: &SharedBoard) -> (ClockSource, ResetCause) {

@@ -4,7 +4,7 @@ use crate::ports::{serving, servoid};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use servoid::instrument::flash::{
-    BootLines, FlashError, Flashed, Hand, Progress, Start, State, flash,
+    BootLines, FlashError, FlashProgress, Flashed, Hand, Start, State, flash,
 };
 use servoid::instrument::port::{ControlLine, Port};
 use servoid_flash_image::{ERASED, FLASH_START, FlashImage, PAGE_BYTES};
@@ -80,7 +80,7 @@ fn the_image_is_written_compared_and_started() {
     let mut written = Vec::new();
     let mut hand = Hand {
         show: &mut |progress| {
-            if let Progress::Written(bytes) = progress {
+            if let FlashProgress::Written(bytes) = progress {
                 written.push(bytes);
             }
         },
@@ -197,7 +197,7 @@ fn somebody_may_end_it() {
     let board = erased(&with_boot0(&[]));
     let asked = Cell::new(false);
     let mut hand = Hand {
-        show: &mut |progress| asked.set(matches!(progress, Progress::Written(4096..))),
+        show: &mut |progress| asked.set(matches!(progress, FlashProgress::Written(4096..))),
         stop: &|| asked.get(),
     };
     let port = &mut board.port();

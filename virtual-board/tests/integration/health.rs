@@ -2,10 +2,10 @@
 
 use crate::faults::{next_run_of_it_works, start};
 use servoid::data::rig_file::RigFile;
-use servoid_protocol::Health;
 use servoid_protocol::health::FaultKind;
-use servoid_protocol::lease::LONGEST_LEASE_FRAMES;
+use servoid_protocol::lease::LONGEST_LEASE_S;
 use servoid_protocol::message::{Activity, EndReason};
+use servoid_protocol::{Health, PulseTrain};
 use servoid_test_support::virtual_board::{SharedBoard, options, staircase};
 use std::time::Duration;
 
@@ -84,7 +84,7 @@ fn a_run_ends_where_the_supply_sags() {
     for sag in ["supply-sags@3-5", "supply-sags@3-3.008"] {
         let board = SharedBoard::new(&options("linear?seed=1", &[sag]));
         let mut client = board.connect();
-        start(&mut client, LONGEST_LEASE_FRAMES);
+        start(&mut client, PulseTrain::USUAL.frames_in(LONGEST_LEASE_S));
         board.pass(Duration::from_secs(4));
         let Activity::Ended(ended) = client.status().unwrap().activity else {
             panic!("{sag}: still running");

@@ -1,6 +1,6 @@
 //! `servoid selftest` on the board: it passes, and it names each fault that it is meant to find.
 
-use servoid::instrument::selftest::{Extent, Report, measure};
+use servoid::instrument::selftest::{SelfTestExtent, SelfTestReport, measure};
 use servoid_test_support::virtual_board::{SharedBoard, options};
 use std::time::Duration;
 use virtual_board::BoardOptions;
@@ -14,21 +14,21 @@ fn wired(wire: &str, faults: &[&str]) -> BoardOptions {
 }
 
 /// Enough to find a fault.
-const SHORT: Extent = Extent {
+const SHORT: SelfTestExtent = SelfTestExtent {
     counting: Duration::from_secs(1),
     pulses_us: &[1_500],
 };
 
-fn test_itself(options: &BoardOptions, extent: Extent) -> (SharedBoard, Report) {
+fn test_itself(options: &BoardOptions, extent: SelfTestExtent) -> (SharedBoard, SelfTestReport) {
     let board = SharedBoard::new(options);
     let measured = measure(&mut board.connect(), extent, &|| false, &mut |_| {}).unwrap();
-    let report = Report::new(measured, "the virtual board", None);
+    let report = SelfTestReport::new(measured, "the virtual board", None);
     (board, report)
 }
 
 #[test]
 fn a_good_board_passes_with_the_figures_of_the_chip() {
-    let (board, report) = test_itself(&wired("divider,noise=2", &[]), Extent::FULL);
+    let (board, report) = test_itself(&wired("divider,noise=2", &[]), SelfTestExtent::FULL);
     assert!(report.passed(), "{}", report.text());
     assert_eq!(board.violations(), [""; 0]);
     let measured = &report.measured;

@@ -4,12 +4,15 @@
 //! TIM2, at the instant that was asked for; the pin of that channel, PA0, stays an input. Both are injected conversions (11.3.9)
 //! between two samples, and neither touches the sequence of the sensor.
 
-use crate::{sampling, supply, timing};
+use crate::{supply, timing};
 use core::sync::atomic::{AtomicU16, Ordering};
 use servoid_protocol::PulseTrain;
 use servoid_protocol::loopback::{PROBES_AFTER_EDGE, PROBES_BEFORE_EDGE, Probe};
 use servoid_protocol::pulse_train::SAMPLE_TAKES_US;
 use stm32f1xx_hal::pac::{ADC1, TIM2};
+
+/// The channel of the sensor, of samples and probes: ADC_IN4 is PA4.
+pub const SENSOR_CHANNEL: u8 = 4;
 
 /// The instant that the self-test asks for (µs after the frame edge); 0 for the reference voltage.
 static ASKED: AtomicU16 = AtomicU16::new(0);
@@ -100,11 +103,21 @@ impl Injected {
                 supply::prepare_bandgap(adc);
             }
             (0, at_us) => {
-                sampling::prepare_probe(adc);
+                prepare_probe(adc);
                 timing::begin_trigger(&tim2, at_us);
             }
             (_, at_us) => timing::move_trigger(&tim2, at_us),
         }
         (self.at_us, self.age) = (asked, 0);
     }
+}
+
+/// Prepares a probe: a single injected conversion of the sensor's pin, which channel 1 of TIM2 starts (11.7, table of external
+/// triggers for injected channels; 11.12.12). The ADC must be idle.
+fn prepare_probe(adc: &ADC1) {
+    // SAFETY: channel 4 exists.
+    adc.jsqr()
+        .write(|w| unsafe { w.jsq4().bits(SENSOR_CHANNEL) });
+    // Not with ADON alone: another bit changes, so nothing starts (11.12.3).
+    adc.cr2().modify(|_, w| w.jextsel().tim2cc1());
 }

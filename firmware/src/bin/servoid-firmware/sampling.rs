@@ -1,6 +1,6 @@
 //! Sampling: ADC1 by trigger, DMA into a ring of two frames, one interrupt for each frame.
 
-use crate::injected::Injected;
+use crate::injected::{Injected, SENSOR_CHANNEL};
 use crate::{pulse, supply, timing};
 use core::cell::UnsafeCell;
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
@@ -18,9 +18,6 @@ pub const OVERSAMPLING: usize = 4;
 pub const FULL_SCALE: Counts = Counts(OVERSAMPLING as u16 * 4_095);
 
 const _: () = assert!(FULL_SCALE.0 <= Counts::MAX_TWO_BYTES.0);
-
-/// ADC_IN4 is PA4.
-const CHANNEL: u8 = 4;
 
 /// Half ADC clock cycles of one conversion: 239.5 for sampling and 12.5 for converting (11.6). The
 /// longest sampling time there is, because the divider before the pin has a high impedance.
@@ -68,7 +65,7 @@ pub fn arm(adc: ADC1, dma: DMA1, rcc: &mut Rcc) {
     // 11.12.9, 11.12.11: the same channel four times in a row.
     // SAFETY: channel 4 exists.
     adc.sqr3()
-        .write(|w| unsafe { (0..OVERSAMPLING as u8).fold(w, |w, n| w.sq(n).bits(CHANNEL)) });
+        .write(|w| unsafe { (0..OVERSAMPLING as u8).fold(w, |w, n| w.sq(n).bits(SENSOR_CHANNEL)) });
     adc.sqr1().write(|w| w.l().set(OVERSAMPLING as u8 - 1));
     supply::prepare_bandgap(&adc);
     arm_dma(&adc, dma);
@@ -94,15 +91,6 @@ fn calibrate(adc: &ADC1, cycles_per_microsecond: u32) {
     while adc.cr2().read().rstcal().bit_is_set() {}
     adc.cr2().modify(|_, w| w.cal().set_bit());
     while adc.cr2().read().cal().bit_is_set() {}
-}
-
-/// Prepares a probe: a single injected conversion of the sensor's pin, which channel 1 of TIM2 starts (11.7, table of external
-/// triggers for injected channels; 11.12.12). The ADC must be idle.
-pub fn prepare_probe(adc: &ADC1) {
-    // SAFETY: channel 4 exists.
-    adc.jsqr().write(|w| unsafe { w.jsq4().bits(CHANNEL) });
-    // Not with ADON alone: another bit changes, so nothing starts (11.12.3).
-    adc.cr2().modify(|_, w| w.jextsel().tim2cc1());
 }
 
 /// DMA1 channel 1 belongs to ADC1 (13.3.7).

@@ -86,12 +86,12 @@ fn the_longest_run_without_a_host_ends_with_the_longest_lease() {
     };
     let mut bench = Bench::connected();
     let forever = Arm {
-        lease_frames: LONGEST_LEASE_FRAMES + 1,
+        lease_frames: LEASE + 1,
         ..widest
     };
     assert_eq!(bench.refused(Command::Arm(forever)), Refusal::BadLimits);
     let longest = Arm {
-        lease_frames: LONGEST_LEASE_FRAMES,
+        lease_frames: LEASE,
         ..widest
     };
     assert_eq!(bench.request(Command::Arm(longest)), Some(Outcome::Done));
@@ -100,9 +100,9 @@ fn the_longest_run_without_a_host_ends_with_the_longest_lease() {
         ..short_run(1)
     };
     assert_eq!(bench.request(Command::Start(hours)), Some(Outcome::Done));
-    bench.frames(usize::from(LONGEST_LEASE_FRAMES));
+    bench.frames(usize::from(LEASE));
     assert_eq!(bench.only_end().reason, EndReason::LeaseLapsed);
-    assert_eq!(LONGEST_LEASE_FRAMES, 250, "5 s");
+    assert_eq!(LEASE, 250, "5 s");
 }
 
 /// A sensor whose wire is off or shorted reads at a rail, whatever range its host calls healthy.

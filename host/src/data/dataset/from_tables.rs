@@ -6,6 +6,7 @@ use super::loaded::{Loaded, run};
 use super::options::DatasetOptions;
 use super::time_column::{self, TimeUnit};
 use super::{sentinel_values, suggested_columns, wrapped_angle};
+use crate::data::rounding::six_digits;
 use crate::data::table::{Table, TableFault, unit_of};
 use crate::data::timeline::{self, Stretch, TimeColumn};
 use clap::ValueEnum;
@@ -328,7 +329,7 @@ impl Spacing {
             return Err(DatasetFault::PeriodAgainstTime {
                 stated: period_s,
                 column: name.to_owned(),
-                found: rounded(apart(found, &unit)),
+                found: six_digits(apart(found, &unit)),
             });
         }
         let (remark, doubt) = match &column {
@@ -363,11 +364,6 @@ const SLIP: f64 = 1.1;
 
 /// Steps of a column without a unit that counts rows.
 const COUNT: f64 = 1.0;
-
-/// Six digits.
-fn rounded(number: f64) -> f64 {
-    format!("{number:.5e}").parse().unwrap_or(number)
-}
 
 /// Gaps that a column of time shows, and runs that the user has not named.
 fn remarks_on_time(column: &str, found: &[Stretch], labelled: bool) -> Vec<String> {

@@ -15,12 +15,12 @@ type Written = (RecordingWriter, Option<WriteError>);
 
 /// Writes a recording behind a queue.
 pub struct QueuedWriter {
-    state: State,
+    state: WriterState,
     frames: u64,
     has_begun: bool,
 }
 
-enum State {
+enum WriterState {
     Writing {
         queue: Sender<Frame>,
         thread: JoinHandle<Written>,
@@ -38,7 +38,7 @@ impl QueuedWriter {
         let has_begun = writer.has_begun();
         let thread = std::thread::spawn(move || write_all(writer, &frames));
         Self {
-            state: State::Writing { queue, thread },
+            state: WriterState::Writing { queue, thread },
             frames: 0,
             has_begun,
         }
@@ -60,7 +60,7 @@ impl QueuedWriter {
     /// Of a frame before it, as [`RecordingWriter::append`] has them.
     pub fn append(&mut self, frame: &Frame) -> Result<(), WriteError> {
         self.check()?;
-        if let State::Writing { queue, .. } = &self.state
+        if let WriterState::Writing { queue, .. } = &self.state
             && queue.send(*frame).is_ok()
         {
             self.frames += 1;
@@ -75,7 +75,7 @@ impl QueuedWriter {
     /// Once, as [`RecordingWriter::append`] has them.
     pub fn check(&mut self) -> Result<(), WriteError> {
         // The thread ends by itself only where it has failed.
-        if matches!(&self.state, State::Writing { thread, .. } if thread.is_finished()) {
+        if matches!(&self.state, WriterState::Writing { thread, .. } if thread.is_finished()) {
             return self.drain();
         }
         Ok(())
@@ -84,8 +84,8 @@ impl QueuedWriter {
     /// One past the newest frame that is in the file, once it is drained.
     pub fn end(&self) -> u32 {
         match &self.state {
-            State::Written(writer) => writer.end(),
-            State::Writing { .. } | State::Gone => 0,
+            WriterState::Written(writer) => writer.end(),
+            WriterState::Writing { .. } | WriterState::Gone => 0,
         }
     }
 
@@ -110,9 +110,9 @@ impl QueuedWriter {
         finish: impl FnOnce(RecordingWriter) -> Result<(), WriteError>,
     ) -> Result<(), WriteError> {
         let written = self.drain();
-        let closed = match std::mem::replace(&mut self.state, State::Gone) {
-            State::Written(writer) => finish(writer),
-            State::Writing { .. } | State::Gone => Ok(()),
+        let closed = match std::mem::replace(&mut self.state, WriterState::Gone) {
+            WriterState::Written(writer) => finish(writer),
+            WriterState::Writing { .. } | WriterState::Gone => Ok(()),
         };
         written.and(closed)
     }
@@ -122,8 +122,8 @@ impl QueuedWriter {
     /// # Errors
     /// As [`QueuedWriter::check`].
     pub fn drain(&mut self) -> Result<(), WriteError> {
-        let (queue, thread) = match std::mem::replace(&mut self.state, State::Gone) {
-            State::Writing { queue, thread } => (queue, thread),
+        let (queue, thread) = match std::mem::replace(&mut self.state, WriterState::Gone) {
+            WriterState::Writing { queue, thread } => (queue, thread),
             other => {
                 self.state = other;
                 return Ok(());
@@ -132,7 +132,7 @@ impl QueuedWriter {
         drop(queue);
         match thread.join() {
             Ok((writer, error)) => {
-                self.state = State::Written(writer);
+                self.state = WriterState::Written(writer);
                 error.map_or(Ok(()), Err)
             }
             Err(panic) => std::panic::resume_unwind(panic),

@@ -31,4 +31,4 @@ pub use boot_lines::{BootLines, Switch};
 pub use chip::ChipFound;
 pub use embedded::embedded_image;
 pub use error::{FlashError, State};
-pub use session::{Flashed, Hand, Progress, Start, flash};
+pub use session::{FlashProgress, Flashed, Hand, Start, flash};

@@ -20,7 +20,7 @@ const RESETS: u32 = 4;
 
 /// What goes on, for whoever looks on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Progress {
+pub enum FlashProgress {
     /// Nobody has answered yet.
     Waiting,
     /// The bootloader has answered, and this is the chip.
@@ -36,7 +36,7 @@ pub enum Progress {
 /// Whoever looks on, and may end it.
 pub struct Hand<'h> {
     /// Is called with what goes on.
-    pub show: &'h mut dyn FnMut(Progress),
+    pub show: &'h mut dyn FnMut(FlashProgress),
     /// Whether it is to end.
     pub stop: &'h dyn Fn() -> bool,
 }
@@ -108,8 +108,8 @@ fn with_parity(
     if let Look::Protected(chip) = found
         && unlock
     {
-        show(Progress::Found(chip));
-        show(Progress::Unlocking);
+        show(FlashProgress::Found(chip));
+        show(FlashProgress::Unlocking);
         rom.read_unprotect()?;
         begin(&mut rom, lines, show)?;
         found = look(&mut rom, image)?;
@@ -117,9 +117,11 @@ fn with_parity(
     let Look::Ready(chip) = found else {
         return Err(FlashError::ReadProtected);
     };
-    show(Progress::Found(chip));
-    let written_again = program(&mut rom, image, &mut |bytes| show(Progress::Written(bytes)))?;
-    show(Progress::Starting);
+    show(FlashProgress::Found(chip));
+    let written_again = program(&mut rom, image, &mut |bytes| {
+        show(FlashProgress::Written(bytes))
+    })?;
+    show(FlashProgress::Starting);
     let start = match lines.can_start() {
         true => Start::ByReset,
         false if rom.go(FLASH_START)? => Start::ByBootloader,
@@ -132,9 +134,9 @@ fn with_parity(
 fn begin(
     rom: &mut Repeated<'_>,
     lines: BootLines,
-    show: &mut dyn FnMut(Progress),
+    show: &mut dyn FnMut(FlashProgress),
 ) -> Result<(), FlashError> {
-    let waiting = &mut || show(Progress::Waiting);
+    let waiting = &mut || show(FlashProgress::Waiting);
     if !lines.can_reset() {
         lines.reset_with(rom.exchange.port, true)?;
         return rom.synchronise(PATIENCE, waiting);

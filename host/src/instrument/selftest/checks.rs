@@ -1,6 +1,6 @@
 //! The limits of a self-test, and what it means where one is not kept.
 
-use super::measured::{Measured, Unseen};
+use super::measured::{MeasuredBoard, Unseen};
 use crate::data::clock_error::internal_clock_error;
 use serde::Serialize;
 use servoid_protocol::hello::ClockSource;
@@ -55,7 +55,7 @@ const STACK_UNUSED: [f64; 2] = [1_024.0, 65_536.0];
 const REPEATED_PERCENT: [f64; 2] = [0.0, 0.5];
 const NONE: [f64; 2] = [0.0, 0.0];
 
-impl Measured {
+impl MeasuredBoard {
     /// The table.
     pub fn checks(&self) -> Vec<Check> {
         let hello = &self.hello;
@@ -332,7 +332,7 @@ mod tests {
     use servoid_test_support::hello::hello;
 
     /// As on a good board.
-    fn good() -> Measured {
+    fn good() -> MeasuredBoard {
         let hello = hello();
         let status = Status {
             activity: Activity::Idle,
@@ -358,7 +358,7 @@ mod tests {
             share,
             sd_counts: 2.0,
         };
-        Measured {
+        MeasuredBoard {
             hello,
             status_before: status,
             status_after: status,
@@ -386,7 +386,7 @@ mod tests {
         }
     }
 
-    fn faults(measured: &Measured) -> Vec<&'static str> {
+    fn faults(measured: &MeasuredBoard) -> Vec<&'static str> {
         measured.findings().iter().map(|f| f.fault).collect()
     }
 
@@ -395,7 +395,7 @@ mod tests {
     fn each_fault_is_named_alone() {
         assert_eq!(faults(&good()), [""; 0]);
         assert!((good().load_percent().unwrap() - 7.0).abs() < 1e-9);
-        type Change = fn(&mut Measured);
+        type Change = fn(&mut MeasuredBoard);
         let cases: [(&str, Change); 8] = [
             ("stack", |m| m.vitals_at_end.stack_unused = 1_000),
             ("stack", |m| m.vitals_at_end.stack_bytes = 0),

@@ -37,7 +37,7 @@ pub enum Unseen {
 
 /// What a self-test has measured.
 #[derive(Clone, Debug, Serialize)]
-pub struct Measured {
+pub struct MeasuredBoard {
     /// The identity of the board.
     pub hello: Hello,
     /// Its state before the test.
@@ -76,7 +76,7 @@ pub struct Measured {
     pub unreadable: u32,
 }
 
-impl Measured {
+impl MeasuredBoard {
     /// The chip's supply (V), by its reference voltage of 1.20 V; 1.16 to 1.24 V from chip to chip (data sheet DS5319).
     pub fn supply_volts(&self) -> Option<f64> {
         const REFERENCE_VOLTS: f64 = 1.20;

@@ -2,7 +2,7 @@
 
 use super::edges::change;
 use super::frame_period::{Stamp, frame_period};
-use super::measured::{Level, Measured, MeasuredPulse, Unseen};
+use super::measured::{Level, MeasuredBoard, MeasuredPulse, Unseen};
 use crate::instrument::rig::{ClientError, RigClient, TalkError};
 use servoid_protocol::loopback::{Loopback, LoopbackFrame, PROBES_BEFORE_EDGE};
 use servoid_protocol::message::{Command, Refusal};
@@ -13,14 +13,14 @@ use std::time::Duration;
 
 /// How much a self-test measures.
 #[derive(Clone, Copy, Debug)]
-pub struct Extent {
+pub struct SelfTestExtent {
     /// Time for which frames are counted before there are pulses, and the processor's load is measured.
     pub counting: Duration,
     /// Widths of the pulses (µs).
     pub pulses_us: &'static [u16],
 }
 
-impl Extent {
+impl SelfTestExtent {
     /// All of it: 6 s. The pulses are within what every servo takes, should one be there against all advice.
     pub const FULL: Self = Self {
         counting: Duration::from_secs(2),
@@ -66,10 +66,10 @@ pub enum SelfTestError {
 /// Where the board falls silent, or the user stops it.
 pub fn measure(
     client: &mut RigClient,
-    extent: Extent,
+    extent: SelfTestExtent,
     stop: &dyn Fn() -> bool,
     show: &mut dyn FnMut(&'static str),
-) -> Result<Measured, SelfTestError> {
+) -> Result<MeasuredBoard, SelfTestError> {
     let mut test = Test {
         client,
         extent,
@@ -90,7 +90,7 @@ pub fn measure(
 
 struct Test<'a> {
     client: &'a mut RigClient,
-    extent: Extent,
+    extent: SelfTestExtent,
     stop: &'a dyn Fn() -> bool,
     stamps: Vec<Stamp>,
     /// Frames with pulses, each once.
@@ -101,7 +101,10 @@ struct Test<'a> {
 }
 
 impl Test<'_> {
-    fn measure(&mut self, show: &mut dyn FnMut(&'static str)) -> Result<Measured, SelfTestError> {
+    fn measure(
+        &mut self,
+        show: &mut dyn FnMut(&'static str),
+    ) -> Result<MeasuredBoard, SelfTestError> {
         show("counting frames");
         let repeated_before = self.client.requests_repeated();
         let unreadable_before = self.client.rejects().total();
@@ -119,7 +122,7 @@ impl Test<'_> {
         let stated_s = f64::from(hello.frame_us) * 1e-6;
         let with_pulse = || self.frames.iter().filter(|frame| frame.pulse.is_some());
         let full_scale = f64::from(hello.full_scale_counts);
-        Ok(Measured {
+        Ok(MeasuredBoard {
             hello,
             status_before,
             status_after,

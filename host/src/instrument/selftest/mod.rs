@@ -20,6 +20,6 @@ mod measurement;
 mod report;
 
 pub use checks::{Check, Finding};
-pub use measured::Measured;
-pub use measurement::{Extent, SelfTestError, measure};
-pub use report::Report;
+pub use measured::MeasuredBoard;
+pub use measurement::{SelfTestError, SelfTestExtent, measure};
+pub use report::SelfTestReport;

@@ -1,13 +1,13 @@
 //! The file of a self-test, and its table.
 
 use super::checks::{Check, Finding};
-use super::measured::Measured;
+use super::measured::MeasuredBoard;
 use serde::Serialize;
 use std::fmt::Write;
 
 /// Everything that somebody needs who was not there.
 #[derive(Clone, Debug, Serialize)]
-pub struct Report {
+pub struct SelfTestReport {
     /// The layout of this file.
     pub selftest: u32,
     /// `passed` or `failed`.
@@ -28,15 +28,19 @@ pub struct Report {
     /// The table.
     pub checks: Vec<Check>,
     /// What the table was made of.
-    pub measured: Measured,
+    pub measured: MeasuredBoard,
 }
 
 /// The layout of the file.
 const LAYOUT: u32 = 1;
 
-impl Report {
+impl SelfTestReport {
     /// The report of what was measured at the port `address`.
-    pub fn new(measured: Measured, address: &str, image_inside_sha256: Option<String>) -> Self {
+    pub fn new(
+        measured: MeasuredBoard,
+        address: &str,
+        image_inside_sha256: Option<String>,
+    ) -> Self {
         let (checks, findings) = (measured.checks(), measured.findings());
         let passed = findings.is_empty() && checks.iter().all(|check| check.passed);
         let number = &measured.hello.unique_id;

@@ -7,7 +7,7 @@ use crate::data::units::Units;
 
 /// What the picture shows.
 #[derive(Clone, Debug)]
-pub enum Answer<'a> {
+pub enum DrawnAnswer<'a> {
     /// Step responses of linear models.
     Linear(Vec<Named<'a>>),
     /// Strokes of servo models.
@@ -19,10 +19,12 @@ const NAME: &str = "answer";
 
 /// The picture.
 #[must_use]
-pub fn answer(of: &Answer<'_>, units: Units<'_>) -> Figure {
+pub fn answer(of: &DrawnAnswer<'_>, units: Units<'_>) -> Figure {
     let (title, panel) = match of {
-        Answer::Linear(models) => ("Step response", step_panel(models, units)),
-        Answer::AsMachines(servos) => ("Strokes of the servo model", stroke_panel(servos, units)),
+        DrawnAnswer::Linear(models) => ("Step response", step_panel(models, units)),
+        DrawnAnswer::AsMachines(servos) => {
+            ("Strokes of the servo model", stroke_panel(servos, units))
+        }
     };
     Figure::new(NAME, title, vec![panel])
 }

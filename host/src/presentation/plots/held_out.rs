@@ -2,33 +2,15 @@
 
 use super::figure::{Figure, Ink, with_unit};
 use super::signals::{over_time, signal};
+use crate::data::HeldOutPrediction;
 
-/// A stretch of a record, and what two models predict of it that were identified without it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct HeldOutPrediction {
-    /// What part of the record it is, in words.
-    pub stretch: &'static str,
-    /// Sample period \[s\].
-    pub period_s: f64,
-    /// Fit of the linear model and of the servo model, on the samples that both predict \[%\].
-    pub fits_percent: [f64; 2],
-    /// The measured output, sample by sample.
-    pub measured: Vec<f64>,
-    /// The output of the linear model; NaN where its history is not complete.
-    pub by_linear: Vec<f64>,
-    /// The output of the servo model.
-    pub by_servo: Vec<f64>,
-}
-
-impl HeldOutPrediction {
-    /// A sentence below its figure.
-    #[must_use]
-    pub fn caption(&self) -> String {
-        format!(
-            "This is {} of the recording. Both models in this figure were identified without it, and simulate it from the reference and the first sample of its run; below, the residuals.",
-            self.stretch
-        )
-    }
+/// The sentence below the figure.
+#[must_use]
+pub fn held_out_caption(found: &HeldOutPrediction) -> String {
+    format!(
+        "This is {} of the recording. Both models in this figure were identified without it, and simulate it from the reference and the first sample of its run; below, the residuals.",
+        found.stretch
+    )
 }
 
 /// Measurement and predictions, and the residuals below; `unit` is that of the output.

@@ -19,12 +19,12 @@ mod structure;
 mod svg;
 mod ticks;
 
-pub use answer::{Answer, answer};
+pub use answer::{DrawnAnswer, answer};
 pub use difference::difference;
 pub use figure::{Band, Curve, Figure, Ink, Legend, Mark, Marks, Named, Panel};
-pub use held_out::{HeldOutPrediction, held_out};
+pub use held_out::{held_out, held_out_caption};
 pub use outliers::left_out;
-pub use paper_figures::{Kind, PaperFigure, Subject, identification, paper};
+pub use paper_figures::{PaperFigure, PaperFigureKind, Subject, identification, paper};
 pub use residuals::residuals;
 pub use response::{bode, step_response};
 pub use run_scatter::run_scatter;

@@ -74,7 +74,7 @@ impl<'a> Subject<'a> {
 
 /// What a figure of the paper shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum PaperFigureKind {
     /// Command and position.
     Measurement,
     /// The step response.
@@ -93,7 +93,7 @@ pub struct PaperFigure {
     /// The drawing.
     pub figure: Figure,
     /// What it shows.
-    pub kind: Kind,
+    pub kind: PaperFigureKind,
     /// Whether it is one of the second servo.
     pub of_second: bool,
 }
@@ -129,7 +129,7 @@ pub fn paper(
             );
             let figure = PaperFigure {
                 figure: validation(&name, &title, &[first.named()], run, second.units.output),
-                kind: Kind::FirstOnSecond,
+                kind: PaperFigureKind::FirstOnSecond,
                 of_second: true,
             };
             let behind_measurement = usize::from(second.record.is_some());
@@ -179,7 +179,7 @@ impl Series<'_> {
             labels(number, &name, title)
         };
         let mut figures = Vec::new();
-        let mut add = |kind: Kind, figure: Figure| {
+        let mut add = |kind: PaperFigureKind, figure: Figure| {
             let of_second = self.of_second;
             figures.push(PaperFigure {
                 figure,
@@ -191,20 +191,23 @@ impl Series<'_> {
             let title = format!("reference and measurement, {own}");
             let (name, title) = label(0, "measurement", &title);
             add(
-                Kind::Measurement,
+                PaperFigureKind::Measurement,
                 input_output(&name, &title, record, units),
             );
         }
         let (name, title) = label(1, "step-response", &format!("step response, {names}"));
-        add(Kind::Step, step_response(&name, &title, models, units));
+        add(
+            PaperFigureKind::Step,
+            step_response(&name, &title, models, units),
+        );
         let title = format!("frequency response, {names}");
         let (name, title) = label(2, "frequency-response", &title);
-        add(Kind::Frequency, bode(&name, &title, models));
+        add(PaperFigureKind::Frequency, bode(&name, &title, models));
         if let Some(run) = self.subject.first_run() {
             let title = format!("model against measurement, {names} on {own} data");
             let (name, title) = label(3, "validation", &title);
             let figure = validation(&name, &title, models, run, units.output);
-            add(Kind::Validation, figure);
+            add(PaperFigureKind::Validation, figure);
         }
         figures
     }

@@ -3,7 +3,7 @@
 use super::content::{Page, Part};
 use super::text::escape;
 use crate::data::units::Units;
-use crate::presentation::plots::{self, Answer, Figure, Named, NamedServo};
+use crate::presentation::plots::{self, DrawnAnswer, Figure, Named, NamedServo};
 use crate::presentation::summary::{self, KEY_FIGURES, KeyFigure};
 use servoid_identification::comparison::Comparison;
 use servoid_identification::results::Bounds;
@@ -140,7 +140,7 @@ fn key_figures(page: &Page<'_>) -> Vec<KeyFigure> {
 /// The picture.
 pub(super) fn picture(page: &Page<'_>) -> Figure {
     let shown = match Basis::of(page) {
-        Basis::Machine(model) => Answer::AsMachines(vec![NamedServo {
+        Basis::Machine(model) => DrawnAnswer::AsMachines(vec![NamedServo {
             name: "",
             model,
             middle: middle_of_commands(&page.first),
@@ -151,14 +151,14 @@ pub(super) fn picture(page: &Page<'_>) -> Figure {
                 model,
                 middle: middle_of_commands(part),
             });
-            Answer::AsMachines(servos.collect())
+            DrawnAnswer::AsMachines(servos.collect())
         }
         Basis::Linear => {
             let models = page.parts().map(|part| Named {
                 name: part.subject.name,
                 model: part.subject.model,
             });
-            Answer::Linear(models.collect())
+            DrawnAnswer::Linear(models.collect())
         }
     };
     plots::answer(&shown, units(page))

@@ -1,9 +1,10 @@
 //! The content of a page: one servo, or two and their comparison.
 
+use crate::data::HeldOutPrediction;
 use crate::data::model_file::ServoModelDocument;
 use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::paper_values::Fact;
-use crate::presentation::plots::{HeldOutPrediction, Subject};
+use crate::presentation::plots::Subject;
 use servoid_identification::comparison::{Comparison, ServoModelComparison};
 use servoid_identification::diagnostics::Explanation;
 use servoid_identification::results::Model;

@@ -2,7 +2,7 @@
 
 use super::content::{Page, Part};
 use super::text::escape;
-use crate::presentation::plots::{self, Figure, Kind, MOST_RUNS, PaperFigure};
+use crate::presentation::plots::{self, Figure, MOST_RUNS, PaperFigure, PaperFigureKind};
 use crate::presentation::summary;
 
 /// A figure, and a sentence or two below it.
@@ -39,7 +39,10 @@ pub(super) fn all(page: &Page<'_>) -> Vec<Shown> {
             let name = format!("held-out-{place}");
             let title = format!("Servo model and linear model, {}", part.subject.name);
             let unit = part.subject.units.output;
-            Shown::new(plots::held_out(&name, &title, found, unit), found.caption())
+            Shown::new(
+                plots::held_out(&name, &title, found, unit),
+                plots::held_out_caption(found),
+            )
         }));
     }
     let second = page.second.as_ref().map(|part| &part.subject);
@@ -123,26 +126,26 @@ fn of_bounds(found: &PaperFigure, page: &Page<'_>, whole: &str) -> String {
 
 fn caption(found: &PaperFigure, page: &Page<'_>) -> String {
     match found.kind {
-        Kind::Measurement => of_measurement(found, page),
-        Kind::Step => {
+        PaperFigureKind::Measurement => of_measurement(found, page),
+        PaperFigureKind::Step => {
             let bounds = "The area holds the whole curve, the dashed lines each point by itself.";
             format!(
                 "The response to a step of 1 at time 0. {}",
                 of_bounds(found, page, bounds)
             )
         }
-        Kind::Frequency => {
+        PaperFigureKind::Frequency => {
             let bounds = "The areas are bounds for each frequency by itself.";
             format!(
                 "Bode plot of the servo's own response, freed of the hold of the samples (1 Hz is 6.283 rad/s). {}",
                 of_bounds(found, page, bounds)
             )
         }
-        Kind::FirstOnSecond => {
+        PaperFigureKind::FirstOnSecond => {
             "The first servo's model, driven by the second's command: the error of flying by the bench model."
                 .to_owned()
         }
-        Kind::Validation => {
+        PaperFigureKind::Validation => {
             "Simulated from the reference alone, on the first run; below, the residuals.".to_owned()
         }
     }

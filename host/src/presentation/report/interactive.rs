@@ -3,6 +3,7 @@
 //! Colours are names here ("ink-model", "area-model"): the page gives them a value for light, dark
 //! and paper.
 
+use crate::data::rounding::six_digits;
 use crate::presentation::plots::{Band, Curve, Figure, Ink, Mark, Marks, Panel};
 use serde_json::{Value, json};
 
@@ -249,11 +250,9 @@ fn place(trace: &mut Value, x: Vec<f64>, logarithmic: bool) {
     trace["x"] = x.into_iter().map(rounded).collect();
 }
 
-/// Six digits, more than any screen shows; JSON has no NaN, and null breaks a line where a sample is
-/// missing.
+/// More digits than any screen shows; JSON has no NaN, and null breaks a line where a sample is missing.
 fn rounded(value: f64) -> Value {
-    let rounded = format!("{value:.5e}").parse::<f64>();
-    rounded.map_or(Value::Null, |value| json!(value))
+    json!(six_digits(value))
 }
 
 fn colour(ink: Ink) -> String {

@@ -1,10 +1,11 @@
 //! One servo under one condition, with all that a page shows of it.
 
 use super::content::{Facts, Part};
+use crate::data::HeldOutPrediction;
 use crate::data::dataset::Dataset;
 use crate::data::model_file::ServoModelDocument;
 use crate::data::model_metadata::ModelMetadata;
-use crate::presentation::plots::{HeldOutPrediction, Subject};
+use crate::presentation::plots::Subject;
 use servoid_identification::diagnostics::Explanation;
 use servoid_identification::results::Model;
 use servoid_identification::{Identification, Options, Record, Run, Settling, identify};

@@ -184,38 +184,23 @@ fn table(facts: &[(String, String)]) -> String {
     format!("<div class=\"wide\"><table>\n{rows}</table></div>\n")
 }
 
-/// What was found by one check: the side, and the finding.
-type Findings<'a> = Vec<(&'a str, &'a Advice)>;
-
 /// The advice of both models and of the comparison, each check once.
 pub(super) fn advice(page: &Page<'_>) -> String {
-    let mut checks: Vec<Findings<'_>> = Vec::new();
     let of_parts = page.parts().flat_map(|part| {
         let advice = part.subject.model.advice.iter();
         advice.map(|item| (part.subject.name, item))
     });
-    for (name, item) in of_parts {
-        let known = |found: &&mut Findings<'_>| found.iter().any(|(_, a)| a.check == item.check);
-        match checks.iter_mut().find(known) {
-            Some(found) => found.push((name, item)),
-            None => checks.push(vec![(name, item)]),
-        }
-    }
+    let checks = Advice::by_check(of_parts);
     // The comparison repeats what it finds of a side, whose model has said it.
     let said = |item: &Advice| {
-        checks
-            .iter()
-            .flatten()
-            .any(|(_, own)| own.check == item.check)
+        let mut all = checks.iter().flatten();
+        all.any(|(_, own)| own.is_of_same_check(item))
     };
     let of_comparison = page.comparison.into_iter().flat_map(|found| &found.advice);
-    let further: Vec<Findings<'_>> = of_comparison
-        .filter(|item| !said(item))
-        .map(|item| vec![("", item)])
-        .collect();
-    let items: String = checks
-        .iter()
-        .chain(&further)
+    let further = of_comparison.filter(|item| !said(item));
+    let further: Vec<[(&str, &Advice); 1]> = further.map(|item| [("", item)]).collect();
+    let items: String = (checks.iter().map(Vec::as_slice))
+        .chain(further.iter().map(<[_; 1]>::as_slice))
         .map(|found| of_check(found, page.second.is_some()))
         .collect();
     match items.is_empty() {
@@ -225,7 +210,7 @@ pub(super) fn advice(page: &Page<'_>) -> String {
 }
 
 /// The findings of one check, of each side by its name where there are two, and each remedy once.
-fn of_check(found: &Findings<'_>, two_sides: bool) -> String {
+fn of_check(found: &[(&str, &Advice)], two_sides: bool) -> String {
     let mut remedies: Vec<&str> = found.iter().map(|(_, item)| item.remedy.as_str()).collect();
     remedies.dedup();
     let finding = |(name, item): &(&str, &Advice)| match two_sides && !name.is_empty() {

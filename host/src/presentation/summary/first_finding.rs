@@ -1,17 +1,20 @@
 //! The finding that comes before any sentence about a servo.
 
-use servoid_identification::results::{Advice, Check, Model};
+use servoid_identification::results::{Advice, Model, Precedence};
 
 /// The finding on a model that leaves nothing to be said before it: times that cannot be, columns that are exchanged, a loop, or no
 /// model that predicts the recording.
 pub(crate) fn first_finding(model: &Model) -> Option<&Advice> {
-    model.advice.iter().find(|item| item.check.comes_first())
+    model
+        .advice
+        .iter()
+        .find(|item| item.precedence() == Precedence::InPlaceOfTheAnswer)
 }
 
-/// Whether a finding is said before the sentence on a servo, which stands all the same.
-pub(super) fn is_said_before(item: &Advice) -> bool {
-    matches!(
-        item.check,
-        Check::Duration | Check::Travel | Check::UnlikeRuns
-    )
+/// The first finding that is said before the sentence on a servo, which stands all the same.
+pub(super) fn said_before(model: &Model) -> Option<&Advice> {
+    model
+        .advice
+        .iter()
+        .find(|item| item.precedence() == Precedence::BeforeTheAnswer)
 }

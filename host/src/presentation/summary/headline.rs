@@ -1,7 +1,7 @@
 //! The answer in a sentence or two, for the head of a page.
 
 use super::comparison::subject_in_words;
-use super::first_finding::{first_finding, is_said_before};
+use super::first_finding::{first_finding, said_before};
 use super::metrics::settling_time;
 use super::model_sentence::{certainty, hides_step};
 use super::numbers::percent;
@@ -9,7 +9,7 @@ use super::strokes::which_step;
 use crate::data::model_metadata::ModelMetadata;
 use crate::data::units::Units;
 use servoid_identification::comparison::{Comparison, ComparisonBounds, Direction, Verdict};
-use servoid_identification::results::{Advice, Bounds, Check, Interval, Model};
+use servoid_identification::results::{Bounds, Interval, Model};
 
 /// How fast a servo is, and how sure that is.
 pub(crate) fn headline_of_model(model: &Model, of: &ModelMetadata) -> String {
@@ -32,16 +32,17 @@ pub(crate) fn headline_of_model(model: &Model, of: &ModelMetadata) -> String {
             parts.join(" and ")
         ),
     };
-    let before = model.advice.iter().find(|item| is_said_before(item));
-    let before = before.map_or_else(String::new, |item| format!("{} ", item.finding));
+    let before = said_before(model).map_or_else(String::new, |item| format!("{} ", item.finding));
     before + &motion + &certainty(model)
 }
 
 /// Whether two differ, and by how much; `a` and `b` are their names, `units` those of both.
 pub(crate) fn headline_of_comparison(a: &str, b: &str, found: &Comparison, units: Units) -> String {
-    let same = |item: &&Advice| item.check == Check::SameData;
-    if let Some(item) = found.advice.iter().find(same) {
-        return format!("{} {}", item.finding, item.remedy);
+    if found.same_data {
+        return format!(
+            "No verdict on {a} and {b}: they have samples in common, so their comparison shows nothing about the servo. Record the second \
+             condition by itself, and name that file."
+        );
     }
     let Bounds::Valid(bounds) = &found.bounds else {
         let reason = found.bounds.withdrawn().map(|reason| reason.because());

@@ -10,7 +10,7 @@ use super::servo_model::{
 use crate::data::units::Units;
 use servoid_identification::comparison::{Comparison, QuantityPair, ServoModelComparison};
 use servoid_identification::results::{Interval, Metrics, Model};
-use servoid_identification::servo_model::{Quantity, ServoModel};
+use servoid_identification::servo_model::{Quantity, QuantityKind, ServoModel};
 
 /// A number for people.
 pub(crate) struct KeyFigure {
@@ -44,17 +44,17 @@ const OF_A_DIFFERENCE: [&str; KEY_FIGURES - 2] = [
 ];
 
 /// Of a servo as a machine: those that it has, in this order.
-const OF_A_MACHINE: [&str; 10] = [
-    "top speed upwards",
-    "top speed downwards",
-    "delay",
-    "bandwidth at small signals",
-    "damping ratio",
-    "resting error by friction",
-    "dead band, to each side",
-    "gain",
-    "error of full drive",
-    "offset",
+const OF_A_MACHINE: [QuantityKind; 10] = [
+    QuantityKind::TopSpeedUpwards,
+    QuantityKind::TopSpeedDownwards,
+    QuantityKind::Delay,
+    QuantityKind::Bandwidth,
+    QuantityKind::DampingRatio,
+    QuantityKind::RestingError,
+    QuantityKind::DeadBand,
+    QuantityKind::Gain,
+    QuantityKind::ErrorOfFullDrive,
+    QuantityKind::Offset,
 ];
 
 /// Of a linear model.
@@ -95,19 +95,20 @@ fn with_unit(value: String, unit: &str) -> String {
 /// Of a servo as a machine.
 pub(crate) fn of_machine(model: &ServoModel, units: Units<'_>) -> Vec<KeyFigure> {
     let rows = quantity_rows(&model.quantities, units);
-    let named = |name: &&str| rows.iter().find(|(found, _)| found.name == **name);
+    let of_kind = |kind: &QuantityKind| rows.iter().find(|(found, _)| found.kind() == Some(*kind));
     let same_both_ways = top_speeds(model).is_some_and(|[up, down]| up == down);
     let known = OF_A_MACHINE
         .iter()
-        .filter(|name| !(same_both_ways && **name == "top speed downwards"))
-        .filter_map(named);
+        .filter(|kind| !(same_both_ways && **kind == QuantityKind::TopSpeedDownwards))
+        .filter_map(of_kind);
     // What the recording determines comes first.
     let (determined, open): (Vec<_>, Vec<_>) = known.partition(|(found, _)| found.determined);
     let figure = |(quantity, row): &&(&Quantity, QuantityRow)| {
         let turn = per_60_degrees(quantity, units);
         let below = match (row.interval.is_empty(), turn) {
             (_, _) if !quantity.determined => {
-                let shown_by = shown_by(&quantity.name).map(|words| format!(": {words}"));
+                let shown_by = quantity.kind().and_then(shown_by);
+                let shown_by = shown_by.map(|words| format!(": {words}"));
                 format!("not determined{}", shown_by.unwrap_or_default())
             }
             (true, None) => "no interval".to_owned(),
@@ -143,11 +144,15 @@ fn fit_figure(value: String) -> KeyFigure {
 }
 
 fn top_speeds(model: &ServoModel) -> Option<[f64; 2]> {
-    let of = |name: &str| {
-        let found = model.quantities.iter().find(|found| found.name == name);
-        found.map(|found| found.value)
+    let of = |kind: QuantityKind| {
+        let mut all = model.quantities.iter();
+        all.find(|found| found.kind() == Some(kind))
+            .map(|found| found.value)
     };
-    Some([of("top speed upwards")?, of("top speed downwards")?])
+    Some([
+        of(QuantityKind::TopSpeedUpwards)?,
+        of(QuantityKind::TopSpeedDownwards)?,
+    ])
 }
 
 /// Of a comparison, which has bounds.
@@ -262,11 +267,9 @@ pub(crate) fn of_both_machines(
     models: [&ServoModel; 2],
     units: Units<'_>,
 ) -> Vec<KeyFigure> {
-    let named = |name: &&str| {
-        let index = found
-            .quantities
-            .iter()
-            .position(|pair| pair.name == **name)?;
+    let of_kind = |kind: &QuantityKind| {
+        let mut all = found.quantities.iter();
+        let index = all.position(|pair| pair.kind() == Some(*kind))?;
         Some((index, found.quantities.get(index)?))
     };
     let figure = |(index, pair): (usize, &QuantityPair)| {
@@ -300,7 +303,7 @@ pub(crate) fn of_both_machines(
     // What both recordings determine comes first.
     let (both, one): (Vec<_>, Vec<_>) = OF_A_MACHINE
         .iter()
-        .filter_map(named)
+        .filter_map(of_kind)
         .partition(|(_, pair)| pair.a.is_some() && pair.b.is_some());
     let [a, b] = models.map(|model| format!("{:.1}", model.fit.held_out_percent));
     let fits = fit_figure(format!("{a} → {b} %"));

@@ -1,26 +1,25 @@
 //! The layout of text for a terminal: lines that it shows whole, and findings below them.
 
-use servoid_identification::results::{Advice, Check};
+use servoid_identification::results::{Advice, Setting};
 
 /// Letters of a line.
 const LINE: usize = 110;
 
 /// The option of the program that a remedy asks for; the library, which Python shares, knows none.
-fn option(check: &Check) -> Option<&'static str> {
-    Some(match check {
-        Check::Linearity => "--limits",
-        Check::AtRest => "--at-rest INPUT",
-        Check::Outliers => "--explain",
-        Check::Drift => "--detrend none",
-        Check::OutputLeads => "--input and --output, the other way round",
-        _ => return None,
-    })
+fn option(setting: Setting) -> &'static str {
+    match setting {
+        Setting::Limits => "--limits",
+        Setting::InputAtRest => "--at-rest INPUT",
+        Setting::Explanation => "--explain",
+        Setting::KeptTrend => "--detrend none",
+        Setting::ExchangedColumns => "--input and --output, the other way round",
+    }
 }
 
 /// Each finding and its remedy, marked and indented.
 pub(super) fn findings(advice: &[Advice]) -> String {
     let finding = |item: &Advice| {
-        let option = option(&item.check).map(|option| format!(" Option: {option}."));
+        let option = (item.setting()).map(|setting| format!(" Option: {}.", option(setting)));
         let remedy = item.remedy.clone() + &option.unwrap_or_default();
         let [finding, remedy] = [&item.finding, &remedy].map(|text| wrapped(text, 4));
         format!("\n  ! {finding}\n    {remedy}\n")

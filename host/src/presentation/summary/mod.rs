@@ -42,10 +42,9 @@ pub(crate) use servo_model::{
 };
 
 use crate::data::model_metadata::ModelMetadata;
-use first_finding::is_said_before;
+use crate::data::rounding::six_digits;
 use layout::findings;
-use numbers::rounded;
-use servoid_identification::results::{Advice, Bounds, Model, SelectedBy, Validation};
+use servoid_identification::results::{Advice, Bounds, Model, Precedence, SelectedBy, Validation};
 
 /// The level of a model's bounds, as text.
 pub(crate) fn level_text(model: &Model) -> String {
@@ -73,7 +72,7 @@ pub fn of_model(source: &str, model: &Model, of: &ModelMetadata, extent: Extent<
         .advice
         .iter()
         .cloned()
-        .partition(|item| item.check.comes_first() || is_said_before(item));
+        .partition(|item| item.precedence() != Precedence::BelowTheResults);
     let first = match findings(&first) {
         none if none.is_empty() => none,
         some => some + "\n",
@@ -112,7 +111,7 @@ pub(crate) fn facts(model: &Model, unit: Option<&str>) -> [(&'static str, String
         "{} used, {} missing, every {} ms",
         fit.samples_used,
         fit.samples_missing,
-        rounded(period_ms)
+        six_digits(period_ms)
     );
     let chosen = match structure.selected_by {
         SelectedBy::Auto => "chosen from the data",

@@ -1,5 +1,6 @@
 //! Numbers with the digits that mean something, and no others.
 
+use crate::data::rounding::six_digits;
 use servoid_identification::results::{Bounds, Interval};
 
 /// "p = 0.021"; a test that could not be made has none.
@@ -23,7 +24,7 @@ pub(crate) fn decimals(number: f64, significant: i32) -> usize {
 
 /// A level in percent: 57 rather than 56.99999999999999.
 pub(crate) fn percent(level: f64) -> f64 {
-    rounded(100.0 * level)
+    six_digits(100.0 * level)
 }
 
 /// The level of bounds as the head of their column.
@@ -47,11 +48,6 @@ pub(super) fn with_bounds(
         Some((low, high)) => format!("{value}{unit} ({} .. {})", number(low), number(high)),
         None => format!("{value}{unit} (no bounds)"),
     }
-}
-
-/// 2 rather than 2.0000000000000004.
-pub(super) fn rounded(number: f64) -> f64 {
-    (number * 1e6).round() / 1e6
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use super::layout::wrapped;
 use super::metrics::TableRow;
 use super::numbers::percent;
-use super::servo_model::{four_digits, scale_and_unit, with_load};
+use super::servo_model::{four_digits, scale_and_unit, under_load};
 use crate::data::units::Units;
 use servoid_identification::comparison::{QuantityPair, ServoModelComparison};
 use servoid_identification::results::{Bounds, Interval};
@@ -111,7 +111,7 @@ pub(crate) fn how_servo_models_are_compared(found: &ServoModelComparison) -> &'s
 /// Each quantity: value and interval of both, and of the difference where both have intervals.
 pub(crate) fn servo_model_rows(found: &ServoModelComparison, units: Units<'_>) -> Vec<TableRow> {
     let bounds = found.bounds.valid();
-    let names = || found.quantities.iter().map(|pair| pair.name.as_str());
+    let kinds = || found.quantities.iter().filter_map(QuantityPair::kind);
     let row = |(index, pair): (usize, &QuantityPair)| {
         let (scale, unit) = scale_and_unit(pair.unit, units);
         let shown = |value: Option<f64>| value.map_or("-".to_owned(), |v| four_digits(scale * v));
@@ -141,7 +141,7 @@ pub(crate) fn servo_model_rows(found: &ServoModelComparison, units: Units<'_>) -
             cells.push((less, ends(apart, apart.and_then(|found| found.value))));
         }
         TableRow {
-            label: with_load(&pair.name, names()),
+            label: format!("{}{}", pair.name, under_load(pair.kind(), kinds())),
             cells,
         }
     };

@@ -5,8 +5,8 @@ use super::numbers::head_of_bounds;
 use crate::data::units::Units;
 use servoid_identification::results::{Bounds, Interval};
 use servoid_identification::servo_model::{
-    LadderRung, LinearKind, LinearModelFit, LinearModels, LoadKind, Quantity, ServoFit, ServoModel,
-    Spread, Terms, Unit,
+    LadderRung, LinearKind, LinearModelFit, LinearModels, LoadKind, Quantity, QuantityKind,
+    ServoFit, ServoModel, Spread, Terms, Unit,
 };
 
 /// Parameters with their intervals; with `explain`, the terms that were tried.
@@ -113,29 +113,28 @@ const NOT_DETERMINED: &str = "not determined by this recording";
 /// An interval whose ends are so far apart says nothing.
 const WORTH_PRINTING: f64 = 1000.0;
 
-/// The beginnings of the names of what a limit of the drive brings about.
-pub(super) const OF_LIMIT: &[&str] = &["top speed", "acceleration", "error of full drive"];
-
-/// Quantities that a recording may leave open, by the beginnings of their names, and what would show them: in a few words, and as advice.
-const WHAT_SHOWS: [(&[&str], &str, &str); 3] = [
+/// Quantities that a recording may leave open, and what would show them: in a few words, and as advice.
+const WHAT_SHOWS: [(&[QuantityKind], &str, &str); 3] = [
     (
-        OF_LIMIT,
+        QuantityKind::OF_LIMIT,
         "large strokes show it",
         "Top speed and acceleration show in large strokes: record steps over most of the travel, each held until the servo rests.",
     ),
     (
-        &["bandwidth", "damping"],
+        QuantityKind::OF_SMALL_SIGNALS,
         "small quick strokes show it",
         "Bandwidth and damping show in small quick strokes: record steps or random levels of a few degrees, sampled every 5 ms or faster.",
     ),
     (
         &[
-            "dead band",
-            "resting error",
-            "friction",
-            "load",
-            "gain",
-            "offset",
+            QuantityKind::DeadBand,
+            QuantityKind::RestingError,
+            QuantityKind::FrictionAtRest,
+            QuantityKind::FrictionOfGears,
+            QuantityKind::LoadAtMiddle,
+            QuantityKind::LoadOfLevelArm,
+            QuantityKind::Gain,
+            QuantityKind::Offset,
         ],
         "rests at many levels show it",
         "Friction, dead band, load and gain show at rest: record stairs of at least four levels, each reached from both sides and held until the servo rests.",
@@ -144,35 +143,43 @@ const WHAT_SHOWS: [(&[&str], &str, &str); 3] = [
 
 /// What to record for the quantities that this recording leaves open.
 fn what_to_record(quantities: &[Quantity]) -> Vec<&'static str> {
-    let open = |names: &&[&str]| {
-        let mut left_open = quantities.iter().filter(|found| !found.determined);
-        left_open.any(|found| names.iter().any(|name| found.name.starts_with(name)))
+    let open = |kinds: &&[QuantityKind]| {
+        let left_open = quantities.iter().filter(|found| !found.determined);
+        let mut left_open = left_open.filter_map(Quantity::kind);
+        left_open.any(|kind| kinds.contains(&kind))
     };
     WHAT_SHOWS
         .iter()
-        .filter(|(names, ..)| open(names))
+        .filter(|(kinds, ..)| open(kinds))
         .map(|(.., advice)| *advice)
         .collect()
 }
 
-/// What would show the quantity of this name, in a few words.
-pub(super) fn shown_by(name: &str) -> Option<&'static str> {
-    let of = |(names, ..): &&(&[&str], &'static str, &str)| {
-        names.iter().any(|begin| name.starts_with(begin))
-    };
-    WHAT_SHOWS.iter().find(of).map(|(_, words, _)| *words)
+/// What would show a quantity of this kind, in a few words.
+pub(super) fn shown_by(kind: QuantityKind) -> Option<&'static str> {
+    let mut all = WHAT_SHOWS.iter();
+    let found = all.find(|(kinds, ..)| kinds.contains(&kind));
+    found.map(|(_, words, _)| *words)
 }
 
-/// The name of a quantity with the load that its number is for, where there is a load among `names`: speeds are those under the load in
+/// The load that the number of a quantity is for, behind its name, where there is a load among `all`: speeds are those under the load in
 /// the middle of the commands, and accelerations those of the drive alone.
-pub(super) fn with_load<'q>(name: &str, names: impl IntoIterator<Item = &'q str>) -> String {
-    let load = match name {
-        _ if name.starts_with("top speed") => ", under load",
-        _ if name.starts_with("acceleration") => ", no load",
-        _ => "",
+pub(super) fn under_load(
+    kind: Option<QuantityKind>,
+    mut all: impl Iterator<Item = QuantityKind>,
+) -> &'static str {
+    let of_kind = match kind {
+        Some(QuantityKind::TopSpeedUpwards | QuantityKind::TopSpeedDownwards) => ", under load",
+        Some(QuantityKind::AccelerationUpwards | QuantityKind::AccelerationDownwards) => {
+            ", no load"
+        }
+        _ => return "",
     };
-    let is_loaded = names.into_iter().any(|name| name.starts_with("load"));
-    format!("{name}{}", if is_loaded { load } else { "" })
+    if all.any(|kind| QuantityKind::OF_LOAD.contains(&kind)) {
+        of_kind
+    } else {
+        ""
+    }
 }
 
 /// A quantity as a row of a table.
@@ -203,9 +210,9 @@ pub(crate) fn quantity_rows<'q>(
     all: &'q [Quantity],
     units: Units<'_>,
 ) -> Vec<(&'q Quantity, QuantityRow)> {
-    let names = || all.iter().map(|quantity| quantity.name.as_str());
     let row = |quantity: &'q Quantity| {
-        let name = with_load(&quantity.name, names());
+        let load = under_load(quantity.kind(), all.iter().filter_map(Quantity::kind));
+        let name = format!("{}{load}", quantity.name);
         let row = quantity_row(quantity, units);
         (quantity, QuantityRow { name, ..row })
     };

@@ -1,10 +1,12 @@
 //! The servo as a machine, in a sentence or two.
 
 use super::layout::listed_words;
-use super::servo_model::{OF_LIMIT, digits, four_digits, seconds_per_60_degrees, turn_time_s};
+use super::servo_model::{digits, four_digits, seconds_per_60_degrees, turn_time_s};
 use crate::data::units::Units;
 use servoid_identification::results::{Bounds, Reason};
-use servoid_identification::servo_model::{LinearKind, LoadKind, Quantity, ServoModel, Spread};
+use servoid_identification::servo_model::{
+    LinearKind, LoadKind, Quantity, QuantityKind, ServoModel, Spread,
+};
 use servoid_identification::thresholds::POOR_PREDICTION_PERCENT;
 
 /// What kind of servo this is, in a sentence or two; and that the linear model is the one to use, where it predicts better.
@@ -105,15 +107,19 @@ fn agreed<'q>(model: &ServoModel, speeds: [&'q Quantity; 2]) -> Option<[&'q Quan
     all.into_iter().all(of).then_some(speeds)
 }
 
-/// The quantity of this name, where the record determines it.
-fn determined<'a>(model: &'a ServoModel, name: &str) -> Option<&'a Quantity> {
-    let mut named = model.quantities.iter().filter(|found| found.name == name);
-    named.next().filter(|found| found.determined)
+/// The quantity of this kind, where the record determines it.
+fn determined(model: &ServoModel, kind: QuantityKind) -> Option<&Quantity> {
+    let mut all = model.quantities.iter();
+    all.find(|found| found.kind() == Some(kind))
+        .filter(|found| found.determined)
 }
 
 fn top_speeds(model: &ServoModel) -> Option<[&Quantity; 2]> {
-    let [up, down] =
-        ["top speed upwards", "top speed downwards"].map(|name| determined(model, name));
+    let [up, down] = [
+        QuantityKind::TopSpeedUpwards,
+        QuantityKind::TopSpeedDownwards,
+    ]
+    .map(|kind| determined(model, kind));
     Some([up?, down?])
 }
 
@@ -165,9 +171,9 @@ fn linear_is_as_good(model: &ServoModel) -> bool {
 
 /// Whether the record determines anything that a limit of the drive brings about.
 fn shows_limit(model: &ServoModel) -> bool {
-    let is_of_limit = |found: &&Quantity| OF_LIMIT.iter().any(|name| found.name.starts_with(name));
-    let mut of_limit = model.quantities.iter().filter(is_of_limit);
-    of_limit.any(|found| found.determined)
+    let determined = model.quantities.iter().filter(|found| found.determined);
+    let mut kinds = determined.filter_map(Quantity::kind);
+    kinds.any(|kind| QuantityKind::OF_LIMIT.contains(&kind))
 }
 
 /// " (0.181 s/60°)", or what that is if the output is in degrees.
@@ -187,7 +193,7 @@ fn with_space(unit: Option<&str>) -> String {
 }
 
 fn resting_error(model: &ServoModel, units: Units<'_>) -> Option<String> {
-    let error = determined(model, "resting error by friction")?;
+    let error = determined(model, QuantityKind::RestingError)?;
     (error.value > 0.0).then(|| {
         let command = with_space(units.input);
         format!(
@@ -199,24 +205,24 @@ fn resting_error(model: &ServoModel, units: Units<'_>) -> Option<String> {
 
 /// The load, where the record shows that there is one: unequal drives may make the same motion.
 fn load(model: &ServoModel) -> Option<&'static str> {
-    let (name, words) = match model.terms.load {
+    let (kind, words) = match model.terms.load {
         LoadKind::None => return None,
         LoadKind::Constant => (
-            "load at the middle",
+            QuantityKind::LoadAtMiddle,
             "works as if against a constant load (a drive that is weaker to one side looks the same)",
         ),
         LoadKind::Pendulum | LoadKind::TiltedPendulum => {
-            ("load of a level arm", "carries a weight")
+            (QuantityKind::LoadOfLevelArm, "carries a weight")
         }
         LoadKind::Air => (
-            "load at the middle",
+            QuantityKind::LoadAtMiddle,
             "works against a load that stiffens to one side",
         ),
     };
     let is_shown = |load: &&Quantity| {
         is_one_sided(load) && load.value.abs() * model.radians_per_command < LARGEST_LOAD
     };
-    determined(model, name).filter(is_shown).map(|_| words)
+    determined(model, kind).filter(is_shown).map(|_| words)
 }
 
 /// A load that holds a servo further off its command is none \[rad\]: in small strokes a weight is much like a softer drive behind a larger gain.
@@ -230,7 +236,7 @@ fn is_one_sided(quantity: &Quantity) -> bool {
 }
 
 fn delay(model: &ServoModel) -> Option<String> {
-    let delay = determined(model, "delay")?.value;
+    let delay = determined(model, QuantityKind::Delay)?.value;
     Some(match delay < AT_ONCE * model.sample_period_s {
         true => "answers at once".to_owned(),
         false => format!("answers {} ms late", four_digits(1e3 * delay)),

@@ -1,7 +1,7 @@
 //! The strokes that times hold for, where a recording has strokes of one size.
 
-use super::numbers::rounded;
 use crate::data::model_metadata::ModelMetadata;
+use crate::data::rounding::six_digits;
 
 /// " of 10 deg, the only size recorded,": a servo that is limited in speed or torque answers steps of other sizes differently, and nothing
 /// in such a recording shows whether this one is.
@@ -25,5 +25,5 @@ pub(crate) fn stroke_in_words(of: &ModelMetadata) -> Option<String> {
 /// 10 rather than 10.00.
 fn rounded_to_three(size: f64) -> f64 {
     let power = 10f64.powf(2.0 - size.log10().floor());
-    rounded((size * power).round() / power)
+    six_digits((size * power).round() / power)
 }

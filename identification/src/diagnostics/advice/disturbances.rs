@@ -55,11 +55,15 @@ pub(super) fn drift(evidence: &Evidence<'_>) -> Option<Advice> {
         .iter()
         .copied()
         .reduce(|a, b| if b.abs() > a.abs() { b } else { a })?;
+    let bounds = match evidence.has_bounds() {
+        true => ", and the bounds allow for it",
+        false => "",
+    };
     Some(Advice::new(
         Check::Drift,
         format!(
             "A straight line of each run, which changes by up to {largest:+.3} over a run, was taken out of the output within the regression: \
-             the input does not explain it, and the bounds allow for it. The servo model, plots and validations still have it."
+             the input does not explain it{bounds}. The servo model, plots and validations still have it."
         ),
         largest,
         0.0,

@@ -8,7 +8,7 @@ use crate::thresholds::LAG_DRIFT_SIGNIFICANCE;
 pub(super) fn time_fault(evidence: &Evidence<'_>) -> Option<Advice> {
     let period_ms = 1e3 * evidence.model.sample_period_s;
     Some(match evidence.validity.time_fault? {
-        TimeFault::EarlyMotion(found) => Advice::new(
+        TimeFault::LateCommand(found) => Advice::new(
             Check::EarlyMotion,
             format!(
                 "No bounds can be given, because the servo moves at least {:.0} ms before its command changes: it has made {:.1} % of its \

@@ -32,7 +32,7 @@ use contradiction::contradiction;
 use evidence::{Free, kernels_of};
 use kernel::Kernel;
 use objective::{Evaluated, Objective};
-use slow_kernel::SlowEnd;
+use slow_kernel::SlowEndPrior;
 
 /// Time constants from which the search sets out, as shares of N.
 const DECAYS: [f64; 3] = [0.04, 0.1, 0.25];
@@ -127,7 +127,7 @@ fn found_numbers(free: Free<'_>) -> Option<(Objective<'_>, Vec<f64>, Evaluated)>
     let starts = starts.map(|kernel| (objective.of_one(&kernel), kernel));
     let (_, first) = starts.min_by(|a, b| a.0.total_cmp(&b.0))?;
     let (single, lowest) = descend(|numbers| objective.of_response(numbers), &first.numbers())?;
-    let slow_end = SlowEnd {
+    let slow_end = SlowEndPrior {
         gain: lowest.marginal.mean().iter().sum(),
     };
     let fast = Kernel::of(&single);

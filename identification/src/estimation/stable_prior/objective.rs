@@ -3,7 +3,7 @@
 use super::bfgs::Point;
 use super::evidence::{Free, Marginal, kernels_of};
 use super::kernel::{Kernel, NUMBERS};
-use super::slow_kernel::SlowEnd;
+use super::slow_kernel::SlowEndPrior;
 
 /// Longest time constant of a kernel, in N.
 const TIMES_LONGEST: f64 = 10.0;
@@ -13,7 +13,7 @@ const LENGTHS: f64 = 1e6;
 /// -2 ln of the marginal likelihood, and of what is known of a slow end where there is a second kernel.
 pub(super) struct Objective<'a> {
     pub(super) free: Free<'a>,
-    pub(super) slow_end: Option<SlowEnd>,
+    pub(super) slow_end: Option<SlowEndPrior>,
 }
 
 /// The objective at some numbers.

@@ -13,11 +13,11 @@ const TIMES: f64 = 8.0;
 const TIMES_FACTOR: f64 = 3.0;
 
 /// The expectation of a slow end, beside a response with this gain.
-pub(super) struct SlowEnd {
+pub(super) struct SlowEndPrior {
     pub(super) gain: f64,
 }
 
-impl SlowEnd {
+impl SlowEndPrior {
     /// The start of a search: as expected, beside the `fast` kernel.
     pub(super) fn expected(&self, fast: &Kernel) -> Kernel {
         let slow = Kernel {

@@ -48,7 +48,7 @@ fn the_gradient_is_the_quotient_of_differences() {
     let numbers: Vec<f64> = kernels().iter().flat_map(Kernel::numbers).collect();
     let objective = Objective {
         free,
-        slow_end: Some(SlowEnd { gain: 3.0 }),
+        slow_end: Some(SlowEndPrior { gain: 3.0 }),
     };
     let value = |numbers: &[f64]| objective.of_response(numbers).unwrap().value();
     let found = objective.of_response(&numbers).unwrap().gradient();

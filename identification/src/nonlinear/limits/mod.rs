@@ -75,19 +75,6 @@ impl Limits {
     pub fn level_table(record: &Record, model: &Model) -> Vec<Cell> {
         table(record, model, model.level().into_valid()).cells
     }
-
-    /// All findings as sentences.
-    pub fn statements(&self) -> Vec<&str> {
-        let ends = self.ends.iter().flatten().map(|end| end.statement.as_str());
-        [
-            self.rate_up.statement.as_str(),
-            self.rate_down.statement.as_str(),
-            self.hysteresis.statement.as_str(),
-        ]
-        .into_iter()
-        .chain(ends)
-        .collect()
-    }
 }
 
 fn table(record: &Record, model: &Model, level: Option<f64>) -> hysteresis_and_ends::Table {

@@ -6,13 +6,13 @@
 use super::crossings_and_peak::LEVELS;
 use super::interval::Interval;
 use super::rise::RiseIntervals;
-use super::sample_uncertainty::Spread;
+use super::sample_uncertainty::SampleSpread;
 use crate::thresholds::ROUGH_SAMPLE;
 
 /// A curve whose gain is positive, and how well its samples are known.
 pub(super) struct Brackets<'a> {
     pub(super) curve: &'a [f64],
-    pub(super) spread: &'a Spread<'a>,
+    pub(super) spread: &'a SampleSpread<'a>,
     /// Critical values of one sample and of all.
     pub(super) one: f64,
     pub(super) all: f64,

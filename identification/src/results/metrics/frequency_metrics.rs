@@ -24,7 +24,7 @@ const STEPS: usize = 12;
 /// degrees \[rad/s\]. Deviations count `widest` times.
 pub(crate) fn bandwidth_and_quarter_turn(measured: &Measured<'_>, widest: f64) -> [Interval; 2] {
     let scan = Scan::new(measured);
-    let zeros = [Quantity::Bandwidth, Quantity::QuarterTurn]
+    let zeros = [FrequencyMetric::Bandwidth, FrequencyMetric::QuarterTurn]
         .map(|quantity| (quantity, quantity.first_zero(measured, &scan)));
     let folding = Folding::new(measured, zeros[0].1);
     zeros.map(|(quantity, zero)| {
@@ -64,7 +64,7 @@ impl Scan {
 }
 
 #[derive(Clone, Copy)]
-enum Quantity {
+enum FrequencyMetric {
     Bandwidth,
     QuarterTurn,
 }
@@ -72,7 +72,7 @@ enum Quantity {
 /// Something that comes down to zero at the frequency that is sought.
 struct Falling<'a> {
     measured: &'a Measured<'a>,
-    quantity: Quantity,
+    quantity: FrequencyMetric,
     folding: &'a Folding,
     /// Standard deviations to each side.
     critical: f64,
@@ -133,12 +133,12 @@ impl Falling<'_> {
         let (re_row, im_row) = basis.frequency_rows(omega * timing.sample_period_s);
         let gain = theta[0];
         let (re, im, constant) = match self.quantity {
-            Quantity::Bandwidth => {
+            FrequencyMetric::Bandwidth => {
                 let (re, im) = (dot(&re_row, theta), dot(&im_row, theta));
                 let factor = SQRT_2 * timing.magnitude_factor(omega) / re.hypot(im);
                 (factor * re, factor * im, -gain.signum())
             }
-            Quantity::QuarterTurn => {
+            FrequencyMetric::QuarterTurn => {
                 let (sin, cos) = timing.phase_lead(omega).sin_cos();
                 (gain.signum() * cos, -gain.signum() * sin, 0.0)
             }
@@ -163,19 +163,19 @@ impl Falling<'_> {
         } = self.measured;
         let of_response = self.measured.bias_at(omega) + self.folding.at(self.measured, omega);
         match self.quantity {
-            Quantity::Bandwidth => {
+            FrequencyMetric::Bandwidth => {
                 let (re, im) = basis.frequency_response(theta, omega * timing.sample_period_s);
                 // Across the estimate an error adds to the magnitude by its square.
                 let across = of_response.powi(2) / (2.0 * re.hypot(im));
                 let factor = SQRT_2 * timing.magnitude_factor(omega);
                 factor * (of_response + across) + self.measured.bias_at(0.0)
             }
-            Quantity::QuarterTurn => of_response,
+            FrequencyMetric::QuarterTurn => of_response,
         }
     }
 }
 
-impl Quantity {
+impl FrequencyMetric {
     /// The lowest frequency of the scan where the value has come down to zero.
     fn first_zero(self, measured: &Measured<'_>, scan: &Scan) -> Option<f64> {
         let indicator = self.indicator(measured);
@@ -205,10 +205,10 @@ impl Quantity {
     fn indicator(self, measured: &Measured<'_>) -> impl Fn(f64, (f64, f64), f64) -> f64 + use<> {
         let (timing, gain) = (measured.timing, measured.theta[0]);
         move |omega, (re, im), near| match self {
-            Quantity::Bandwidth => {
+            FrequencyMetric::Bandwidth => {
                 (re.hypot(im) * timing.magnitude_factor(omega) * SQRT_2 / gain.abs()).ln()
             }
-            Quantity::QuarterTurn => {
+            FrequencyMetric::QuarterTurn => {
                 let (re, im) = (re * gain.signum(), im * gain.signum());
                 let phase = im.atan2(re) + timing.phase_lead(omega) + FRAC_PI_2;
                 phase - 2.0 * PI * ((phase - near) / (2.0 * PI)).round()
@@ -239,7 +239,10 @@ fn zero_between(mut a: (f64, f64), mut b: (f64, f64), value: impl Fn(f64) -> f64
 /// Bounds of the errors that no covariance contains, at each of `omegas` \[rad/s\].
 pub(crate) fn bias(measured: &Measured<'_>, omegas: &[f64]) -> Vec<f64> {
     let scan = Scan::new(measured);
-    let folding = Folding::new(measured, Quantity::Bandwidth.first_zero(measured, &scan));
+    let folding = Folding::new(
+        measured,
+        FrequencyMetric::Bandwidth.first_zero(measured, &scan),
+    );
     let at = |&omega: &f64| measured.bias_at(omega) + folding.at(measured, omega);
     omegas.iter().map(at).collect()
 }

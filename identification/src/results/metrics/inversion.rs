@@ -11,7 +11,7 @@
 //! the places at which v = 0 is not rejected.
 
 use super::interpolation::weights_at;
-use super::sample_uncertainty::{Joint, Spread, Weights};
+use super::sample_uncertainty::{Joint, SampleSpread, Weights};
 use crate::thresholds::{RISING, SURE};
 
 /// A level that a curve passes.
@@ -34,7 +34,7 @@ impl Level {
 #[derive(Clone, Copy)]
 pub(crate) struct Known<'a> {
     pub(crate) curve: &'a [f64],
-    pub(crate) spread: &'a Spread<'a>,
+    pub(crate) spread: &'a SampleSpread<'a>,
     pub(crate) joint: &'a Joint,
 }
 

@@ -52,7 +52,7 @@ use crate::results::frequency_response::FrequencyResponse;
 use crate::results::validity::{Bounds, Reason};
 
 use measured::Measured;
-use sample_uncertainty::Spread;
+use sample_uncertainty::SampleSpread;
 use step_metrics::StepMetrics;
 
 pub use interval::Interval;
@@ -155,7 +155,7 @@ impl Metrics {
         if dc_gain.contains(0.0) {
             return Self::withheld(dc_gain, Withheld::GainMayBeZero, bounds);
         }
-        let spread = Spread::new(measured);
+        let spread = SampleSpread::new(measured);
         let of_step = StepMetrics::new(measured, &spread);
         let rise = of_step.rise();
         let [bandwidth_rad_s, phase_minus_90_rad_s] =

@@ -9,7 +9,7 @@ use super::measured::Measured;
 use crate::numerics::{dot, pointwise_critical};
 
 /// Second moments of a step response.
-pub(crate) struct Spread<'a> {
+pub(crate) struct SampleSpread<'a> {
     measured: &'a Measured<'a>,
     /// Factor on the deviations of each sample.
     widening: Vec<f64>,
@@ -19,7 +19,7 @@ pub(crate) struct Spread<'a> {
     with_last: Vec<f64>,
 }
 
-impl<'a> Spread<'a> {
+impl<'a> SampleSpread<'a> {
     pub(crate) fn new(measured: &'a Measured<'a>) -> Self {
         let widening = widening(measured);
         let last = widening.len() - 1;
@@ -95,7 +95,7 @@ pub(crate) struct Joint {
 }
 
 impl Joint {
-    pub(crate) fn new(spread: &Spread<'_>, points: Vec<usize>) -> Self {
+    pub(crate) fn new(spread: &SampleSpread<'_>, points: Vec<usize>) -> Self {
         let mut place = vec![None; spread.sd.len()];
         for (k, &m) in points.iter().enumerate() {
             place[m] = Some(k);

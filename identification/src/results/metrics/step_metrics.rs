@@ -8,13 +8,13 @@ use super::interval::Interval;
 use super::inversion::{Known, Level, SureCrossing};
 use super::measured::Measured;
 use super::rise::RiseIntervals;
-use super::sample_uncertainty::{Joint, Spread};
+use super::sample_uncertainty::{Joint, SampleSpread};
 use crate::numerics::{normal_upper_quantile, pointwise_critical};
 
 /// A step response, turned so that its gain is positive, and its metrics. Times in samples.
 pub(crate) struct StepMetrics<'a> {
     curve: Vec<f64>,
-    spread: &'a Spread<'a>,
+    spread: &'a SampleSpread<'a>,
     windows: Windows,
     nominal: Shape,
     level: f64,
@@ -25,7 +25,7 @@ pub(crate) struct StepMetrics<'a> {
 }
 
 impl<'a> StepMetrics<'a> {
-    pub(crate) fn new(measured: &Measured<'_>, spread: &'a Spread<'a>) -> Self {
+    pub(crate) fn new(measured: &Measured<'_>, spread: &'a SampleSpread<'a>) -> Self {
         let step = measured.step;
         let sign = step[step.len() - 1].signum();
         let curve: Vec<f64> = step.iter().map(|value| sign * value).collect();
@@ -320,7 +320,7 @@ mod tests {
     fn sure_crossings_have_the_intervals_that_draws_have() {
         let model = model();
         let measured = model.measured().unwrap().into_valid().unwrap();
-        let spread = Spread::new(&measured);
+        let spread = SampleSpread::new(&measured);
         let metrics = StepMetrics::new(&measured, &spread);
         let joint = Joint::new(&spread, metrics.windows.of_rise.clone());
         let value = metrics.nominal.crossings;

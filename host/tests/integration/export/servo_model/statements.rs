@@ -104,8 +104,13 @@ fn intervals_and_offsets_of_runs_are_written_only_where_there_are_any() {
     let size = model["values"].as_array().unwrap().len();
     model["withdrawn"] = json!(null);
     model["bounds"] = json!({ "level": 0.99, "rows": vec![vec![0.0; size]; size] });
+    model["fit"]["discrepancy"] = json!(0.01);
+    for quantity in model["quantities"].as_array_mut().unwrap() {
+        let value = quantity["value"].clone();
+        quantity["withdrawn"] = json!(null);
+        quantity["bounds"] = json!({ "value": value, "lower": value, "upper": value });
+    }
     let delay = &mut model["quantities"][0];
-    delay["withdrawn"] = json!(null);
     delay["value"] = json!(0.0216);
     delay["bounds"] = json!({ "value": 0.0216, "lower": 0.0211, "upper": 0.0222 });
     model["run_offsets"] = json!([-0.1, 0.04, 0.06]);
