@@ -28,6 +28,7 @@
 
 mod dual;
 mod equation;
+mod rest;
 mod simulation;
 mod sloped_stepper;
 mod stepper;

@@ -25,6 +25,7 @@ mod ladder;
 mod model;
 mod motion;
 mod noise_at_rest;
+mod offset;
 mod other_fits;
 mod other_valleys;
 mod possible_servo;

@@ -79,7 +79,8 @@ fn what_was_seen(
     let reached = model.reached.map(|reached| {
         let [up, down] = [reached.upwards, reached.downwards]
             .map(|speed| speed_in_words(model, (speed, digits(speed, 2)), units));
-        format!("moved at up to {up} upwards and {down} downwards in this recording")
+        let upwards = upwards(model);
+        format!("moved at up to {up} {upwards} and {down} downwards in this recording")
     });
     std::iter::once(kind.to_owned()).chain(reached).collect()
 }
@@ -106,8 +107,16 @@ fn limited_to(
         speeds?.map(|found| speed_in_words(model, (found.value, four_digits(found.value)), units));
     Some(match up == down {
         true => format!("is limited to {up}"),
-        false => format!("is limited to {up} upwards and {down} downwards"),
+        false => format!("is limited to {up} {} and {down} downwards", upwards(model)),
     })
+}
+
+/// Upwards, and what that is where the position goes against the command.
+fn upwards(model: &ServoModel) -> &'static str {
+    match model.parameters(0).gain < 0.0 {
+        true => "upwards (the position grows, the command falls)",
+        false => "upwards",
+    }
 }
 
 /// "331 deg/s (0.181 s/60°)", of a speed and its figure.

@@ -38,7 +38,7 @@ enum Filter {
 struct Actuator {
     filter: Filter,
     delay_s: f64,
-    /// Upwards and downwards \[1/s\].
+    /// Towards larger and smaller theta \[1/s\].
     rates: Option<(f64, f64)>,
     hysteresis_width: f64,
     bias: f64,
@@ -51,13 +51,12 @@ struct Actuator {
 impl Actuator {
     fn of(export: &ServoExport<'_>) -> Self {
         let p = &export.parameters;
-        let friction = p.friction.map_or(0.0, |friction| friction.coulomb);
         Self {
             filter: Filter::Behind,
             delay_s: p.delay_s.max(0.0),
             rates: export.top_speeds(),
-            hysteresis_width: 2.0 * (p.dead_band.unwrap_or(0.0) + friction / p.stiffness),
-            bias: -export.constant_load() / p.stiffness,
+            hysteresis_width: hysteresis_width(export),
+            bias: (export.parameters_with(export.only_constant_load())).resting_angle(0.0),
             stiffness: p.stiffness,
             damping: p.damping,
             gain: p.gain,
@@ -181,6 +180,20 @@ impl Actuator {
     }
 }
 
+/// The distance between the rests from above and from below. Where the load moves the shaft through the dead band, it rests at one
+/// edge, from wherever it comes.
+fn hysteresis_width(export: &ServoExport<'_>) -> f64 {
+    let p = &export.parameters;
+    let [least, most] = p.holding_drives(export.constant_load());
+    let friction = p.friction.map_or(0.0, |friction| friction.coulomb) / p.stiffness;
+    let open = if least * most > 0.0 {
+        0.0
+    } else {
+        p.dead_band.unwrap_or(0.0)
+    };
+    2.0 * (open + friction)
+}
+
 /// The system.
 pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportError> {
     let any = Actuator::of(export);
@@ -227,7 +240,7 @@ fn about(export: &ServoExport<'_>, share: f64, difference: &Difference) -> Vec<S
     let mut about = export.statement();
     about.extend([
         export.hold(export.frame_s() > 0.0),
-        "In JSBSim: hysteresis_width is twice the dead band and the error that friction leaves; bias is the error of the constant load at rest; the filter is the servo at small signals.".to_owned(),
+        "In JSBSim: hysteresis_width is the distance between the rests from above and from below, by friction and dead band; bias is what the constant load moves the rest by; the filter is the servo at small signals.".to_owned(),
         export.rate(share),
         "Run it at 500 Hz or more. Set the step before the aircraft is loaded: delays are counted out then.".to_owned(),
         export.left_out("an actuator of JSBSim", &LEFT_OUT),

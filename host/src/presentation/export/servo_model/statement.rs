@@ -64,8 +64,12 @@ impl ServoExport<'_> {
     }
 
     fn units_and_signs(&self) -> String {
+        let theta = match self.parameters.gain < 0.0 {
+            true => "smaller theta, as the gain is negative",
+            false => "larger theta",
+        };
         format!(
-            "Units and signs: {}, theta is in units of the command, times are in seconds. A positive load turns towards smaller angles. The offset that was identified is the position at rest under command 0; that of the parameters is without the load, and part of the position.",
+            "Units and signs: {}, theta is in units of the command, times are in seconds. Upwards is where the position grows, towards {theta}. A positive load turns towards smaller theta. The offset that was identified is the position at rest under command 0, with load and dead band, and in the middle of what friction holds; that of the parameters is the position at theta = 0.",
             units_in_words(self.metadata.units()),
         )
     }
@@ -187,6 +191,6 @@ fn difference_text(difference: f64) -> String {
     }
 }
 
-const EQUATION: &str = "Equation: r(t) = u(t - d) is the command, late by d. The error e is r - theta beyond a dead band of w to each side, counted from its edge. The drive is k e - (c - B) omega, between -A- and A+; where it is negative, k and c - B are A-/A+ times as large. omega' = drive - B omega - friction - load(theta), theta' = omega, position = gain theta + offset. Friction is (C + mu |drive + load|) (1 + s / (1 + (omega/ws)^2)) against the motion, and holds the shaft at rest while less acts on it.";
+const EQUATION: &str = "Equation: r(t) = u(t - d) is the command, late by d. The error e is r - theta beyond a dead band of w to each side, counted from its edge. The drive is k e - (c - B) omega, between -A- and A+, which is towards larger theta; where it is negative, k and c - B are A-/A+ times as large. omega' = drive - B omega - friction - load(theta), theta' = omega, position = gain theta + offset. Friction is (C + mu |drive + load|) (1 + s / (1 + (omega/ws)^2)) against the motion, and holds the shaft at rest while less acts on it.";
 
 const PER_INERTIA: &str = "Inertia: all accelerations are torques per unit of inertia. No torque, mass or current follows from the recording; with a known inertia, multiply by it.";

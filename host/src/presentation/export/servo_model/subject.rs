@@ -132,7 +132,7 @@ impl<'a> ServoExport<'a> {
         }
     }
 
-    /// The speeds upwards and downwards at which full drive, damping, friction and the constant load balance
+    /// The speeds towards larger and smaller theta at which full drive, damping, friction and the constant load balance
     /// \[units of the command/s\]; `None` where the drive has no limit.
     pub(super) fn top_speeds(&self) -> Option<(f64, f64)> {
         let limit = self.parameters.limit?;

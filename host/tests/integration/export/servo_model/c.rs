@@ -81,6 +81,8 @@ fn headers_move_as_the_servo_model() {
         exports[k].check(servo.name, &double[k], 1e-9);
         // Positions of some 10 deg to 24 bits are rounded by 1e-6 of the stroke in each step; friction and damping forget it.
         exports[k].check(servo.name, &single[k], 1e-3);
+        exports[k].check_rest(servo.name, double[k][1], 1e-9);
+        exports[k].check_rest(servo.name, single[k][1], 1e-5);
     }
 }
 

@@ -31,6 +31,7 @@ fn check(exports: &[Exported], printed: &str) {
     assert_eq!(rows.len(), SERVOS.len());
     for ((exported, servo), ends) in exports.iter().zip(&SERVOS).zip(rows) {
         exported.check(servo.name, &from_ends(exported, &ends), ROUNDING);
+        exported.check_rest(servo.name, ends[0], ROUNDING);
         let share = exported.stated / exported.largest_stroke();
         assert!(share < STEPS, "{}: {share}", servo.name);
     }
