@@ -48,8 +48,8 @@ pub use beside_linear::fit_beside;
 pub use coordinates::{Coordinate, LoadKind, Terms};
 pub use estimate::{ServoModelOptions, fit, fit_watched};
 pub use model::{
-    Alternative, Covariance, LadderRung, LinearKind, LinearModelFit, LinearModels, ReachedSpeeds,
-    ServoFit, ServoModel, ServoResponse,
+    Alternative, CommandRange, Covariance, LadderRung, LinearKind, LinearModelFit, LinearModels,
+    ReachedSpeeds, ServoFit, ServoModel, ServoResponse,
 };
 pub use prediction::no_prediction;
 pub use quantities::{Quantity, Spread, Unit};

@@ -41,6 +41,9 @@ pub struct ServoModel {
     pub alternatives: Vec<Alternative>,
     /// Parameters and what follows from them, in people's terms.
     pub quantities: Vec<Quantity>,
+    /// The commands of the record; `None` in files from before this was kept.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub commands: Option<CommandRange>,
     /// How fast the servo moved in the record, whatever the model says of it; `None` in files from before this was kept.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reached: Option<ReachedSpeeds>,
@@ -109,6 +112,29 @@ pub struct ServoFit {
     pub samples_used: usize,
     /// Samples without an output, or without an input.
     pub samples_missing: usize,
+}
+
+/// The least and the largest command of a record \[command\].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CommandRange {
+    /// The least.
+    pub least: f64,
+    /// The largest.
+    pub largest: f64,
+}
+
+impl CommandRange {
+    /// Half way between its ends.
+    #[must_use]
+    pub fn middle(&self) -> f64 {
+        0.5 * (self.least + self.largest)
+    }
+
+    /// Half of the distance between its ends.
+    #[must_use]
+    pub fn amplitude(&self) -> f64 {
+        0.5 * (self.largest - self.least)
+    }
 }
 
 /// The speeds that a servo reached in a record, as it was measured: means over 40 ms, exceeded in one of 200.

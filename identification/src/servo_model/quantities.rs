@@ -244,7 +244,7 @@ pub(super) fn quantities(
     motion: &Motion,
     others: &[Point],
 ) -> Vec<Quantity> {
-    let middle = motion.middle;
+    let middle = motion.commands.middle();
     let of = |definition: &Definition| {
         let value = definition.value(&possible[0].point, middle)?;
         let hull = possible

@@ -361,7 +361,7 @@ pub(crate) fn four_digits(value: f64) -> String {
 }
 
 /// A number with so many digits.
-pub(super) fn digits(value: f64, count: usize) -> String {
+pub(crate) fn digits(value: f64, count: usize) -> String {
     digits_beside(value, count, None)
 }
 

@@ -58,6 +58,7 @@ fn what_is_known(
 ) -> Vec<String> {
     let parts = [
         Some(limited_to(model, speeds, units).unwrap_or_else(|| kind(model).to_owned())),
+        below_any_limit(model, units),
         resting_error(model, units),
         load(model).map(str::to_owned),
         delay(model),
@@ -76,13 +77,26 @@ fn what_was_seen(
         Some(_) => "is limited in its speed",
         None => kind(model),
     };
-    let reached = model.reached.map(|reached| {
-        let [up, down] = [reached.upwards, reached.downwards]
-            .map(|speed| speed_in_words(model, (speed, digits(speed, 2)), units));
-        let upwards = upwards(model);
-        format!("moved at up to {up} {upwards} and {down} downwards in this recording")
-    });
-    std::iter::once(kind.to_owned()).chain(reached).collect()
+    std::iter::once(kind.to_owned())
+        .chain(moved_at(model, units))
+        .collect()
+}
+
+/// How fast the servo moved in the recording.
+fn moved_at(model: &ServoModel, units: Units<'_>) -> Option<String> {
+    let reached = model.reached?;
+    let [up, down] = [reached.upwards, reached.downwards]
+        .map(|speed| speed_in_words(model, (speed, digits(speed, 2)), units));
+    let upwards = upwards(model);
+    Some(format!(
+        "moved at up to {up} {upwards} and {down} downwards in this recording"
+    ))
+}
+
+/// The same where the model has no limit, which it may have beyond.
+fn below_any_limit(model: &ServoModel, units: Units<'_>) -> Option<String> {
+    let moved = moved_at(model, units).filter(|_| !model.terms.limit)?;
+    Some(format!("{moved} without reaching a limit"))
 }
 
 /// The quantity of this name, where the record determines it.

@@ -11,8 +11,9 @@ use std::process::Command;
 /// Sums and products in another order: rounding that the steps carry on, some thousands of them.
 const ROUNDING: f64 = 1e-9;
 
-/// The equation by steps of at most 0.03/ω: the scheme is of second order, so to a few thousandths of a stroke.
-const STEPS: f64 = 0.005;
+/// The equation by steps of at most 0.03/ω: the scheme is of second order, so to a few thousandths of a stroke, and a shaft that sticks
+/// does so a step earlier or later.
+const STEPS: f64 = 0.01;
 
 /// All servos in files of a language.
 fn exports(target: &str, ending: &str, folder: &Path) -> Vec<Exported> {

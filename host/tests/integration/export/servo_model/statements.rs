@@ -181,6 +181,70 @@ fn what_the_recording_does_not_determine_is_said_without_a_value() {
     assert!(!said.contains("damping ratio 0."), "{said}");
 }
 
+/// A model of the aircraft's servo, changed by `change`, in a folder.
+fn changed(
+    folder: &std::path::Path,
+    change: impl Fn(&mut serde_json::Value),
+) -> std::path::PathBuf {
+    let mut document = crate::support::json(&AIRCRAFT.file);
+    change(&mut document["servo_model"]);
+    let file = folder.join("changed.json");
+    std::fs::write(&file, document.to_string()).unwrap();
+    file
+}
+
+#[test]
+fn limits_of_rates_are_those_of_the_whole_range_of_the_recording() {
+    let model = crate::support::json(&AIRCRAFT.file)["servo_model"].clone();
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+    let range = number(&model["commands"]["largest"]) - number(&model["commands"]["least"]);
+    for target in TARGETS {
+        let exported = export(&AIRCRAFT.file, 0, target, &[]);
+        let stroke = exported.largest_stroke() / exported.servo.gain.abs();
+        assert!(
+            (0.98..1.02).contains(&(stroke / range)),
+            "{target}: {stroke} {range}"
+        );
+        assert!(
+            prose(&exported.text).contains("(the recording has commands from -"),
+            "{target}"
+        );
+    }
+    // The servo was faster than the limit that is nearest to it in the mean.
+    let reached = 0.95 * number(&model["quantities"][5]["value"]);
+    assert_eq!(model["quantities"][5]["name"], "top speed upwards");
+    let folder = tempfile::tempdir().unwrap();
+    let file = changed(folder.path(), |model| {
+        model["reached"] = json!({ "upwards": reached, "downwards": 0.0 });
+    });
+    let text = export(&file, 0, "jsbsim", &[]).text;
+    let (_, rest) = text.split_once("sense=\"incr\">").unwrap();
+    let limit: f64 = rest.split('<').next().unwrap().parse().unwrap();
+    let gain = export(&file, 0, "jsbsim", &[]).servo.gain;
+    assert!(limit * gain > 0.99 * reached, "{limit} {reached}");
+}
+
+#[test]
+fn what_a_model_does_not_know_of_speeds_is_a_warning() {
+    let folder = tempfile::tempdir().unwrap();
+    let open = changed(folder.path(), |model| {
+        model["quantities"][5]["determined"] = json!(false);
+    });
+    let said = prose(&export(&open, 0, "ardupilot", &[]).text);
+    let warning = "WARNING: the recording does not determine the top speed, so larger strokes than its own (commands from -";
+    assert!(said.contains(warning), "{said}");
+    let linear = SERVOS[0].export("ardupilot", folder.path(), &[]).text;
+    let said = prose(&linear);
+    for part in [
+        "WARNING: no limit of the speed was reached up to ",
+        "so this model has none, and neither has this file",
+        "or 0 for no limit",
+    ] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+    assert!(linear.contains("\nSIM_SERVO_SPEED 0.0\n"), "{linear}");
+}
+
 /// Two of the formats take nothing else, so the option is not needed.
 #[test]
 fn ardupilot_and_mujoco_mean_the_servo_model() {

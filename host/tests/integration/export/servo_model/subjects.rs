@@ -216,10 +216,12 @@ pub fn export(file: &Path, controller: usize, target: &str, more: &[&str]) -> Ex
     let result: Value = serde_json::from_str(&run(&[&args[..], more].concat())).unwrap();
     let trial = &result["trial"];
     let numbers = |value: &Value| -> Vec<f64> { serde_json::from_value(value.clone()).unwrap() };
+    let steps = |name: &str| serde_json::from_value(trial[name].clone()).unwrap();
     let trial = Trial {
         step_s: trial["step_s"].as_f64().unwrap(),
         levels: numbers(&trial["levels"]),
-        steps_per_level: serde_json::from_value(trial["steps_per_level"].clone()).unwrap(),
+        steps_per_level: steps("steps_per_level"),
+        steps_of_broken_off: steps("steps_of_broken_off"),
     };
     let model = ModelFile::read(file)
         .unwrap()
