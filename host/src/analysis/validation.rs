@@ -199,10 +199,13 @@ mod tests {
             ),
             "{delay}"
         );
-        assert!(
-            remedy(0.6)
-                .unwrap()
-                .starts_with("Where the servo is the same")
-        );
+        // A shift that leaves six times the error of the model's own recording is not all, though it leaves less than half of this one.
+        for left in [0.6, 0.3] {
+            let motion = remedy(left).unwrap();
+            assert!(
+                motion.starts_with("Where the servo is the same"),
+                "{motion}"
+            );
+        }
     }
 }

@@ -256,7 +256,7 @@ fn about(export: &ServoExport<'_>, shares: [f64; 2], difference: &Difference) ->
         export.hold(export.frame_s() > 0.0),
         "In JSBSim: hysteresis_width is the distance between the rests from above and from below, by friction and dead band; bias is what the constant load moves the rest by; the filter is the servo at small signals.".to_owned(),
         export.rate(shares),
-        "Run it at 500 Hz or more. Set the step before the aircraft is loaded: delays are counted out then.".to_owned(),
+        "Time: the position that a step of JSBSim gives is that of the beginning of the step, when its command begins to act. Run it at 500 Hz or more. Set the step before the aircraft is loaded: delays are counted out then.".to_owned(),
         export.left_out("an actuator of JSBSim", &LEFT_OUT),
         export.difference(difference, Comparison::Emulation("JSBSim")),
     ]);

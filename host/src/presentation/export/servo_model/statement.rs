@@ -37,9 +37,8 @@ impl ServoExport<'_> {
             ));
         }
         found.extend(self.unknown_speed());
-        if self.metadata.pulse_frame_s.is_none() {
-            found.push("it is not known how the command is held, so no frame hold is assumed; for a servo on pulses, state their frame with --frame-ms".to_owned());
-        }
+        found.extend(self.metadata.frame_warning());
+        found.extend(self.guessed_angle());
         found
     }
 
@@ -60,6 +59,20 @@ impl ServoExport<'_> {
                 "the recording does not determine the top speed, so larger strokes than its own{recorded} may be far slower in this file than they are, or far quicker: record steps over most of the travel"
             )
         })
+    }
+
+    /// That an angle was guessed, where neither column says in what it is.
+    fn guessed_angle(&self) -> Option<String> {
+        let units = self.metadata.units();
+        let is_angle = |unit: Option<&str>| matches!(unit, Some("deg" | "rad"));
+        let guessed = units.input.is_none() && !is_angle(units.output);
+        let unit = match self.model.radians_per_command < 1.0 {
+            true => "degrees",
+            false => "radians",
+        };
+        guessed.then(|| format!(
+            "the unit of the command is not known: for programs whose servos turn by angles, such as ArduPilot and MuJoCo, it is taken for {unit}, by the size of the commands alone: name the columns with their units (u_deg, u_rad) and identify again"
+        ))
     }
 
     /// " up to 40 deg/s upwards and 38 deg/s downwards", where that is known.

@@ -245,6 +245,77 @@ fn what_a_model_does_not_know_of_speeds_is_a_warning() {
     assert!(linear.contains("\nSIM_SERVO_SPEED 0.0\n"), "{linear}");
 }
 
+/// What is printed on standard error.
+fn remarks(args: &[&str]) -> String {
+    let output = crate::support::servoid(args).output().unwrap();
+    String::from_utf8(output.stderr).unwrap()
+}
+
+#[test]
+fn a_stated_frame_is_doubted_where_the_recording_is_not_of_servoid() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut document = crate::support::json(&AIRCRAFT.file);
+    document.as_object_mut().unwrap().remove("pulse_frame_s");
+    let foreign = folder.path().join("foreign.json");
+    std::fs::write(&foreign, document.to_string()).unwrap();
+    for more in [&[][..], &["--servo-model"]] {
+        let of = |file: &std::path::Path, frame: &[&str]| {
+            remarks(&[&["export", arg(file), "--to", "c"], more, frame].concat())
+        };
+        let unknown = of(&foreign, &[]);
+        assert!(
+            unknown.contains("no frame hold is assumed")
+                && unknown.contains("in the delay already"),
+            "{unknown}"
+        );
+        let stated = of(&foreign, &["--frame-ms", "20"]);
+        assert!(stated.contains("the servo is late by 10.00 ms"), "{stated}");
+        for frame in [&[][..], &["--frame-ms", "10"]] {
+            let own = of(&AIRCRAFT.file, frame);
+            assert!(!own.contains("in the delay already"), "{own}");
+        }
+        assert!(!of(&foreign, &["--frame-ms", "0"]).contains("in the delay already"));
+    }
+}
+
+#[test]
+fn an_angle_that_is_guessed_and_a_function_in_a_file_of_another_name_are_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut document = crate::support::json(&AIRCRAFT.file);
+    document.as_object_mut().unwrap().remove("units");
+    let bare = folder.path().join("bare.json");
+    std::fs::write(&bare, document.to_string()).unwrap();
+    let said = remarks(&["export", arg(&bare), "--to", "ardupilot"]);
+    assert!(
+        said.contains("it is taken for degrees, by the size of the commands alone"),
+        "{said}"
+    );
+    for (name, holds) in [("neg.m", true), ("servo_a.m", false)] {
+        let out = folder.path().join(name);
+        let said = remarks(&[
+            "export",
+            arg(&AIRCRAFT.file),
+            "--to",
+            "matlab",
+            "--servo-model",
+            "-o",
+            arg(&out),
+        ]);
+        assert_eq!(said.contains("call it servo_a.m"), holds, "{said}");
+    }
+}
+
+#[test]
+fn a_linear_model_of_a_servo_that_is_not_linear_says_what_its_offset_is() {
+    let text = prose(&run(&["export", arg(&AIRCRAFT.file), "--to", "c", "-q"]));
+    assert!(
+        text.contains(
+            "no position of rest. The servo model, which --servo-model exports, has where it rests."
+        ),
+        "{text}"
+    );
+}
+
 /// Two of the formats take nothing else, so the option is not needed.
 #[test]
 fn ardupilot_and_mujoco_mean_the_servo_model() {
