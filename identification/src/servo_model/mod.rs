@@ -8,6 +8,7 @@
 
 mod beside_linear;
 mod candidates;
+mod command_range;
 mod coordinates;
 mod covariance;
 mod current_limit;
@@ -45,11 +46,12 @@ mod coverage;
 mod tests;
 
 pub use beside_linear::fit_beside;
+pub use command_range::CommandRange;
 pub use coordinates::{Coordinate, LoadKind, Terms};
 pub use estimate::{ServoModelOptions, fit, fit_watched};
 pub use model::{
-    Alternative, CommandRange, Covariance, LadderRung, LinearKind, LinearModelFit, LinearModels,
-    ReachedSpeeds, ServoFit, ServoModel, ServoResponse,
+    Alternative, Covariance, LadderRung, LinearKind, LinearModelFit, LinearModels, ReachedSpeeds,
+    ServoFit, ServoModel, ServoResponse,
 };
 pub use prediction::no_prediction;
 pub use quantities::{Quantity, Spread, Unit};

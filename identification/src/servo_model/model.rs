@@ -1,5 +1,6 @@
 //! The result: a servo, how sure it is, and how it was chosen.
 
+use super::command_range::CommandRange;
 use super::coordinates::{Coordinate, FRICTION_SPEED_SHARE, Point, Terms};
 use super::descent_step::MOST;
 use super::initial_state::find_starts;
@@ -112,29 +113,6 @@ pub struct ServoFit {
     pub samples_used: usize,
     /// Samples without an output, or without an input.
     pub samples_missing: usize,
-}
-
-/// The least and the largest command of a record \[command\].
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct CommandRange {
-    /// The least.
-    pub least: f64,
-    /// The largest.
-    pub largest: f64,
-}
-
-impl CommandRange {
-    /// Half way between its ends.
-    #[must_use]
-    pub fn middle(&self) -> f64 {
-        0.5 * (self.least + self.largest)
-    }
-
-    /// Half of the distance between its ends.
-    #[must_use]
-    pub fn amplitude(&self) -> f64 {
-        0.5 * (self.largest - self.least)
-    }
 }
 
 /// The speeds that a servo reached in a record, as it was measured: means over 40 ms, exceeded in one of 200.

@@ -1,6 +1,6 @@
 //! The motion of the simulated servo: where it is at rest, how fast it gets, and how far behind the command it falls.
 
-use super::model::CommandRange;
+use super::command_range::CommandRange;
 use super::stretches::Stretch;
 use servoid_dynamics::ServoParameters;
 

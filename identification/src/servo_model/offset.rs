@@ -4,9 +4,11 @@
 //! which edge the shaft rests, and friction how much of the band is open. Where the record does not show the side of that, the shaft may rest at
 //! either edge: the output at rest jumps there, and derivatives do not see it.
 
-use super::quantities::Formula;
 use crate::results::Interval;
 use servoid_dynamics::ServoParameters;
+
+/// A number of a servo, from it and the middle of the commands.
+pub(super) type Formula = fn(&ServoParameters<f64>, f64) -> Option<f64>;
 
 /// The output at rest under command 0.
 pub(super) fn at_rest(servo: &ServoParameters, _middle: f64) -> Option<f64> {

@@ -2,7 +2,7 @@
 
 use super::coordinates::Point;
 use super::motion::{Fastest, Motion};
-use super::offset;
+use super::offset::{self, Formula};
 use super::possible_servo::PossibleServo;
 use crate::numerics::dot;
 use crate::results::{Bounds, Interval};
@@ -91,9 +91,6 @@ enum Domain {
     /// More than zero, over decades; the interval is that of the logarithm.
     Positive,
 }
-
-/// A number of a servo, from it and the middle of the commands.
-pub(super) type Formula = fn(&ServoParameters<f64>, f64) -> Option<f64>;
 
 /// How a quantity follows from a servo.
 struct Definition {

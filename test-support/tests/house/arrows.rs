@@ -65,6 +65,7 @@ const ROOMS: [(&str, &[&str]); 9] = [
             "dual",
             "equation",
             "stepper",
+            "rest",
             "sloped_stepper",
             "simulation",
         ],
