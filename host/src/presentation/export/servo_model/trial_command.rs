@@ -51,6 +51,9 @@ const HOLD_S: (f64, f64) = (0.2, 5.0);
 /// of the rate lacks more than one that comes to rest.
 const BROKEN_OFF: f64 = 0.25;
 
+/// But not for less \[s\]: within its delay no servo shows anything.
+const SHORTEST_S: f64 = 0.1;
+
 /// Amplitudes that a servo may have in any unit; a model file may say anything.
 const POSSIBLE: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
 
@@ -74,7 +77,7 @@ impl Trial {
             step_s,
             levels: LEVELS.iter().map(level).collect(),
             steps_per_level: steps(hold_s),
-            steps_of_broken_off: steps(in_frames(export, BROKEN_OFF * hold_s)),
+            steps_of_broken_off: steps(in_frames(export, (BROKEN_OFF * hold_s).max(SHORTEST_S))),
         }
     }
 

@@ -4,6 +4,9 @@ use super::subjects::{AIRCRAFT, SERVOS, export};
 use crate::support::arg;
 use crate::support::run;
 use serde_json::json;
+use servoid::data::Units;
+use servoid::data::model_file::ModelFile;
+use servoid::presentation::summary::of_servo_model;
 
 const TARGETS: [&str; 7] = [
     "c",
@@ -303,6 +306,21 @@ fn an_angle_that_is_guessed_and_a_function_in_a_file_of_another_name_are_said() 
         ]);
         assert_eq!(said.contains("call it servo_a.m"), holds, "{said}");
     }
+}
+
+#[test]
+fn the_controller_that_the_bandwidth_is_of_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = |file: &std::path::Path| {
+        let model = ModelFile::read(file).unwrap().servo_model().unwrap();
+        let text = of_servo_model(&model.unwrap(), Units::default(), false);
+        text.split_whitespace().collect::<Vec<_>>().join(" ")
+    };
+    let second = SERVOS.into_iter().find(|servo| servo.name == "second");
+    let said = text(&second.unwrap().file(folder.path()));
+    let sentence = "Bandwidth, damping ratio, error of full drive and what is left at rest are those with the controller 400; 800 is ";
+    assert!(said.contains(sentence), "{said}");
+    assert!(!text(&AIRCRAFT.file).contains("controller"));
 }
 
 #[test]
