@@ -27,6 +27,7 @@ mod model;
 mod motion;
 mod noise_at_rest;
 mod offset;
+mod old_quantities;
 mod other_fits;
 mod other_valleys;
 mod possible_servo;

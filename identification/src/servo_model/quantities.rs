@@ -67,7 +67,7 @@ pub struct Spread {
 const DELAY: &str = "delay";
 
 /// The name of the output at rest under command 0.
-const OFFSET: &str = "offset";
+pub(super) const OFFSET: &str = "offset";
 
 /// Allows for output that was recorded up to `seconds` earlier or later than it is taken for.
 pub(super) fn widen_delay(quantities: &mut [Quantity], seconds: f64) {

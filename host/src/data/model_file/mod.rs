@@ -218,7 +218,7 @@ impl ModelFile {
         let beside = BesideServoModel::deserialize(&self.servo_model).map_err(malformed)?;
         match model.is_consistent() {
             true => Ok(Some(ServoModelDocument {
-                model,
+                model: model.with_todays_quantities(),
                 controller_names: beside.controller_names,
             })),
             false => Err(ModelFileError::InconsistentServoModel(self.path.clone())),

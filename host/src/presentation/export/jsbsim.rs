@@ -47,9 +47,8 @@ pub(super) fn write(export: &Export<'_>) -> Result<String, ExportError> {
 fn steepest(export: &Export<'_>) -> f64 {
     let response = &export.model.step.value;
     let last = response.last().copied().unwrap_or(f64::NAN);
-    let slopes = response
-        .windows(2)
-        .map(|pair| ((pair[1] - pair[0]) / last).abs());
+    let slope = |(earlier, later): (&f64, &f64)| ((later - earlier) / last).abs();
+    let slopes = response.iter().zip(response.iter().skip(1)).map(slope);
     slopes.fold(0.0, f64::max) / export.model.sample_period_s
 }
 

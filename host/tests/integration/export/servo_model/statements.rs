@@ -334,6 +334,40 @@ fn a_linear_model_of_a_servo_that_is_not_linear_says_what_its_offset_is() {
     );
 }
 
+/// A file from before has the directions exchanged where its gain is negative, and an offset without dead band.
+#[test]
+fn quantities_of_older_files_are_what_they_are_called() {
+    let folder = tempfile::tempdir().unwrap();
+    let older = changed(folder.path(), |model| {
+        model.as_object_mut().unwrap().remove("commands");
+        let gain = model["coordinates"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .position(|at| *at == "gain")
+            .unwrap();
+        model["values"][gain] = json!(-1.0);
+        model["quantities"][2]["value"] = json!(12.5);
+    });
+    let before = crate::support::json(&older)["servo_model"]["quantities"].clone();
+    let read = ModelFile::read(&older)
+        .unwrap()
+        .servo_model()
+        .unwrap()
+        .unwrap();
+    let found = &read.model.quantities;
+    assert_eq!(before[5]["name"], "top speed upwards");
+    assert_eq!(found[5].name, "top speed upwards");
+    assert_eq!(json!(found[5].value), before[6]["value"]);
+    assert_eq!(json!(found[6].value), before[5]["value"]);
+    let offset = &found[2];
+    let rest = read.model.parameters(0).resting_output(0.0);
+    assert!(
+        offset.name == "offset" && !offset.determined && offset.value == rest,
+        "{offset:?}"
+    );
+}
+
 /// Two of the formats take nothing else, so the option is not needed.
 #[test]
 fn ardupilot_and_mujoco_mean_the_servo_model() {
