@@ -53,3 +53,53 @@ fn holding(servo: &ServoParameters, which: usize) -> Option<f64> {
     let load = servo.load.at(servo.resting_angle(0.0));
     Some(servo.holding_drives(load)[which])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use servoid_dynamics::{Friction, Load};
+
+    #[test]
+    fn the_edge_is_known_where_load_or_friction_decide_it() {
+        let servo = |load: f64, coulomb: f64| ServoParameters {
+            delay_s: 0.01,
+            stiffness: 100.0,
+            damping: 20.0,
+            gain: -2.0,
+            offset: 1.0,
+            limit: None,
+            dead_band: Some(0.5),
+            friction: Some(Friction {
+                coulomb,
+                of_gears: 0.0,
+                at_rest: None,
+            }),
+            load: Load::Constant(load),
+        };
+        // What holds the shaft is known to 10 either way.
+        let is_known = |servo: ServoParameters| {
+            side_is_known(|of| {
+                let value = of(&servo, 0.0)?;
+                Some(Interval::new(value, value - 10.0, value + 10.0))
+            })
+        };
+        for (load, coulomb, known) in [
+            (0.0, 0.0, false),
+            (5.0, 0.0, false),
+            (80.0, 0.0, true),
+            // Friction holds it at both edges, and the rest is the middle.
+            (5.0, 30.0, true),
+            // It may or may not hold it against the load.
+            (25.0, 30.0, false),
+        ] {
+            assert_eq!(is_known(servo(load, coulomb)), known, "{load} {coulomb}");
+        }
+        let without = ServoParameters {
+            dead_band: None,
+            ..servo(5.0, 0.0)
+        };
+        assert!(is_known(without));
+        let edges = EDGES.map(|edge| edge(&servo(0.0, 0.0), 0.0));
+        assert_eq!(edges, [Some(2.0), Some(0.0)]);
+    }
+}
