@@ -6,14 +6,14 @@
 //! ```text
 //! r(t)  = u(t - d)
 //! e     = r - θ beyond a dead band of ±w, and counts from its edge
-//! drive = k e - (c - B) ω, between -A- and A+            acceleration; k for k A-/A+ where the drive is negative
+//! drive = k e - (c - B) ω, between -A- and A+            acceleration; k and c - B are A-/A+ times as large where it is negative
 //! ω'    = drive - B ω - friction - load(θ)
 //! θ'    = ω,     y = gain θ + offset
 //! ```
 //!
 //! At small signals this is a second-order system with the stiffness k (1/s²) and the damping c (1/s), of which the
-//! motor's own part is B. Where the error exceeds E = A+/k the drive is full. Top speed upwards is then
-//! (A+ - friction - load)/B.
+//! motor's own part is B. Where the error exceeds E = A+/k the drive is full. The top speed towards
+//! larger θ is then (A+ - friction - load)/B. The output falls there if the gain is negative; upwards is where the output grows.
 //!
 //! Friction is Coulomb's, C, and a share μ of the torque through the gears, drive + load, which presses their teeth together;
 //! both are larger at rest: (C + μ |drive + load|) (1 + s/(1 + (ω/ωs)²)) (D. P. Hess and A. Soom, "Friction at a
@@ -28,9 +28,6 @@ pub const PARAMETERS: usize = 16;
 
 /// Derivatives by the parameters, in the order of [`ServoParameters::in_order`].
 pub type Slopes = [f64; PARAMETERS];
-
-/// Steps to the angle of rest: each halves the distance, so the rest is below a millionth of it.
-const RESTING_STEPS: usize = 25;
 
 /// Load on the shaft \[acceleration\]; positive turns towards smaller angles.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -167,7 +164,7 @@ pub struct AtRest<S> {
 /// The largest drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DriveLimit<S> {
-    /// A+, the largest acceleration upwards.
+    /// A+, the largest acceleration towards larger θ.
     pub up: S,
     /// A-/A+.
     pub down_to_up: S,
@@ -209,8 +206,8 @@ impl ServoParameters<f64> {
         (left_of_drive > 0.0).then(|| friction.coulomb * at_rest / left_of_drive / self.stiffness)
     }
 
-    /// The speeds upwards and downwards at which full drive, damping, friction and `load` \[acceleration\] balance \[units of the
-    /// command/s\], 0 where the load holds the drive; `None` where the drive has no limit.
+    /// The speeds towards larger and smaller θ at which full drive, damping, friction and `load` \[acceleration\] balance \[units of
+    /// the command/s\], 0 where the load holds the drive; `None` where the drive has no limit.
     #[must_use]
     pub fn top_speeds(&self, load: f64) -> Option<[f64; 2]> {
         let limit = self.limit?;
@@ -224,6 +221,16 @@ impl ServoParameters<f64> {
             speed(limit.up, load),
             speed(limit.up * limit.down_to_up, -load),
         ])
+    }
+
+    /// What belongs to larger and smaller θ as what belongs to upwards and downwards: the output falls with θ where the gain is
+    /// negative.
+    #[must_use]
+    pub fn upwards_first<T>(&self, [larger, smaller]: [T; 2]) -> [T; 2] {
+        match self.gain < 0.0 {
+            true => [smaller, larger],
+            false => [larger, smaller],
+        }
     }
 }
 
@@ -279,26 +286,51 @@ impl<S: Scalar> ServoParameters<S> {
         all
     }
 
-    /// The command that holds the shaft at rest at `angle`, without help of friction.
-    #[must_use]
-    pub fn holding_command(&self, angle: S) -> S {
-        angle + self.load.at(angle) / self.stiffness
-    }
-
-    /// The angle at rest under `command`, without help of friction: the holding command turned round, by steps that
-    /// each take the load at the last angle.
-    #[must_use]
-    pub fn resting_angle(&self, command: S) -> S {
-        let mut angle = command;
-        for _ in 0..RESTING_STEPS {
-            angle = (angle + command - self.load.at(angle) / self.stiffness) * 0.5;
+    /// The same servo in other numbers: `number` makes one of each place in [`Self::in_order`] and what is there.
+    pub(crate) fn map<T: Scalar>(&self, number: impl Fn(usize, S) -> T) -> ServoParameters<T> {
+        let load = |n: usize, value: S| number(place::LOAD + n, value);
+        ServoParameters {
+            delay_s: number(place::DELAY, self.delay_s),
+            stiffness: number(place::STIFFNESS, self.stiffness),
+            damping: number(place::DAMPING, self.damping),
+            gain: number(place::GAIN, self.gain),
+            offset: number(place::OFFSET, self.offset),
+            limit: self.limit.map(|limit| DriveLimit {
+                up: number(place::UP, limit.up),
+                down_to_up: number(place::DOWN_TO_UP, limit.down_to_up),
+                motor_damping: number(place::MOTOR_DAMPING, limit.motor_damping),
+            }),
+            dead_band: self.dead_band.map(|width| number(place::DEAD_BAND, width)),
+            friction: self.friction.map(|friction| Friction {
+                coulomb: number(place::COULOMB, friction.coulomb),
+                of_gears: number(place::OF_GEARS, friction.of_gears),
+                at_rest: friction.at_rest.map(|at_rest| AtRest {
+                    excess: number(place::EXCESS_AT_REST, at_rest.excess),
+                    speed: number(place::SPEED_AT_REST, at_rest.speed),
+                }),
+            }),
+            load: match self.load {
+                Load::None => Load::None,
+                Load::Constant(constant) => Load::Constant(load(0, constant)),
+                Load::Pendulum {
+                    gravity,
+                    from,
+                    radians,
+                } => Load::Pendulum {
+                    gravity: load(0, gravity),
+                    from: load(1, from),
+                    radians,
+                },
+                Load::Air {
+                    constant,
+                    stiffening,
+                    from,
+                } => Load::Air {
+                    constant: load(0, constant),
+                    stiffening: load(1, stiffening),
+                    from: load(2, from),
+                },
+            },
         }
-        angle
-    }
-
-    /// The output at rest under `command`, without help of friction.
-    #[must_use]
-    pub fn resting_output(&self, command: S) -> S {
-        self.resting_angle(command) * self.gain + self.offset
     }
 }

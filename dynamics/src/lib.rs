@@ -1,4 +1,4 @@
-//! The servo as a machine: its [equation](ServoParameters), and the one integrator for it.
+//! The servo as a machine: its [equation](ServoParameters), where it rests, and the one integrator for it.
 //!
 //! Everything that moves a servo on paper uses this crate: identification fits it, prediction and exports are tested against it,
 //! simulated rigs run on it. It is generic over the [number](Scalar): `f64`, or [`Dual`] for exact derivatives by the
@@ -28,6 +28,7 @@
 
 mod dual;
 mod equation;
+mod rest;
 mod simulation;
 mod sloped_stepper;
 mod stepper;

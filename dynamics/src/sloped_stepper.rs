@@ -4,7 +4,8 @@
 //! scalar; those by the parameters through the steps before follow by the chain rule, two multiplications for each parameter. A
 //! [dual](crate::Dual) number carries all derivatives through every operation instead.
 
-use crate::equation::{ServoParameters, Slopes, place};
+use crate::dual::Dual;
+use crate::equation::{PARAMETERS, ServoParameters, Slopes, place};
 use crate::stepper::{Advance, Driven, State, Stepper};
 
 /// Angle and speed of the shaft, with their derivatives by the parameters.
@@ -33,19 +34,15 @@ impl SlopedState {
         }
     }
 
-    /// The command that holds the shaft where it is, without help of friction.
+    /// The command that holds the shaft where it is.
     pub(crate) fn holding_command(&self, physics: &ServoParameters<f64>) -> (f64, Slopes) {
-        let angle = self.plain.angle;
-        let per_stiffness = 1.0 / physics.stiffness;
-        let (by_angle, by_load) = physics.load.slopes_at(angle);
-        let mut slopes = self
-            .angle
-            .map(|slope| slope * (1.0 + by_angle * per_stiffness));
-        slopes[place::STIFFNESS] -= physics.load.at(angle) * per_stiffness * per_stiffness;
-        for (slope, by_load) in slopes[place::LOAD..].iter_mut().zip(by_load) {
-            *slope += by_load * per_stiffness;
-        }
-        (physics.holding_command(angle), slopes)
+        let lifted = physics.map(|place, value| Dual::<PARAMETERS>::variable(value, place));
+        let angle = Dual {
+            value: self.plain.angle,
+            slope: self.angle,
+        };
+        let Dual { value, slope } = lifted.holding_command(angle);
+        (value, slope)
     }
 
     /// The measured output.

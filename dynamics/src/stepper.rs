@@ -188,7 +188,7 @@ impl<S: Scalar> Stepper<S> {
 
 /// `value` moved towards zero by `width`, and zero where it would pass it.
 #[inline(always)]
-fn nearer_zero<S: Scalar>(value: S, width: S) -> S {
+pub(crate) fn nearer_zero<S: Scalar>(value: S, width: S) -> S {
     if value.value() > width.value() {
         value - width
     } else if value.value() < -width.value() {

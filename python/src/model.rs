@@ -102,7 +102,7 @@ impl Model {
         let (model, units) = (&self.file.model, self.file.metadata.units());
         let mut text = summary::of_model(&self.name, model, &self.file.metadata, Extent::default());
         let servo = self.file.servo_model().map_err(raised)?;
-        text.extend(servo.map(|servo| summary::of_servo_model(&servo.model, units, false)));
+        text.extend(servo.map(|servo| summary::of_servo_model(&servo, units, false)));
         Ok(text)
     }
 

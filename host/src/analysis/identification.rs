@@ -149,9 +149,7 @@ impl Identified {
             statistics: self.explain,
         };
         text += &summary::of_model(name, model, &ModelMetadata::from(&data.about), extent);
-        text.extend(
-            servo_model.map(|servo| summary::of_servo_model(&servo.model, units, self.explain)),
-        );
+        text.extend(servo_model.map(|servo| summary::of_servo_model(servo, units, self.explain)));
         text.extend(no_servo_model.map(|reason| {
             let line = format!("no servo model: {reason}");
             format!("\n{}\n", summary::wrapped(&line, 0))

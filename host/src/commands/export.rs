@@ -4,7 +4,7 @@ use super::output::{Output, stem, wrong_usage};
 use crate::data::model_file::ModelFile;
 use crate::data::model_metadata::{ModelMetadata, PULSE_FRAMES_S};
 use crate::presentation::export::servo_model::{ServoExport, ServoExportOptions};
-use crate::presentation::export::{Export, ExportError, Target};
+use crate::presentation::export::{Export, ExportError, Target, identifier};
 use anyhow::Result;
 use clap::Args;
 use serde_json::{Map, Value, json};
@@ -41,7 +41,7 @@ pub(super) struct ExportArgs {
     #[arg(long, value_name = "CONTROLLER", allow_negative_numbers = true, value_parser = super::value_parsers::finite)]
     controller: Option<f64>,
     /// Step of time of the servo model in the file (ms); without it, one that suits servo and target
-    #[arg(long, value_name = "MS", value_parser = super::value_parsers::finite)]
+    #[arg(long, value_name = "MS", allow_negative_numbers = true, value_parser = super::value_parsers::finite)]
     step_ms: Option<f64>,
     /// The file to write; without it, standard output
     #[arg(long, short, value_name = "FILE")]
@@ -50,8 +50,10 @@ pub(super) struct ExportArgs {
     #[arg(long, value_name = "NAME")]
     name: Option<String>,
     /// Pulse frame, which holds a command (ms); 0 where commands take effect at once. Without it, that of the
-    /// model: 20 ms where it is from recordings of servoid, unknown otherwise
-    #[arg(long, value_name = "MS", value_parser = super::value_parsers::finite)]
+    /// model: 20 ms where it is from recordings of servoid, unknown otherwise. State it only where the recorded
+    /// commands were written at the pulses that carried them: elsewhere the mean wait for a pulse, half a frame,
+    /// is in the model's delay already
+    #[arg(long, value_name = "MS", allow_negative_numbers = true, value_parser = super::value_parsers::finite)]
     frame_ms: Option<f64>,
     #[command(flatten)]
     output: Output,
@@ -68,12 +70,13 @@ impl ExportArgs {
         }
         let servo_model = self.servo_model || self.to.needs_servo_model();
         if !servo_model && (self.controller.is_some() || self.step_ms.is_some()) {
-            wrong_usage("--controller and --step-ms are for a servo model: add --servo-model");
+            wrong_usage(
+                "--controller and --step-ms are for a servo model: add --servo-model. The linear model is of the sample period of its recording alone; for another rate, record or resample at that",
+            );
         }
         self.output.check_beside(&self.out, [&self.model])?;
         let file = ModelFile::read(&self.model)?;
-        let mut metadata = file.metadata.clone();
-        metadata.pulse_frame_s = stated_s.or(metadata.pulse_frame_s);
+        let metadata = file.metadata.clone().with_stated_frame(stated_s);
         if servo_model {
             self.write_servo_model(&file, &metadata)
         } else {
@@ -104,6 +107,9 @@ impl ExportArgs {
             "largest difference of the file from the servo model: {}",
             export.share_of_stroke(&written)
         ));
+        if let Some(remark) = self.name_of_function(&name) {
+            self.output.talk.say(remark);
+        }
         let comparison = Map::from_iter([
             ("trial".to_owned(), json!(written.trial)),
             (
@@ -112,6 +118,17 @@ impl ExportArgs {
             ),
         ]);
         self.finish(&written.text, &export.warnings(), comparison)
+    }
+
+    /// That MATLAB and Octave find a function by the name of its file alone.
+    fn name_of_function(&self, name: &str) -> Option<String> {
+        let function = identifier(name);
+        let file = self.out.as_ref().filter(|_| self.to == Target::Matlab)?;
+        (stem(file) != function).then(|| {
+            format!(
+                "warning: the file holds the function {function}, and MATLAB and Octave look for it in a file of that name: call it {function}.m"
+            )
+        })
     }
 
     /// The file that the model came from, without its folder.

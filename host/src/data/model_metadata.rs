@@ -33,6 +33,9 @@ pub struct ModelMetadata {
     /// The time for which a pulse frame holds a command \[s\], 0 where commands take effect at once.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pulse_frame_s: Option<f64>,
+    /// Whether that frame was stated by hand where the model does not say that its commands were written at their pulses.
+    #[serde(skip)]
+    pub frame_is_stated: bool,
     /// The delay of the sensor that was taken out is at most this far from the true one \[s\].
     #[serde(default, skip_serializing_if = "is_zero")]
     pub sensor_delay_uncertainty_s: f64,
@@ -47,8 +50,19 @@ impl ModelMetadata {
         Self {
             units: UnitNames { input, output },
             pulse_frame_s,
+            frame_is_stated: false,
             sensor_delay_uncertainty_s: 0.0,
             only_stroke: None,
+        }
+    }
+
+    /// With the pulse frame that somebody states, if anybody does.
+    #[must_use]
+    pub fn with_stated_frame(self, frame_s: Option<f64>) -> Self {
+        Self {
+            pulse_frame_s: frame_s.or(self.pulse_frame_s),
+            frame_is_stated: frame_s.is_some() && self.pulse_frame_s.is_none(),
+            ..self
         }
     }
 

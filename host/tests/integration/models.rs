@@ -47,6 +47,21 @@ fn written(file: &ModelFile) -> Value {
 }
 
 #[test]
+fn a_model_that_says_the_wrong_schema_is_refused_in_words() {
+    let mut changed = document(&SCHEMA_2);
+    changed["schema"] = 1.into();
+    let theta = changed["theta"].as_array().unwrap().len();
+    changed["theta"] = vec![Value::Null; theta].into();
+    let sentence = refused(&changed);
+    for part in [
+        "says that it is of schema 1, and is not laid out like that",
+        "write 2 there again",
+    ] {
+        assert!(sentence.contains(part), "{sentence}");
+    }
+}
+
+#[test]
 fn a_model_of_schema_1_is_read_with_all_its_numbers() {
     let file = read(&SCHEMA_1).unwrap();
     let (model, old) = (&file.model, document(&SCHEMA_1));

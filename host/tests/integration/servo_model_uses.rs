@@ -49,6 +49,42 @@ fn table(recording: &Path, table: &Path, rows: impl Fn(usize) -> bool) {
     std::fs::write(table, out).unwrap();
 }
 
+#[test]
+fn a_recording_without_the_column_of_runs_of_the_model_is_one_run() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = |name: &str| dir.path().join(name);
+    let recording = path("a.csv");
+    let simulate = ["simulate", "-q", "--servo", "bench", "-o", arg(&recording)];
+    run(&[&simulate[..], &STAIRS].concat());
+    table(&recording, &path("plain.csv"), |_| true);
+    let plain = std::fs::read_to_string(path("plain.csv")).unwrap();
+    let with_run: String = plain
+        .lines()
+        .map(|line| {
+            format!(
+                "{line},{}\n",
+                if line.starts_with('t') { "part" } else { "1" }
+            )
+        })
+        .collect();
+    std::fs::write(path("runs.csv"), with_run).unwrap();
+    let columns = ["--input", "u_deg", "--output", "y_deg", "--run", "part"];
+    let model = path("m.json");
+    run(&[
+        &["identify", "-q", arg(&path("runs.csv")), "-o", arg(&model)],
+        &columns[..],
+    ]
+    .concat());
+    let output = crate::support::servoid(&["validate", arg(&model), arg(&path("plain.csv"))])
+        .output()
+        .unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        output.status.success() && said.contains("there is no column \"part\" here"),
+        "{said}"
+    );
+}
+
 fn quantities(model: &Value) -> Vec<(String, f64, Value)> {
     let all = model["servo_model"]["quantities"].as_array().unwrap();
     let one = |quantity: &Value| {

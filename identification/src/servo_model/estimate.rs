@@ -349,6 +349,7 @@ fn describe(
         ),
         coordinates: point.coordinates.clone(),
         values: point.values.clone(),
+        commands: Some(found.motion.commands),
         reached: Some(reached),
         run_offsets: point.run_offsets.clone(),
         fit: ServoFit {

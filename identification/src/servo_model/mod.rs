@@ -8,6 +8,7 @@
 
 mod beside_linear;
 mod candidates;
+mod command_range;
 mod coordinates;
 mod covariance;
 mod current_limit;
@@ -25,6 +26,8 @@ mod ladder;
 mod model;
 mod motion;
 mod noise_at_rest;
+mod offset;
+mod old_quantities;
 mod other_fits;
 mod other_valleys;
 mod possible_servo;
@@ -45,6 +48,7 @@ mod coverage;
 mod tests;
 
 pub use beside_linear::fit_beside;
+pub use command_range::CommandRange;
 pub use coordinates::{Coordinate, LoadKind, Terms};
 pub use estimate::{ServoModelOptions, fit, fit_watched};
 pub use model::{

@@ -1,5 +1,6 @@
 //! The result: a servo, how sure it is, and how it was chosen.
 
+use super::command_range::CommandRange;
 use super::coordinates::{Coordinate, FRICTION_SPEED_SHARE, Point, Terms};
 use super::descent_step::MOST;
 use super::initial_state::find_starts;
@@ -41,6 +42,9 @@ pub struct ServoModel {
     pub alternatives: Vec<Alternative>,
     /// Parameters and what follows from them, in people's terms.
     pub quantities: Vec<Quantity>,
+    /// The commands of the record; `None` in files from before this was kept.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub commands: Option<CommandRange>,
     /// How fast the servo moved in the record, whatever the model says of it; `None` in files from before this was kept.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reached: Option<ReachedSpeeds>,

@@ -1,5 +1,6 @@
 //! The motion of the simulated servo: where it is at rest, how fast it gets, and how far behind the command it falls.
 
+use super::command_range::CommandRange;
 use super::stretches::Stretch;
 use servoid_dynamics::ServoParameters;
 
@@ -16,8 +17,8 @@ pub(super) struct ServoMotion {
     pub(super) moving: Vec<Vec<bool>>,
     /// Largest speeds.
     pub(super) fastest: Fastest,
-    /// Half way between the least and the largest command.
-    pub(super) middle: f64,
+    /// The commands.
+    pub(super) commands: CommandRange,
 }
 
 /// Largest speeds of the simulated output over a record.
@@ -79,17 +80,18 @@ impl ServoMotion {
             moving: judged(|step, most| step > most),
             simulated,
             fastest,
-            middle: middle(stretches),
+            commands: commands(stretches),
         }
     }
 }
 
-/// Half way between the least and the largest command.
-fn middle(stretches: &[Stretch]) -> f64 {
+/// The least and the largest command.
+fn commands(stretches: &[Stretch]) -> CommandRange {
     let commands = || stretches.iter().flat_map(|stretch| &stretch.input);
-    let least = commands().copied().fold(f64::INFINITY, f64::min);
-    let largest = commands().copied().fold(f64::NEG_INFINITY, f64::max);
-    0.5 * (least + largest)
+    CommandRange {
+        least: commands().copied().fold(f64::INFINITY, f64::min),
+        largest: commands().copied().fold(f64::NEG_INFINITY, f64::max),
+    }
 }
 
 #[cfg(test)]
@@ -104,7 +106,10 @@ impl ServoMotion {
                 upwards: 1.0,
                 downwards: 1.0,
             },
-            middle: 0.0,
+            commands: CommandRange {
+                least: -1.0,
+                largest: 1.0,
+            },
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::coordinates::Point;
 use super::motion::{Fastest, ServoMotion};
+use super::offset::{self, Formula};
 use super::possible_servo::PossibleServo;
 use crate::numerics::dot;
 use crate::results::{Bounds, Interval};
@@ -65,6 +66,9 @@ pub struct Spread {
 /// The name of the only quantity that is a time from the edge of a command.
 const DELAY: &str = "delay";
 
+/// The name of the output at rest under command 0.
+pub(super) const OFFSET: &str = "offset";
+
 /// Allows for output that was recorded up to `seconds` earlier or later than it is taken for.
 pub(super) fn widen_delay(quantities: &mut [Quantity], seconds: f64) {
     for quantity in quantities.iter_mut().filter(|q| q.name == DELAY) {
@@ -90,18 +94,13 @@ struct Definition {
     unit: Unit,
     /// Which values are possible.
     domain: Domain,
-    /// From the servo and the middle of the commands.
-    of: fn(&ServoParameters<f64>, f64) -> Option<f64>,
+    /// The formula.
+    of: Formula,
     /// How much of it the servo did in the record, if what it did not do is an extrapolation.
     reached: Option<fn(&Fastest) -> f64>,
 }
 
-const fn define(
-    name: &'static str,
-    unit: Unit,
-    domain: Domain,
-    of: fn(&ServoParameters<f64>, f64) -> Option<f64>,
-) -> Definition {
+const fn define(name: &'static str, unit: Unit, domain: Domain, of: Formula) -> Definition {
     Definition {
         name,
         unit,
@@ -119,10 +118,7 @@ const DEFINITIONS: &[Definition] = &[
     define("gain", Unit::OutputPerCommand, Domain::Any, |p, _| {
         Some(p.gain)
     }),
-    // With the load: a record that knows where the servo rests may not know whether a load holds it there.
-    define("offset", Unit::Output, Domain::Any, |p, _| {
-        Some(p.resting_output(0.0))
-    }),
+    define(OFFSET, Unit::Output, Domain::Any, offset::at_rest),
     define(
         "bandwidth at small signals",
         Unit::Hertz,
@@ -154,13 +150,13 @@ const DEFINITIONS: &[Definition] = &[
         "acceleration upwards",
         Unit::OutputPerSecondSquared,
         Domain::Positive,
-        |p, _| p.limit.map(|l| l.up * p.gain.abs()),
+        |p, _| accelerations(p).map(|[up, _]| up),
     ),
     define(
         "acceleration downwards",
         Unit::OutputPerSecondSquared,
         Domain::Positive,
-        |p, _| p.limit.map(|l| l.up * l.down_to_up * p.gain.abs()),
+        |p, _| accelerations(p).map(|[_, down]| down),
     ),
     define(
         "error of full drive",
@@ -198,7 +194,7 @@ const DEFINITIONS: &[Definition] = &[
         Domain::Any,
         |p, middle| {
             let loaded = p.load != Load::None;
-            loaded.then(|| p.holding_command(middle) - middle)
+            loaded.then(|| p.load.at(middle) / p.stiffness)
         },
     ),
     define(
@@ -223,7 +219,14 @@ fn bandwidth_hz(p: &ServoParameters<f64>) -> f64 {
 /// speeds, and a record that does not distinguish them still determines these.
 fn top_speeds(p: &ServoParameters<f64>, middle: f64) -> Option<[f64; 2]> {
     let speeds = p.top_speeds(p.load.at(middle))?;
-    Some(speeds.map(|speed| speed * p.gain.abs()))
+    Some(p.upwards_first(speeds.map(|speed| speed * p.gain.abs())))
+}
+
+/// Accelerations of full drive upwards and downwards.
+fn accelerations(p: &ServoParameters<f64>) -> Option<[f64; 2]> {
+    let limit = p.limit?;
+    let drives = [limit.up, limit.up * limit.down_to_up];
+    Some(p.upwards_first(drives.map(|drive| drive * p.gain.abs())))
 }
 
 /// The quantities of the first of `possible`, with intervals that hold those of all, where bounds hold; elsewhere with those of `others`.
@@ -234,7 +237,7 @@ pub(super) fn quantities(
     motion: &ServoMotion,
     others: &[Point],
 ) -> Vec<Quantity> {
-    let middle = motion.middle;
+    let middle = motion.commands.middle();
     let of = |definition: &Definition| {
         let value = definition.value(&possible[0].point, middle)?;
         let hull = possible
@@ -288,9 +291,27 @@ impl Definition {
         }
     }
 
-    /// The interval by one servo. One without the term says zero where that is what being without it means, and
-    /// else nothing.
+    /// The interval by one servo. The output at rest jumps where what pushes the shaft changes its side.
     fn interval(&self, servo: &PossibleServo, middle: f64, critical: f64) -> Option<Interval> {
+        let own = self.smooth_interval(servo, middle, critical)?;
+        let of = |of| {
+            let definition = define(self.name, self.unit, Domain::Any, of);
+            definition.smooth_interval(servo, middle, critical)
+        };
+        if self.name != OFFSET || offset::side_is_known(of) {
+            return Some(own);
+        }
+        Some(offset::EDGES.into_iter().filter_map(of).fold(own, hull))
+    }
+
+    /// The same of what is a smooth function of the servo. One without the term says zero where that is what being without it means,
+    /// and else nothing.
+    fn smooth_interval(
+        &self,
+        servo: &PossibleServo,
+        middle: f64,
+        critical: f64,
+    ) -> Option<Interval> {
         let Some(value) = self.value(&servo.point, middle) else {
             return (self.domain == Domain::NotNegative).then(|| Interval::new(0.0, 0.0, 0.0));
         };

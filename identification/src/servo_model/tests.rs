@@ -252,6 +252,89 @@ fn a_servo_whose_speed_alone_is_limited_is_found_again() {
     }
 }
 
+/// Intervals of what follows from how the shaft rests and how fast it turns, by name.
+fn require_intervals(servo: &Point, names: &[&str], seed: u64) {
+    let input = strokes(3000);
+    let record = Record::of_run(PERIOD_S, &input, noisy(servo, &input, seed)).unwrap();
+    let found = fit(&record, &ServoModelOptions::default()).unwrap();
+    for (name, truth) in super::quantities::values(servo) {
+        let mut named = found.quantities.iter().filter(|found| found.name == name);
+        if !names.contains(&name) {
+            continue;
+        }
+        let interval = named.next().unwrap().interval.valid().unwrap();
+        assert!(interval.contains(truth), "{name}: {truth} {interval:?}");
+    }
+}
+
+#[test]
+fn the_offset_of_a_loaded_servo_is_where_it_rests() {
+    let loaded = Terms {
+        limit: true,
+        load: LoadKind::Constant,
+        ..Terms::default()
+    };
+    let with = |terms, load: f64| {
+        point(terms, |at| match at {
+            Coordinate::DeadBand => 0.6,
+            Coordinate::LnDownToUp => 0.5f64.ln(),
+            Coordinate::ConstantLoad => load,
+            other => value(other),
+        })
+    };
+    let dead_band = Terms {
+        dead_band: true,
+        ..loaded
+    };
+    let unequal = Terms {
+        two_speeds: true,
+        ..loaded
+    };
+    // Beyond the edge of the dead band, and against the weaker side of the drive; all times the gain of 1.1.
+    for (servo, rest) in [
+        (with(dead_band, 0.8), 0.3 - 1.1 * (0.6 + 0.8)),
+        (with(unequal, -0.72), 0.3 + 1.1 * (0.72 / 0.5)),
+    ] {
+        let physics = servo.physics(0, |_, value| value);
+        assert!((physics.resting_output(0.0) - rest).abs() < 1e-9);
+        require_intervals(&servo, &["offset"], 31);
+    }
+}
+
+#[test]
+fn upwards_is_where_the_output_grows() {
+    let terms = Terms {
+        limit: true,
+        two_speeds: true,
+        ..Terms::default()
+    };
+    let servo = point(terms, |at| match at {
+        Coordinate::Gain => -1.1,
+        other => value(other),
+    });
+    let input = [vec![0.0; 20], vec![100.0; 150], vec![-100.0; 300]].concat();
+    let output = response(&servo, &input, 1e-4);
+    let fastest = |sign: f64| {
+        let speeds = output
+            .windows(2)
+            .map(|pair| sign * (pair[1] - pair[0]) / PERIOD_S);
+        speeds.fold(0.0, f64::max)
+    };
+    let stated = super::quantities::values(&servo);
+    let of = |name: &str| stated.iter().find(|(found, _)| *found == name).unwrap().1;
+    for (name, sign) in [("upwards", 1.0), ("downwards", -1.0)] {
+        let reached = fastest(sign) / of(&format!("top speed {name}"));
+        assert!((0.95..1.0).contains(&reached), "{name}: {reached}");
+    }
+    assert!(of("acceleration upwards") > of("acceleration downwards"));
+    let names = [
+        "top speed upwards",
+        "top speed downwards",
+        "acceleration upwards",
+    ];
+    require_intervals(&servo, &names, 32);
+}
+
 #[test]
 fn a_linear_servo_stays_linear() {
     let (servo, input) = (point(Terms::default(), value), strokes(2000));

@@ -136,13 +136,48 @@ pub fn load_as(
     if joined == *options {
         return load(paths, options);
     }
-    let mut data = match load(paths, &joined) {
+    let mut remarks = vec![
+        "the files are read as those of the model were (columns, period, runs, rest); options override this".to_owned(),
+    ];
+    let mut found = load(paths, &joined);
+    if let Some((without, remark)) = found
+        .as_ref()
+        .err()
+        .and_then(|error| without_run(error, options, &joined))
+    {
+        remarks.push(remark);
+        found = load(paths, &without).or(found);
+    }
+    let mut data = match found {
         Err(error) => return load(paths, options).map_err(|_| error),
         Ok(data) => data,
     };
-    let remark = "the files are read as those of the model were (columns, period, runs, rest); options override this";
-    data.about.remarks.insert(0, remark.to_owned());
+    data.about.remarks.splice(0..0, remarks);
     Ok(data)
+}
+
+/// The options without a column of runs that only the files of the model had, where that is what is missing.
+fn without_run(
+    error: &DatasetError,
+    options: &DatasetOptions,
+    joined: &DatasetOptions,
+) -> Option<(DatasetOptions, String)> {
+    let run = joined.run.as_ref().filter(|_| options.run.is_none())?;
+    let DatasetError::File(file) = error else {
+        return None;
+    };
+    match &file.fault {
+        DatasetFault::Table(TableFault::NoColumn { column, .. }) if column == run => Some((
+            DatasetOptions {
+                run: None,
+                ..joined.clone()
+            },
+            format!(
+                "there is no column {run:?} here, by which the files of the model were divided into runs: each file is one run"
+            ),
+        )),
+        _ => None,
+    }
 }
 
 /// Reads two sides that are to be compared. Where one side is recordings of servoid without

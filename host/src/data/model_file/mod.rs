@@ -85,6 +85,12 @@ pub enum ModelFileError {
     /// Fields are missing, or are not what they should be.
     #[error("{0:?} is no model of 'servoid identify': {1}")]
     Malformed(PathBuf, serde_json::Error),
+    /// It is not laid out as its schema says.
+    #[error(
+        "the model {0:?} says that it is of schema {schema}, and is not laid out like that ({1}): if its field schema was changed, write {MODEL_SCHEMA} there again, else identify again",
+        schema = schema_1::SCHEMA
+    )]
+    NotOfItsSchema(PathBuf, serde_json::Error),
     /// Its parts do not fit together.
     #[error(
         "the model {0:?} contradicts itself: its lists do not have the lengths that its structure gives, its bounds are there in part, or its numbers are beyond what any servo could have; identify again"
@@ -152,8 +158,14 @@ impl ModelFile {
         }
         let malformed = |reason| ModelFileError::Malformed(path.to_owned(), reason);
         let document: Value = serde_json::from_str(text).map_err(malformed)?;
+        let is_old = document
+            .get("schema")
+            .is_some_and(|schema| *schema == schema_1::SCHEMA);
         let document = to_todays_schema(document, path)?;
-        let model = Model::deserialize(&document).map_err(malformed)?;
+        let model = Model::deserialize(&document).map_err(|reason| match is_old {
+            true => ModelFileError::NotOfItsSchema(path.to_owned(), reason),
+            false => malformed(reason),
+        })?;
         if !model.is_consistent() {
             return Err(ModelFileError::Inconsistent(path.to_owned()));
         }
@@ -206,7 +218,7 @@ impl ModelFile {
         let beside = BesideServoModel::deserialize(&self.servo_model).map_err(malformed)?;
         match model.is_consistent() {
             true => Ok(Some(ServoModelDocument {
-                model,
+                model: model.with_todays_quantities(),
                 controller_names: beside.controller_names,
             })),
             false => Err(ModelFileError::InconsistentServoModel(self.path.clone())),

@@ -7,6 +7,7 @@
 
 mod csv;
 mod error;
+mod frame_hold;
 mod jsbsim;
 mod languages;
 mod model;
@@ -18,6 +19,7 @@ mod text;
 pub use error::ExportError;
 pub use model::Export;
 pub use target::Target;
+pub(crate) use text::identifier;
 
 impl Export<'_> {
     /// The text of the file.

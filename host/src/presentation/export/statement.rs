@@ -47,10 +47,9 @@ impl Export<'_> {
         if let Some(reason) = model.metrics.withheld {
             warn(true, &format!("metrics are withheld: {}", reason.because()));
         }
-        warn(
-            self.metadata.pulse_frame_s.is_none(),
-            "it is not known how the command is held: the model does not say that it comes from recordings of servoid, so no frame hold is assumed; for a servo on pulses, state their frame with --frame-ms",
-        );
+        if let Some(text) = self.metadata.frame_warning() {
+            warn(true, &text);
+        }
         match &self.low_order {
             Ok(flight) => {
                 let error = self.largest_error_percent(flight);
@@ -120,12 +119,27 @@ impl Export<'_> {
     fn sampling(&self) -> String {
         let model = self.model;
         format!(
-            "Sampling: every {period} s. The command u(k) is held from {period} k to {period} (k+1) s, and y(k) is the position at {period} k + {phase} s. The model is y(k) = h(0) u(k) + ... + h(N-1) u(k-N+1) + offset with N = {taps}: after N samples a response is over, and what comes later is in the last of them. The offset of {offset} is left out of every response: add it to have the position itself.",
+            "Sampling: every {period} s. The command u(k) is held from {period} k to {period} (k+1) s, and y(k) is the position at {period} k + {phase} s. The model is y(k) = h(0) u(k) + ... + h(N-1) u(k-N+1) + offset with N = {taps}: after N samples a response is over, and what comes later is in the last of them. A step that returns a position returns y(k), which belongs to the beginning of the step of u(k); that of a servo model's export belongs to its end. The offset of {offset} is left out of every response: add it to have the position itself.{of_motion}",
             period = number(model.sample_period_s),
             phase = number(model.sample_phase_s),
             taps = model.structure.settling_samples,
             offset = number(model.offset),
+            of_motion = self.offset_of_motion().unwrap_or_default(),
         )
+    }
+
+    /// That the offset is no position of rest, of a servo that is not linear.
+    fn offset_of_motion(&self) -> Option<String> {
+        let machine = self.servo_model.filter(|servo| !servo.is_linear());
+        (!self.model.linear || machine.is_some()).then(|| {
+            let instead = match machine {
+                Some(_) => ", which --servo-model exports,",
+                None => "",
+            };
+            format!(
+                " This servo is not linear: that is the mean of what this model is off over its recording, and no position of rest. The servo model{instead} has where it rests."
+            )
+        })
     }
 
     fn hold(&self, held: bool) -> String {

@@ -5,7 +5,7 @@
 
 /// A name for programs, `servo_bench_1`: letters of ASCII, digits and underscores. The first word keeps it from
 /// being a keyword of any language.
-pub(super) fn identifier(name: &str) -> String {
+pub(crate) fn identifier(name: &str) -> String {
     let mut safe = String::from("servo");
     let words = name.split(|c: char| !c.is_ascii_alphanumeric());
     let words = words.filter(|word| !word.is_empty());

@@ -37,7 +37,7 @@ pub(crate) use layout::{listed_words, wrapped};
 pub(crate) use metrics::{difference_rows, metric_rows, withheld_line};
 pub(crate) use numbers::{decimals, head_of_bounds, percent, probability};
 pub(crate) use servo_model::{
-    QuantityRow, advice_on_servo_model, four_digits, quantities, quantity_rows,
+    QuantityRow, advice_on_servo_model, digits, four_digits, quantities, quantity_rows,
     run_offsets_in_words, terms_in_words,
 };
 

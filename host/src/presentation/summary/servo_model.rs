@@ -2,6 +2,7 @@
 
 use super::layout::wrapped;
 use super::numbers::head_of_bounds;
+use crate::data::model_file::ServoModelDocument;
 use crate::data::units::Units;
 use servoid_identification::results::{Bounds, Interval};
 use servoid_identification::servo_model::{
@@ -11,7 +12,8 @@ use servoid_identification::servo_model::{
 
 /// Parameters with their intervals; with `explain`, the terms that were tried.
 #[must_use]
-pub fn of_servo_model(model: &ServoModel, units: Units<'_>, explain: bool) -> String {
+pub fn of_servo_model(document: &ServoModelDocument, units: Units<'_>, explain: bool) -> String {
+    let model = &document.model;
     let level = model.covariance.as_ref().map(|covariance| covariance.level);
     let mut text = format!(
         "\nservo model: {}\n  fit {:.2} %; of parts that it had not seen {:.2} % (a linear servo of second order: {:.2} %)\n",
@@ -33,6 +35,9 @@ pub fn of_servo_model(model: &ServoModel, units: Units<'_>, explain: bool) -> St
         text += &format!("  {}\n", wrapped(&sentence, 2));
     }
     text += &quantities(&model.quantities, level, units);
+    if let Some(sentence) = whose_controller(document) {
+        text += &format!("  {}\n", wrapped(&sentence, 2));
+    }
     for advice in advice_on_servo_model(model) {
         text += &format!("  {}\n", wrapped(advice, 2));
     }
@@ -48,6 +53,21 @@ pub fn of_servo_model(model: &ServoModel, units: Units<'_>, explain: bool) -> St
         );
     }
     text
+}
+
+/// Which controller the quantities are of, and how much stiffer the others are, where there are several.
+fn whose_controller(document: &ServoModelDocument) -> Option<String> {
+    let (first, others) = document.controller_names.split_first()?;
+    let stiffness = |number: usize| document.model.parameters(number).stiffness;
+    let other = |(name, number): (&f64, usize)| {
+        let times = stiffness(number) / stiffness(0);
+        format!("{name} is {} times as stiff", digits(times, 3))
+    };
+    let others: Vec<String> = others.iter().zip(1..).map(other).collect();
+    (!others.is_empty()).then(|| format!(
+        "Bandwidth, damping ratio, error of full drive and what is left at rest are those with the controller {first}; {}.",
+        others.join(", ")
+    ))
 }
 
 /// That each run has an offset of its own, and how far these lie from their mean.
@@ -368,7 +388,7 @@ pub(crate) fn four_digits(value: f64) -> String {
 }
 
 /// A number with so many digits.
-pub(super) fn digits(value: f64, count: usize) -> String {
+pub(crate) fn digits(value: f64, count: usize) -> String {
     digits_beside(value, count, None)
 }
 

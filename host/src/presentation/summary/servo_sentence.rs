@@ -60,6 +60,7 @@ fn what_is_known(
 ) -> Vec<String> {
     let parts = [
         Some(limited_to(model, speeds, units, 4).unwrap_or_else(|| kind(model).to_owned())),
+        below_any_limit(model, units),
         resting_error(model, units),
         load(model).map(str::to_owned),
         delay(model),
@@ -79,12 +80,26 @@ fn what_was_seen(
         Some(_) => "is limited in its speed".to_owned(),
         None => kind(model).to_owned(),
     });
-    let reached = model.reached.map(|reached| {
-        let [up, down] = [reached.upwards, reached.downwards]
-            .map(|speed| speed_in_words(model, (speed, digits(speed, 2)), units));
-        format!("moved at up to {up} upwards and {down} downwards in this recording")
-    });
-    std::iter::once(kind).chain(reached).collect()
+    std::iter::once(kind)
+        .chain(moved_at(model, units))
+        .collect()
+}
+
+/// How fast the servo moved in the recording.
+fn moved_at(model: &ServoModel, units: Units<'_>) -> Option<String> {
+    let reached = model.reached?;
+    let [up, down] = [reached.upwards, reached.downwards]
+        .map(|speed| speed_in_words(model, (speed, digits(speed, 2)), units));
+    let upwards = upwards(model);
+    Some(format!(
+        "moved at up to {up} {upwards} and {down} downwards in this recording"
+    ))
+}
+
+/// The same where the model has no limit, which it may have beyond.
+fn below_any_limit(model: &ServoModel, units: Units<'_>) -> Option<String> {
+    let moved = moved_at(model, units).filter(|_| !model.terms.limit)?;
+    Some(format!("{moved} without reaching a limit"))
 }
 
 /// Other fits to the record whose top speeds are within this part of it of each other have one top speed: it is what counts as the same where
@@ -134,8 +149,16 @@ fn limited_to(
         .map(|found| speed_in_words(model, (found.value, digits(found.value, count)), units));
     Some(match up == down {
         true => format!("is limited to {up}"),
-        false => format!("is limited to {up} upwards and {down} downwards"),
+        false => format!("is limited to {up} {} and {down} downwards", upwards(model)),
     })
+}
+
+/// Upwards, and what that is where the position goes against the command.
+fn upwards(model: &ServoModel) -> &'static str {
+    match model.parameters(0).gain < 0.0 {
+        true => "upwards (the position grows, the command falls)",
+        false => "upwards",
+    }
 }
 
 /// "331 deg/s (0.181 s/60°)", of a speed and its figure.

@@ -73,9 +73,9 @@ pub struct DirectionModel {
     pub settling_samples: usize,
     /// d.
     pub noise_order: usize,
-    /// Response to a unit step upwards. Its last value is the gain, as in [`StepResponse`].
+    /// Response to a unit step of the input upwards. Its last value is the gain, as in [`StepResponse`].
     pub up: StepResponse,
-    /// Response to a unit step downwards, inverted.
+    /// Response to a unit step of the input downwards, inverted.
     pub down: StepResponse,
     /// Whether the two differ, where bounds hold: the test takes the errors for noise.
     pub symmetry: Bounds<Symmetry>,

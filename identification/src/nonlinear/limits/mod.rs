@@ -23,7 +23,7 @@ pub use rate::{Rate, RateVerdict};
 /// The limits of a servo as far as one record shows them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Limits {
-    /// Speed of strokes upwards.
+    /// Speed of strokes upwards: the output grows.
     pub rate_up: Rate,
     /// Speed of strokes downwards.
     pub rate_down: Rate,
@@ -58,9 +58,14 @@ impl Limits {
     /// ```
     pub fn of(record: &Record, model: &Model, level: f64) -> Self {
         let settling = settling(model);
-        let strokes = strokes(record, settling);
+        let mut strokes = strokes(record, settling);
+        let reversed = model.impulse_response().iter().sum::<f64>() < 0.0;
+        if reversed {
+            // The output goes against the command, and that is no travel back.
+            strokes.iter_mut().for_each(|stroke| stroke.travel *= -1.0);
+        }
         let (up, down): (Vec<_>, Vec<_>) =
-            strokes.into_iter().partition(|stroke| stroke.size > 0.0);
+            (strokes.into_iter()).partition(|stroke| (stroke.size > 0.0) != reversed);
         let table = table(record, model, Some(level));
         Self {
             rate_up: Rate::new("up", &up, level),

@@ -50,6 +50,8 @@ const LEFT_OUT: [Term; 12] = [
 struct Parameters {
     /// SIM_SERVO_SPEED \[s\]; 0 for no limit.
     speed_s: f64,
+    /// What it is at most: the servo was as fast in the recording.
+    reached_s: f64,
     /// SIM_SERVO_DELAY \[s\].
     delay_s: f64,
     /// SIM_SERVO_FILTER \[Hz\].
@@ -69,11 +71,11 @@ impl Parameters {
         let line = (p.delay_s.max(0.0) * rate_hz + 2.0).floor();
         // Both lag by c/k behind a ramp of unit speed.
         let cutoff = SQRT_2 * p.stiffness / p.damping / TAU;
-        let speed = export
-            .top_speeds()
-            .map(|(up, down)| degrees_per_unit * (up + down) / 2.0);
+        let mean = |(up, down): (f64, f64)| degrees_per_unit * (up + down) / 2.0;
+        let time_s = |speeds| SPEED_DEG / mean(speeds);
         Self {
-            speed_s: speed.map_or(0.0, |speed| SPEED_DEG / speed),
+            speed_s: export.top_speeds().map_or(0.0, time_s),
+            reached_s: export.reached_speeds().map_or(f64::INFINITY, time_s),
             // Half a step more, so that rounding does not cut a step off.
             delay_s: (line + 0.5) / rate_hz,
             filter_hz: cutoff.min(HIGHEST_CUTOFF * rate_hz),
@@ -81,10 +83,10 @@ impl Parameters {
         }
     }
 
-    /// With this share of its speed.
+    /// With this share of its speed, where the servo was not faster.
     fn slower(&self, share: f64) -> Self {
         Self {
-            speed_s: self.speed_s / share,
+            speed_s: (self.speed_s / share).min(self.reached_s),
             ..*self
         }
     }
@@ -136,6 +138,7 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     let positions = positions(&parameters);
     let difference = Difference::of(export, trial, &positions, Load::None);
     let rate = format!("{:.0}", parameters.rate_hz);
+    let share = full_speed.speed_s / parameters.speed_s;
     let about = about(export, &rate, share, &difference);
     let values = [
         ("about", SCRIPT_STYLE.comment(&about)),
@@ -156,10 +159,10 @@ fn about(export: &ServoExport<'_>, rate: &str, share: f64, difference: &Differen
     about.extend([
         export.hold(false),
         format!(
-            "In SITL: SIM_SERVO_SPEED is the time for {SPEED_DEG} degrees, SIM_SERVO_DELAY the delay and the two steps that SITL and its filter are early by, at {rate} steps in a second (SIM_RATE_HZ), and SIM_SERVO_FILTER the cutoff of the Butterworth filter that lags behind a ramp as this servo does, by {} ms.",
+            "In SITL: SIM_SERVO_SPEED is the time for {SPEED_DEG} degrees, or 0 for no limit, SIM_SERVO_DELAY the delay and the two steps that SITL and its filter are early by, at {rate} steps in a second (SIM_RATE_HZ), and SIM_SERVO_FILTER the cutoff of the Butterworth filter that lags behind a ramp as this servo does, by {} ms.",
             four_digits(1e3 * lag_s)
         ),
-        export.rate(share),
+        export.rate([share; 2]),
         format!(
             "SITL takes a full command for {FULL_DEG} degrees. For a servo that turns by D degrees then, multiply SIM_SERVO_SPEED by D/{FULL_DEG}. These parameters are those of all servos of the aircraft."
         ),

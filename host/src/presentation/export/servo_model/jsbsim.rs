@@ -38,8 +38,10 @@ enum Filter {
 struct Actuator {
     filter: Filter,
     delay_s: f64,
-    /// Upwards and downwards \[1/s\].
+    /// Towards larger and smaller theta \[1/s\].
     rates: Option<(f64, f64)>,
+    /// What they are at least.
+    reached: Option<(f64, f64)>,
     hysteresis_width: f64,
     bias: f64,
     stiffness: f64,
@@ -51,13 +53,13 @@ struct Actuator {
 impl Actuator {
     fn of(export: &ServoExport<'_>) -> Self {
         let p = &export.parameters;
-        let friction = p.friction.map_or(0.0, |friction| friction.coulomb);
         Self {
             filter: Filter::Behind,
             delay_s: p.delay_s.max(0.0),
             rates: export.top_speeds(),
-            hysteresis_width: 2.0 * (p.dead_band.unwrap_or(0.0) + friction / p.stiffness),
-            bias: -export.constant_load() / p.stiffness,
+            reached: export.reached_speeds(),
+            hysteresis_width: hysteresis_width(export),
+            bias: (export.parameters_with(export.only_constant_load())).resting_angle(0.0),
             stiffness: p.stiffness,
             damping: p.damping,
             gain: p.gain,
@@ -74,10 +76,13 @@ impl Actuator {
         (full_speed.slower(found.share), found)
     }
 
-    /// With this share of its rates.
+    /// With this share of its rates, where the servo was not faster.
     fn slower(&self, share: f64) -> Self {
+        let rates = |((up, down), (least_up, least_down)): ((f64, f64), (f64, f64))| {
+            ((share * up).max(least_up), (share * down).max(least_down))
+        };
         Self {
-            rates: self.rates.map(|(up, down)| (share * up, share * down)),
+            rates: self.rates.zip(self.reached).map(rates),
             ..*self
         }
     }
@@ -181,6 +186,20 @@ impl Actuator {
     }
 }
 
+/// The distance between the rests from above and from below. Where the load moves the shaft through the dead band, it rests at one
+/// edge, from wherever it comes.
+fn hysteresis_width(export: &ServoExport<'_>) -> f64 {
+    let p = &export.parameters;
+    let [least, most] = p.holding_drives(export.constant_load());
+    let friction = p.friction.map_or(0.0, |friction| friction.coulomb) / p.stiffness;
+    let open = if least * most > 0.0 {
+        0.0
+    } else {
+        p.dead_band.unwrap_or(0.0)
+    };
+    2.0 * (open + friction)
+}
+
 /// The system.
 pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportError> {
     let any = Actuator::of(export);
@@ -193,16 +212,16 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     let exact = trial.exact(&export.parameters_with(load));
     let [first, behind] =
         [Filter::Before, Filter::Behind].map(|filter| any.fitted(filter, &trial, &exact));
-    let (actuator, fit) = match first.1.squares < behind.1.squares {
-        true => first,
-        false => behind,
+    let actuator = match first.1.squares < behind.1.squares {
+        true => first.0,
+        false => behind.0,
     };
     let positions = actuator.respond(&trial);
     let first = trial.levels.first().copied().unwrap_or(0.0);
     let difference = Difference::of(export, trial, &positions, load);
     let id = identifier(export.name);
     let held = export.frame_s() > 0.0;
-    let about = about(export, fit.share, &difference);
+    let about = about(export, shares(&any, &actuator), &difference);
     let frame = [("id", id.clone()), ("frame", number(export.frame_s()))];
     let hold = held.then(|| fill(include_str!("../templates/hold.xml"), &frame));
     let input = if held { "held" } else { "cmd" };
@@ -223,13 +242,21 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     )
 }
 
-fn about(export: &ServoExport<'_>, share: f64, difference: &Difference) -> Vec<String> {
+/// What the rates are of those at full speed, towards larger and smaller theta.
+fn shares(full_speed: &Actuator, actuator: &Actuator) -> [f64; 2] {
+    match (actuator.rates, full_speed.rates) {
+        (Some((up, down)), Some((full_up, full_down))) => [up / full_up, down / full_down],
+        _ => [1.0; 2],
+    }
+}
+
+fn about(export: &ServoExport<'_>, shares: [f64; 2], difference: &Difference) -> Vec<String> {
     let mut about = export.statement();
     about.extend([
         export.hold(export.frame_s() > 0.0),
-        "In JSBSim: hysteresis_width is twice the dead band and the error that friction leaves; bias is the error of the constant load at rest; the filter is the servo at small signals.".to_owned(),
-        export.rate(share),
-        "Run it at 500 Hz or more. Set the step before the aircraft is loaded: delays are counted out then.".to_owned(),
+        "In JSBSim: hysteresis_width is the distance between the rests from above and from below, by friction and dead band; bias is what the constant load moves the rest by; the filter is the servo at small signals.".to_owned(),
+        export.rate(shares),
+        "Time: the position that a step of JSBSim gives is that of the beginning of the step, when its command begins to act. Run it at 500 Hz or more. Set the step before the aircraft is loaded: delays are counted out then.".to_owned(),
         export.left_out("an actuator of JSBSim", &LEFT_OUT),
         export.difference(difference, Comparison::Emulation("JSBSim")),
     ]);

@@ -107,7 +107,7 @@ impl ServoExport<'_> {
         let mut about = self.statement();
         about.push(self.hold(false));
         about.push(format!(
-            "Steps: {} ms each, by the scheme of servoid's own integrator: half a step of the angle, a step of the speed, half a step of the angle. A step is taken in two parts where the delayed command changes within it.",
+            "Steps: {} ms each, by the scheme of servoid's own integrator: half a step of the angle, a step of the speed, half a step of the angle. A step is taken in two parts where the delayed command changes within it. The position that it returns is that of its end; an export of the linear model returns that of the beginning.",
             number(1e3 * step_s)
         ));
         about.push("Left out: nothing; the equation is here with all of its terms.".to_owned());

@@ -38,7 +38,7 @@ struct Joint {
     /// Of the position actuator.
     kp: f64,
     kv: f64,
-    /// Largest drive upwards and downwards.
+    /// Largest drive towards larger and smaller angles.
     range: Option<(f64, f64)>,
     /// Of the joint.
     damping: f64,

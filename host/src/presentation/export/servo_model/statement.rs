@@ -8,6 +8,7 @@ use crate::presentation::export::text::number;
 use crate::presentation::summary;
 use crate::presentation::summary::four_digits;
 use servoid_identification::results::Bounds;
+use servoid_identification::servo_model::{Quantity, ReachedSpeeds};
 
 /// How the difference of an export from the servo model was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,10 +36,68 @@ impl ServoExport<'_> {
                 "no intervals can be given, as {because}: this file has none"
             ));
         }
-        if self.metadata.pulse_frame_s.is_none() {
-            found.push("it is not known how the command is held, so no frame hold is assumed; for a servo on pulses, state their frame with --frame-ms".to_owned());
-        }
+        found.extend(self.unknown_speed());
+        found.extend(self.metadata.frame_warning());
+        found.extend(self.guessed_angle());
         found
+    }
+
+    /// That larger or quicker strokes than the recorded ones are not known, where that is so.
+    fn unknown_speed(&self) -> Option<String> {
+        if self.parameters.limit.is_none() {
+            return Some(format!(
+                "no limit of the speed was reached{}, so this model has none: what it does in quicker motion is not known, and a servo has a limit",
+                self.reached()
+            ));
+        }
+        let open = |found: &Quantity| found.name.starts_with("top speed") && !found.determined;
+        self.model.quantities.iter().any(open).then(|| {
+            let recorded = (self.recorded_range())
+                .map(|range| format!(" (commands {range})"))
+                .unwrap_or_default();
+            format!(
+                "the recording does not determine the top speed, so larger strokes than its own{recorded} may be far slower in this file than they are, or far quicker: record steps over most of the travel"
+            )
+        })
+    }
+
+    /// That an angle was guessed, where neither column says in what it is.
+    fn guessed_angle(&self) -> Option<String> {
+        let units = self.metadata.units();
+        let is_angle = |unit: Option<&str>| matches!(unit, Some("deg" | "rad"));
+        let guessed = units.input.is_none() && !is_angle(units.output);
+        let unit = match self.model.radians_per_command < 1.0 {
+            true => "degrees",
+            false => "radians",
+        };
+        guessed.then(|| format!(
+            "the unit of the command is not known: for programs whose servos turn by angles, such as ArduPilot and MuJoCo, it is taken for {unit}, by the size of the commands alone: name the columns with their units (u_deg, u_rad) and identify again"
+        ))
+    }
+
+    /// " up to 40 deg/s upwards and 38 deg/s downwards", where that is known.
+    fn reached(&self) -> String {
+        let unit = self
+            .metadata
+            .units()
+            .output
+            .unwrap_or("units of the position");
+        let reached = |found: ReachedSpeeds| {
+            let [up, down] =
+                [found.upwards, found.downwards].map(|speed| summary::digits(speed, 2));
+            format!(" up to {up} {unit}/s upwards and {down} {unit}/s downwards")
+        };
+        self.model.reached.map(reached).unwrap_or_default()
+    }
+
+    /// "from -20.0 to 20.0 deg": the commands of the recording, where they are known.
+    fn recorded_range(&self) -> Option<String> {
+        let range = self.model.commands?;
+        let size = range.amplitude();
+        let [least, largest] = [range.least, range.largest].map(|end| beside(end, size));
+        let unit = self.metadata.units().input;
+        let unit = unit.map(|unit| format!(" {unit}")).unwrap_or_default();
+        Some(format!("from {least} to {largest}{unit}"))
     }
 
     /// Origin, warnings, equation, units and parameters, a paragraph each.
@@ -64,8 +123,12 @@ impl ServoExport<'_> {
     }
 
     fn units_and_signs(&self) -> String {
+        let theta = match self.parameters.gain < 0.0 {
+            true => "smaller theta, as the gain is negative",
+            false => "larger theta",
+        };
         format!(
-            "Units and signs: {}, theta is in units of the command, times are in seconds. A positive load turns towards smaller angles. The offset that was identified is the position at rest under command 0; that of the parameters is without the load, and part of the position.",
+            "Units and signs: {}, theta is in units of the command, times are in seconds. Upwards is where the position grows, towards {theta}. A positive load turns towards smaller theta. The offset that was identified is the position at rest under command 0, with load and dead band, and in the middle of what friction holds; that of the parameters is the position at theta = 0.",
             units_in_words(self.metadata.units()),
         )
     }
@@ -122,21 +185,50 @@ impl ServoExport<'_> {
         }
     }
 
-    /// How a rate limit of this share of the top speed was found.
-    pub(super) fn rate(&self, share: f64) -> String {
-        match self.top_speeds() {
-            None => "Rate: the drive has no limit, and there is none.".to_owned(),
-            Some(_) => format!(
-                "Rate: the limit is {} % of the top speed, which comes closest to the servo under the command below, in the mean of squares. In short strokes a servo does not reach its top speed.",
-                four_digits(100.0 * share)
-            ),
+    /// How a rate limit of these shares of the top speeds was found; those are towards larger and smaller theta.
+    pub(super) fn rate(&self, shares: [f64; 2]) -> String {
+        if self.top_speeds().is_none() {
+            return format!(
+                "Rate: no limit was reached{}, so this model has none, and neither has this file.",
+                self.reached()
+            );
         }
+        let [up, down] =
+            (self.parameters.upwards_first(shares)).map(|share| four_digits(100.0 * share));
+        let limit = match up == down {
+            true => format!("the limit is {up} % of the top speed"),
+            false => {
+                format!("the limit is {up} % of the top speed upwards, and {down} % downwards")
+            }
+        };
+        format!(
+            "Rate: {limit}, which comes closest to the servo under the command below, in the mean of squares, and is not below what the servo reached in the recording. In short strokes a servo does not reach its top speed."
+        )
     }
 
-    /// The largest difference of a file from the servo model, and what it is of the largest stroke.
+    /// The largest difference of a file from the servo model, what it is of the largest stroke, and over which strokes.
     #[must_use]
     pub fn share_of_stroke(&self, written: &ExportedServo) -> String {
-        self.of_stroke(written.largest_difference, &written.trial)
+        format!(
+            "{}, {}",
+            self.of_stroke(written.largest_difference, &written.trial),
+            self.strokes(&written.trial)
+        )
+    }
+
+    /// The strokes of a trial beside those of the recording.
+    fn strokes(&self, trial: &Trial) -> String {
+        let unit = self.metadata.units().input;
+        let unit = unit.map(|unit| format!(" {unit}")).unwrap_or_default();
+        let stroke = trial.largest_stroke();
+        let recorded = match self.recorded_range() {
+            Some(range) => format!("the recording has commands {range}"),
+            None => "which range the recording has, the model file does not say".to_owned(),
+        };
+        format!(
+            "over strokes of up to {}{unit} ({recorded})",
+            beside(stroke, stroke)
+        )
     }
 
     fn of_stroke(&self, difference: f64, trial: &Trial) -> String {
@@ -168,15 +260,24 @@ impl ServoExport<'_> {
         };
         let levels: Vec<String> = trial.levels.iter().copied().map(number).collect();
         format!(
-            "Largest difference from servoid's own integrator with steps {FINER} times as fine as usual: {}, with steps of {} ms{emulation}.{} The command: {}, each for {} s ({} steps); the first level is not compared.",
+            "Largest difference from servoid's own integrator with steps {FINER} times as fine as usual: {}, {}, with steps of {} ms{emulation}.{} The command: {}, each for {} s ({} steps), and all again for {} s ({} steps), which breaks strokes off; the first level is not compared.",
             shown(found.largest),
+            self.strokes(trial),
             four_digits(1e3 * trial.step_s),
             without.unwrap_or_default(),
             levels.join(", "),
             four_digits(trial.steps_per_level as f64 * trial.step_s),
             trial.steps_per_level,
+            four_digits(trial.steps_of_broken_off as f64 * trial.step_s),
+            trial.steps_of_broken_off,
         )
     }
+}
+
+/// A number with the digits that count beside the size `size`: three of that.
+fn beside(value: f64, size: f64) -> String {
+    let decimals = 2 - size.abs().max(f64::MIN_POSITIVE).log10().floor() as i32;
+    format!("{value:.*}", decimals.clamp(0, 12) as usize)
 }
 
 /// Four digits, with an exponent where they would be behind many zeros.
@@ -187,6 +288,6 @@ fn difference_text(difference: f64) -> String {
     }
 }
 
-const EQUATION: &str = "Equation: r(t) = u(t - d) is the command, late by d. The error e is r - theta beyond a dead band of w to each side, counted from its edge. The drive is k e - (c - B) omega, between -A- and A+; where it is negative, k and c - B are A-/A+ times as large. omega' = drive - B omega - friction - load(theta), theta' = omega, position = gain theta + offset. Friction is (C + mu |drive + load|) (1 + s / (1 + (omega/ws)^2)) against the motion, and holds the shaft at rest while less acts on it.";
+const EQUATION: &str = "Equation: r(t) = u(t - d) is the command, late by d. The error e is r - theta beyond a dead band of w to each side, counted from its edge. The drive is k e - (c - B) omega, between -A- and A+, which is towards larger theta; where it is negative, k and c - B are A-/A+ times as large. omega' = drive - B omega - friction - load(theta), theta' = omega, position = gain theta + offset. Friction is (C + mu |drive + load|) (1 + s / (1 + (omega/ws)^2)) against the motion, and holds the shaft at rest while less acts on it.";
 
 const PER_INERTIA: &str = "Inertia: all accelerations are torques per unit of inertia. No torque, mass or current follows from the recording; with a known inertia, multiply by it.";

@@ -88,8 +88,8 @@ impl ServoExport<'_> {
         let command = self.command_unit();
         let limit = self.parameters.limit?;
         if term == Term::FullDrive {
-            let up = four_digits(limit.up);
-            let down = four_digits(limit.up * limit.down_to_up);
+            let drives = [limit.up, limit.up * limit.down_to_up];
+            let [up, down] = self.parameters.upwards_first(drives).map(four_digits);
             let per_s = four_digits(limit.motor_damping);
             return Some(format!(
                 "full drive as an acceleration, {up} {command}/s^2 upwards and {down} downwards, against the motor's damping of {per_s} 1/s: here speed follows at once"
@@ -99,8 +99,10 @@ impl ServoExport<'_> {
             return None;
         }
         if term == Term::TwoSpeeds {
-            let (up, down) = self.top_speeds()?;
-            let (up, down) = (four_digits(up), four_digits(down));
+            let (larger, smaller) = self.top_speeds()?;
+            let [up, down] = (self.parameters)
+                .upwards_first([larger, smaller])
+                .map(four_digits);
             return Some(format!(
                 "two speeds, {up} {command}/s upwards and {down} downwards: their mean is used"
             ));
@@ -146,7 +148,11 @@ impl ServoExport<'_> {
     /// An acceleration, and the error at rest that it stands for.
     fn acceleration(&self, acceleration: f64) -> String {
         let command = self.command_unit();
-        let error = four_digits(acceleration / self.parameters.stiffness);
+        let ratio = match self.parameters.limit {
+            Some(limit) if acceleration < 0.0 => limit.down_to_up,
+            _ => 1.0,
+        };
+        let error = four_digits(acceleration / (self.parameters.stiffness * ratio));
         let acceleration = four_digits(acceleration);
         format!("{acceleration} {command}/s^2, an error of {error} {command} at rest")
     }

@@ -13,6 +13,8 @@ pub struct Trial {
     pub levels: Vec<f64>,
     /// For how many steps each level is held.
     pub steps_per_level: usize,
+    /// For how many steps each level is held when all come again: too few for the larger strokes to end.
+    pub steps_of_broken_off: usize,
 }
 
 /// How far an exported servo is from the servo model.
@@ -45,6 +47,13 @@ const LEVELS: [f64; 8] = [0.0, 0.1, -0.05, 1.0, -1.0, -0.9, 0.5, 0.0];
 /// Shortest and longest time for which a level is held \[s\].
 const HOLD_S: (f64, f64) = (0.2, 5.0);
 
+/// Levels that come again are held for this share of the time: a servo that turns round in the middle of a stroke shows what a limit
+/// of the rate lacks more than one that comes to rest.
+const BROKEN_OFF: f64 = 0.25;
+
+/// But not for less \[s\]: within its delay no servo shows anything.
+const SHORTEST_S: f64 = 0.1;
+
 /// Amplitudes that a servo may have in any unit; a model file may say anything.
 const POSSIBLE: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
 
@@ -57,29 +66,30 @@ pub(super) const FINER: f64 = 10.0;
 impl Trial {
     /// A trial with steps of `step_s` seconds, within `farthest` units of the command from its middle.
     pub(super) fn of(export: &ServoExport<'_>, step_s: f64, farthest: f64) -> Self {
-        let parameters = &export.parameters;
-        let most = amplitude(export).min(farthest);
-        let amplitude = short(most, most, 2, f64::floor);
-        let middle = short(
-            -parameters.offset / parameters.gain,
-            amplitude,
-            1,
-            f64::round,
-        );
+        let (middle, most) = recorded(export);
+        let most = most.min(farthest);
+        let amplitude = short(most, most, 3, f64::floor);
+        let middle = short(middle, amplitude, 3, f64::round);
         let hold_s = hold_s(export, amplitude);
         let level = |part: &f64| short(middle + part * amplitude, amplitude, 3, f64::round);
+        let steps = |hold_s: f64| (hold_s / step_s).round().max(1.0) as usize;
         Self {
             step_s,
             levels: LEVELS.iter().map(level).collect(),
-            steps_per_level: (hold_s / step_s).round().max(1.0) as usize,
+            steps_per_level: steps(hold_s),
+            steps_of_broken_off: steps(in_frames(export, (BROKEN_OFF * hold_s).max(SHORTEST_S))),
         }
     }
 
     /// The command of each step.
     #[must_use]
     pub fn command(&self) -> Vec<f64> {
-        let held = |level: &f64| std::iter::repeat_n(*level, self.steps_per_level);
-        self.levels.iter().flat_map(held).collect()
+        let lengths = [self.steps_per_level, self.steps_of_broken_off];
+        let staircase = |steps: usize| {
+            let held = move |level: &f64| std::iter::repeat_n(*level, steps);
+            self.levels.iter().flat_map(held)
+        };
+        lengths.into_iter().flat_map(staircase).collect()
     }
 
     /// The position at the beginning of each step, by servoid's integrator with steps of a tenth of its usual ones.
@@ -119,16 +129,29 @@ impl Trial {
     }
 }
 
-/// The root mean square of the motion in the record, in units of the command: no motion about a middle is farther from it
-/// everywhere. A file without it gets strokes that the drive limits.
-fn amplitude(export: &ServoExport<'_>) -> f64 {
+/// The middle of the recorded commands, and half of their range: what is said of a file holds for the largest strokes that the
+/// recording had. A file without it, as older ones are, gets the root mean square of the motion about the position 0, and one without that
+/// strokes that the drive limits.
+fn recorded(export: &ServoExport<'_>) -> (f64, f64) {
     let (fit, parameters) = (&export.model.fit, &export.parameters);
-    let output = fit.rmse / (1.0 - fit.simulation_percent / 100.0);
+    let middle_of_outputs = -parameters.offset / parameters.gain;
+    let (middle, shown) = match export.model.commands {
+        Some(commands) => (commands.middle(), commands.amplitude()),
+        None => {
+            let output = fit.rmse / (1.0 - fit.simulation_percent / 100.0);
+            (middle_of_outputs, output / parameters.gain.abs())
+        }
+    };
     // A command that friction and dead band swallow would compare two servos that stand still.
-    let shown = (output / parameters.gain.abs()).max(MOVING * held(parameters));
-    if POSSIBLE.contains(&shown) {
-        return shown;
+    let shown = shown.max(MOVING * held(parameters));
+    match POSSIBLE.contains(&shown) && middle.is_finite() {
+        true => (middle, shown),
+        false => (middle_of_outputs, amplitude_without_recording(parameters)),
     }
+}
+
+/// One that the drive limits.
+fn amplitude_without_recording(parameters: &ServoParameters) -> f64 {
     let limited = parameters
         .limit
         .map(|limit| 4.0 * limit.up / parameters.stiffness);
@@ -155,12 +178,16 @@ fn hold_s(export: &ServoExport<'_>, amplitude: f64) -> f64 {
         .top_speeds()
         .map_or(f64::INFINITY, |(up, down)| up.min(down));
     let wanted = parameters.delay_s + 2.0 * amplitude / speed + SETTLING / slower;
-    let held = wanted.clamp(HOLD_S.0, HOLD_S.1);
+    in_frames(export, wanted.clamp(HOLD_S.0, HOLD_S.1))
+}
+
+/// At least so long, in whole pulse frames.
+fn in_frames(export: &ServoExport<'_>, seconds: f64) -> f64 {
     let unit = match export.frame_s() {
         frame if frame > 0.0 => frame,
-        _ => 0.1,
+        _ => 0.05,
     };
-    (held / unit - 1e-9).ceil() * unit
+    (seconds / unit - 1e-9).ceil() * unit
 }
 
 /// A multiple of a power of ten, so that a number is short in a comment: `digits` digits of `size` stay, and the rest is cut

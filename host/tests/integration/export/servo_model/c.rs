@@ -27,8 +27,10 @@ fn program(exports: &[Exported]) -> String {
         static const double levels[] = {{ {levels} }};
         servo_{name}_state servo;
         servo_{name}_reset(&servo, (servo_{name}_real)levels[0]);
-        for (unsigned i = 0; i < sizeof levels / sizeof *levels; i++) {{
-            for (unsigned k = 0; k < {steps}; k++) {{
+        const unsigned count = sizeof levels / sizeof *levels;
+        for (unsigned n = 0; n < 2 * count; n++) {{
+            const unsigned i = n % count;
+            for (unsigned k = 0; k < (n < count ? {steps} : {broken_off}); k++) {{
                 printf("%.17g ", (double)servo_{name}_step(&servo, (servo_{name}_real)levels[i]));
             }}
         }}
@@ -37,6 +39,7 @@ fn program(exports: &[Exported]) -> String {
             levels = levels.join(", "),
             name = servo.name,
             steps = exported.trial.steps_per_level,
+            broken_off = exported.trial.steps_of_broken_off,
         );
     }
     text + "    return 0;\n}\n"
@@ -81,6 +84,8 @@ fn headers_move_as_the_servo_model() {
         exports[k].check(servo.name, &double[k], 1e-9);
         // Positions of some 10 deg to 24 bits are rounded by 1e-6 of the stroke in each step; friction and damping forget it.
         exports[k].check(servo.name, &single[k], 1e-3);
+        exports[k].check_rest(servo.name, double[k][1], 1e-9);
+        exports[k].check_rest(servo.name, single[k][1], 1e-5);
     }
 }
 

@@ -57,5 +57,10 @@ fn systems_are_as_far_from_the_servo_model_as_they_state() {
         let positions: Vec<f64> = rows(&positions.join("\n")).concat();
         // The emulation is exact but for rounding; one step of time at top speed would be 0.04.
         exported.check(servo.name, &positions, 1e-6);
+        if matches!(servo.load, "none" | "constant") {
+            let rest = positions[exported.trial.steps_per_level - 1];
+            // What the filter has left after five time constants; half the dead band is 0.01.
+            exported.check_rest(servo.name, rest, 1e-3);
+        }
     }
 }

@@ -53,6 +53,20 @@ fn a_step_that_is_too_long_names_the_longest() {
 }
 
 #[test]
+fn a_negative_step_or_frame_is_refused_in_words() {
+    let sentence = refused(&AIRCRAFT.file, &["--to", "mujoco", "--step-ms", "-1"]);
+    assert!(
+        sentence.contains("--step-ms must be a number of milliseconds"),
+        "{sentence}"
+    );
+    let sentence = refused(&AIRCRAFT.file, &["--to", "c", "--frame-ms", "-1"]);
+    assert!(
+        sentence.contains("--frame-ms must be a number of milliseconds"),
+        "{sentence}"
+    );
+}
+
+#[test]
 fn options_of_the_servo_model_are_not_ignored_without_it() {
     for option in [["--step-ms", "1"], ["--controller", "1"]] {
         let sentence = refused(&AIRCRAFT.file, &[&["--to", "c"], &option[..]].concat());

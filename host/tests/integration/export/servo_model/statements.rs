@@ -4,6 +4,9 @@ use super::subjects::{AIRCRAFT, SERVOS, export};
 use crate::support::arg;
 use crate::support::run;
 use serde_json::json;
+use servoid::data::Units;
+use servoid::data::model_file::ModelFile;
+use servoid::presentation::summary::of_servo_model;
 
 const TARGETS: [&str; 7] = [
     "c",
@@ -184,6 +187,190 @@ fn what_the_recording_does_not_determine_is_said_without_a_value() {
         "{said}"
     );
     assert!(!said.contains("damping ratio 0."), "{said}");
+}
+
+/// A model of the aircraft's servo, changed by `change`, in a folder.
+fn changed(
+    folder: &std::path::Path,
+    change: impl Fn(&mut serde_json::Value),
+) -> std::path::PathBuf {
+    let mut document = crate::support::json(&AIRCRAFT.file);
+    change(&mut document["servo_model"]);
+    let file = folder.join("changed.json");
+    std::fs::write(&file, document.to_string()).unwrap();
+    file
+}
+
+#[test]
+fn limits_of_rates_are_those_of_the_whole_range_of_the_recording() {
+    let model = crate::support::json(&AIRCRAFT.file)["servo_model"].clone();
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+    let range = number(&model["commands"]["largest"]) - number(&model["commands"]["least"]);
+    for target in TARGETS {
+        let exported = export(&AIRCRAFT.file, 0, target, &[]);
+        let stroke = exported.largest_stroke() / exported.servo.gain.abs();
+        assert!(
+            (0.98..1.02).contains(&(stroke / range)),
+            "{target}: {stroke} {range}"
+        );
+        assert!(
+            prose(&exported.text).contains("(the recording has commands from -"),
+            "{target}"
+        );
+    }
+    // The servo was faster than the limit that is nearest to it in the mean.
+    let reached = 0.95 * number(&model["quantities"][5]["value"]);
+    assert_eq!(model["quantities"][5]["name"], "top speed upwards");
+    let folder = tempfile::tempdir().unwrap();
+    let file = changed(folder.path(), |model| {
+        model["reached"] = json!({ "upwards": reached, "downwards": 0.0 });
+    });
+    let text = export(&file, 0, "jsbsim", &[]).text;
+    let (_, rest) = text.split_once("sense=\"incr\">").unwrap();
+    let limit: f64 = rest.split('<').next().unwrap().parse().unwrap();
+    let gain = export(&file, 0, "jsbsim", &[]).servo.gain;
+    assert!(limit * gain > 0.99 * reached, "{limit} {reached}");
+}
+
+#[test]
+fn what_a_model_does_not_know_of_speeds_is_a_warning() {
+    let folder = tempfile::tempdir().unwrap();
+    let open = changed(folder.path(), |model| {
+        model["quantities"][5]["determined"] = json!(false);
+    });
+    let said = prose(&export(&open, 0, "ardupilot", &[]).text);
+    let warning = "WARNING: the recording does not determine the top speed, so larger strokes than its own (commands from -";
+    assert!(said.contains(warning), "{said}");
+    let linear = SERVOS[0].export("ardupilot", folder.path(), &[]).text;
+    let said = prose(&linear);
+    for part in [
+        "WARNING: no limit of the speed was reached up to ",
+        "so this model has none, and neither has this file",
+        "or 0 for no limit",
+    ] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+    assert!(linear.contains("\nSIM_SERVO_SPEED 0.0\n"), "{linear}");
+}
+
+/// What is printed on standard error.
+fn remarks(args: &[&str]) -> String {
+    let output = crate::support::servoid(args).output().unwrap();
+    String::from_utf8(output.stderr).unwrap()
+}
+
+#[test]
+fn a_stated_frame_is_doubted_where_the_recording_is_not_of_servoid() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut document = crate::support::json(&AIRCRAFT.file);
+    document.as_object_mut().unwrap().remove("pulse_frame_s");
+    let foreign = folder.path().join("foreign.json");
+    std::fs::write(&foreign, document.to_string()).unwrap();
+    for more in [&[][..], &["--servo-model"]] {
+        let of = |file: &std::path::Path, frame: &[&str]| {
+            remarks(&[&["export", arg(file), "--to", "c"], more, frame].concat())
+        };
+        let unknown = of(&foreign, &[]);
+        assert!(
+            unknown.contains("no frame hold is assumed")
+                && unknown.contains("in the delay already"),
+            "{unknown}"
+        );
+        let stated = of(&foreign, &["--frame-ms", "20"]);
+        assert!(stated.contains("the servo is late by 10.00 ms"), "{stated}");
+        for frame in [&[][..], &["--frame-ms", "10"]] {
+            let own = of(&AIRCRAFT.file, frame);
+            assert!(!own.contains("in the delay already"), "{own}");
+        }
+        assert!(!of(&foreign, &["--frame-ms", "0"]).contains("in the delay already"));
+    }
+}
+
+#[test]
+fn an_angle_that_is_guessed_and_a_function_in_a_file_of_another_name_are_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut document = crate::support::json(&AIRCRAFT.file);
+    document.as_object_mut().unwrap().remove("units");
+    let bare = folder.path().join("bare.json");
+    std::fs::write(&bare, document.to_string()).unwrap();
+    let said = remarks(&["export", arg(&bare), "--to", "ardupilot"]);
+    assert!(
+        said.contains("it is taken for degrees, by the size of the commands alone"),
+        "{said}"
+    );
+    for (name, holds) in [("neg.m", true), ("servo_a.m", false)] {
+        let out = folder.path().join(name);
+        let said = remarks(&[
+            "export",
+            arg(&AIRCRAFT.file),
+            "--to",
+            "matlab",
+            "--servo-model",
+            "-o",
+            arg(&out),
+        ]);
+        assert_eq!(said.contains("call it servo_a.m"), holds, "{said}");
+    }
+}
+
+#[test]
+fn the_controller_that_the_bandwidth_is_of_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = |file: &std::path::Path| {
+        let model = ModelFile::read(file).unwrap().servo_model().unwrap();
+        let text = of_servo_model(&model.unwrap(), Units::default(), false);
+        text.split_whitespace().collect::<Vec<_>>().join(" ")
+    };
+    let second = SERVOS.into_iter().find(|servo| servo.name == "second");
+    let said = text(&second.unwrap().file(folder.path()));
+    let sentence = "Bandwidth, damping ratio, error of full drive and what is left at rest are those with the controller 400; 800 is ";
+    assert!(said.contains(sentence), "{said}");
+    assert!(!text(&AIRCRAFT.file).contains("controller"));
+}
+
+#[test]
+fn a_linear_model_of_a_servo_that_is_not_linear_says_what_its_offset_is() {
+    let text = prose(&run(&["export", arg(&AIRCRAFT.file), "--to", "c", "-q"]));
+    assert!(
+        text.contains(
+            "no position of rest. The servo model, which --servo-model exports, has where it rests."
+        ),
+        "{text}"
+    );
+}
+
+/// A file from before has the directions exchanged where its gain is negative, and an offset without dead band.
+#[test]
+fn quantities_of_older_files_are_what_they_are_called() {
+    let folder = tempfile::tempdir().unwrap();
+    let older = changed(folder.path(), |model| {
+        model.as_object_mut().unwrap().remove("commands");
+        let gain = model["coordinates"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .position(|at| *at == "gain")
+            .unwrap();
+        model["values"][gain] = json!(-1.0);
+        model["quantities"][2]["value"] = json!(12.5);
+    });
+    let before = crate::support::json(&older)["servo_model"]["quantities"].clone();
+    let read = ModelFile::read(&older)
+        .unwrap()
+        .servo_model()
+        .unwrap()
+        .unwrap();
+    let found = &read.model.quantities;
+    assert_eq!(before[5]["name"], "top speed upwards");
+    assert_eq!(found[5].name, "top speed upwards");
+    assert_eq!(json!(found[5].value), before[6]["value"]);
+    assert_eq!(json!(found[6].value), before[5]["value"]);
+    let offset = &found[2];
+    let rest = read.model.parameters(0).resting_output(0.0);
+    assert!(
+        offset.name == "offset" && !offset.determined && offset.value == rest,
+        "{offset:?}"
+    );
 }
 
 /// Two of the formats take nothing else, so the option is not needed.

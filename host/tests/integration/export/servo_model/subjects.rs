@@ -47,7 +47,7 @@ pub struct Servo {
 const ALL_TERMS: &[&str] = &["limit", "two_speeds", "dead_band", "friction", "gears"];
 
 /// One with each term and each load, and one without any.
-pub const SERVOS: [Servo; 9] = [
+pub const SERVOS: [Servo; 10] = [
     servo("linear", &[], "none"),
     servo("limited", &["limit"], "none"),
     servo(
@@ -64,6 +64,8 @@ pub const SERVOS: [Servo; 9] = [
         ..servo("second", ALL_TERMS, "constant")
     },
     servo("weightless", &["limit"], "none"),
+    // The load pushes it through the dead band.
+    servo("pushed", &["limit", "two_speeds", "dead_band"], "constant"),
 ];
 
 const fn servo(name: &'static str, terms: &'static [&'static str], load: &'static str) -> Servo {
@@ -95,6 +97,15 @@ impl Exported {
             (found - self.stated).abs() <= tolerance * stroke,
             "{name}: {found} for {} of {stroke}",
             self.stated
+        );
+    }
+
+    /// Requires that the servo stays where it is put at rest under the first command, from the first position `found` on.
+    pub fn check_rest(&self, name: &str, found: f64, tolerance: f64) {
+        let rest = self.servo.resting_output(self.trial.levels[0]);
+        assert!(
+            (found - rest).abs() <= tolerance * self.largest_stroke(),
+            "{name}: {found}, at rest {rest}"
         );
     }
 
@@ -205,10 +216,12 @@ pub fn export(file: &Path, controller: usize, target: &str, more: &[&str]) -> Ex
     let result: Value = serde_json::from_str(&run(&[&args[..], more].concat())).unwrap();
     let trial = &result["trial"];
     let numbers = |value: &Value| -> Vec<f64> { serde_json::from_value(value.clone()).unwrap() };
+    let steps = |name: &str| serde_json::from_value(trial[name].clone()).unwrap();
     let trial = Trial {
         step_s: trial["step_s"].as_f64().unwrap(),
         levels: numbers(&trial["levels"]),
-        steps_per_level: serde_json::from_value(trial["steps_per_level"].clone()).unwrap(),
+        steps_per_level: steps("steps_per_level"),
+        steps_of_broken_off: steps("steps_of_broken_off"),
     };
     let model = ModelFile::read(file)
         .unwrap()

@@ -94,13 +94,78 @@ static inline {{id}}_real {{id}}_position(const {{id}}_state *servo)
     return {{id}}_gain * servo->angle + {{id}}_offset;
 }
 
+/* Rest: the shaft stays at all angles at which the drive differs from the load by no more than friction
+ * holds. It rests in the middle of them; `end` is -1 for the upper end of them and 1 for the lower. */
+
+static inline {{id}}_real {{id}}_sign({{id}}_real value)
+{
+    return value < 0 ? -1 : (value > 0 ? 1 : 0);
+}
+
+/* A-/A+ where a drive of this sign is negative. */
+static inline {{id}}_real {{id}}_side({{id}}_real drive)
+{
+    return drive < 0 ? {{id}}_down_to_up : 1;
+}
+
+/* The drive that just holds the shaft at an end. */
+static inline {{id}}_real {{id}}_held({{id}}_real angle, {{id}}_real end)
+{
+    {{id}}_real load = {{id}}_load(angle), more = 1 + {{id}}_friction_at_rest;
+    {{id}}_real own = end * more * {{id}}_friction, share = end * more * {{id}}_friction_of_gears;
+    if ({{id}}_size(share) >= 1) {
+        return load; /* friction that holds any drive counts as none */
+    }
+    share *= 2 * load + own < 0 ? -1 : 1;
+    return (load * (1 + share) + own) / (1 - share);
+}
+
+/* The error at rest under which a drive without limit is `drive`. */
+static inline {{id}}_real {{id}}_error_of({{id}}_real drive)
+{
+    return drive / ({{id}}_stiffness * {{id}}_side(drive)) + {{id}}_sign(drive) * {{id}}_dead_band;
+}
+
+/* By how much the drive at rest is more than the one that holds the shaft. */
+static inline {{id}}_real {{id}}_excess({{id}}_real command, {{id}}_real angle, {{id}}_real end)
+{
+    {{id}}_real seen = {{id}}_nearer_zero(command - angle, {{id}}_dead_band);
+    {{id}}_real largest = {{id}}_full_drive * {{id}}_side(seen);
+    {{id}}_real drive = {{id}}_stiffness * {{id}}_side(seen) * seen;
+    if ({{id}}_size(drive) > largest) {
+        drive = {{id}}_sign(seen) * largest;
+    }
+    return drive - {{id}}_held(angle, end);
+}
+
+/* The angle of an end: where the shaft comes to from the command, slowly. A load that full drive does not
+ * hold has no rest: then that of a drive without limit. */
+static inline {{id}}_real {{id}}_end({{id}}_real command, {{id}}_real end)
+{
+    {{id}}_real error = {{id}}_error_of({{id}}_held(command, end));
+    {{id}}_real side = -{{id}}_sign(error), near = 0, far = {{id}}_size(error);
+    for (unsigned i = 0; i < 8 && side * {{id}}_excess(command, command + side * far, end) > 0; i++) {
+        near = far;
+        far = 2 * far;
+    }
+    if (side * {{id}}_excess(command, command + side * far, end) > 0) {
+        return command - error;
+    }
+    for (unsigned i = 0; i < 60; i++) {
+        {{id}}_real middle = (near + far) / 2;
+        if (side * {{id}}_excess(command, command + side * middle, end) > 0) {
+            near = middle;
+        } else {
+            far = middle;
+        }
+    }
+    return command + side * far;
+}
+
 /* At rest under this command. */
 static inline void {{id}}_reset({{id}}_state *servo, {{id}}_real command)
 {
-    servo->angle = command;
-    for (unsigned i = 0; i < 25; i++) {
-        servo->angle = (servo->angle + command - {{id}}_load(servo->angle) / {{id}}_stiffness) / 2;
-    }
+    servo->angle = ({{id}}_end(command, -1) + {{id}}_end(command, 1)) / 2;
     servo->speed = 0;
     for (unsigned i = 0; i < {{ID}}_LATE; i++) {
         servo->late[i] = command;

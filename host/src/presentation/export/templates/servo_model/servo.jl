@@ -36,6 +36,50 @@ function unlimited_drive(h, error, speed, loaded, ratio)
     return pushed - (loaded + pushed) * damped(h, ratio) * braking(h, ratio)
 end
 
+# Rest: the shaft stays at all angles at which the drive differs from the load by no more than friction
+# holds. It rests in the middle of them; `last` is -1 for the upper end of them and 1 for the lower.
+
+"A-/A+ where a drive of this sign is negative."
+side_of(drive) = drive < 0.0 ? DOWN_TO_UP : 1.0
+
+"The drive that just holds the shaft at an end."
+function held_by(angle, last)
+    more = last * (1.0 + FRICTION_AT_REST)
+    own, share = more * FRICTION, more * FRICTION_OF_GEARS
+    abs(share) >= 1.0 && return load(angle) # friction that holds any drive counts as none
+    share = 2.0 * load(angle) + own < 0.0 ? -share : share
+    return (load(angle) * (1.0 + share) + own) / (1.0 - share)
+end
+
+"The error at rest under which a drive without limit is `drive`."
+error_of(drive) = drive / (STIFFNESS * side_of(drive)) + sign(drive) * DEAD_BAND
+
+"By how much the drive at rest is more than the one that holds the shaft."
+function excess(command, angle, last)
+    seen = nearer_zero(command - angle, DEAD_BAND)
+    largest = FULL_DRIVE * side_of(seen)
+    return clamp(STIFFNESS * side_of(seen) * seen, -largest, largest) - held_by(angle, last)
+end
+
+"The angle of an end: where the shaft comes to from the command, slowly. A load that full drive does not
+hold has no rest: then that of a drive without limit."
+function end_of_rest(command, last)
+    off = error_of(held_by(command, last))
+    side, near, far = -sign(off), 0.0, abs(off)
+    pulled(distance) = side * excess(command, command + side * distance, last) > 0.0
+    for _ in 1:8
+        if pulled(far)
+            near, far = far, 2.0 * far
+        end
+    end
+    pulled(far) && return command - off
+    for _ in 1:60
+        middle = 0.5 * (near + far)
+        near, far = pulled(middle) ? (middle, far) : (near, middle)
+    end
+    return command + side * far
+end
+
 "The servo: theta, its speed, and the commands that are on their way."
 mutable struct Servo
     angle::Float64
@@ -46,10 +90,7 @@ end
 
 "At rest under `command`."
 function Servo(command::Real=0.0)
-    angle = Float64(command)
-    for _ in 1:25
-        angle = 0.5 * (angle + command - load(angle) / STIFFNESS)
-    end
+    angle = 0.5 * (end_of_rest(Float64(command), -1.0) + end_of_rest(Float64(command), 1.0))
     return Servo(angle, 0.0, fill(Float64(command), DELAY_STEPS + 2), 0)
 end
 

@@ -25,11 +25,76 @@ end
 
 function servo = at_rest(command, p)
 % At rest under a command.
-angle = command;
-for k = 1:25
-    angle = 0.5 * (angle + command - load_at(angle, p) / p.stiffness);
-end
+angle = 0.5 * (end_of_rest(command, -1.0, p) + end_of_rest(command, 1.0, p));
 servo = struct('angle', angle, 'speed', 0.0, 'late', command * ones(1, p.delay_steps + 2), 'newest', 0);
+end
+
+% Rest: the shaft stays at all angles at which the drive differs from the load by no more than friction
+% holds. It rests in the middle of them; last is -1 for the upper end of them and 1 for the lower.
+
+function ratio = side_of(drive, p)
+% A-/A+ where a drive of this sign is negative.
+ratio = 1.0;
+if drive < 0.0
+    ratio = p.down_to_up;
+end
+end
+
+function drive = held_by(angle, last, p)
+% The drive that just holds the shaft at an end.
+load = load_at(angle, p);
+more = last * (1.0 + p.friction_at_rest);
+own = more * p.friction;
+share = more * p.friction_of_gears;
+drive = load; % friction that holds any drive counts as none
+if abs(share) < 1.0
+    if 2.0 * load + own < 0.0
+        share = -share;
+    end
+    drive = (load * (1.0 + share) + own) / (1.0 - share);
+end
+end
+
+function error = error_of(drive, p)
+% The error at rest under which a drive without limit is this.
+error = drive / (p.stiffness * side_of(drive, p)) + sign(drive) * p.dead_band;
+end
+
+function more = excess(command, angle, last, p)
+% By how much the drive at rest is more than the one that holds the shaft.
+seen = nearer_zero(command - angle, p.dead_band);
+largest = p.full_drive * side_of(seen, p);
+drive = p.stiffness * side_of(seen, p) * seen;
+more = max(-largest, min(largest, drive)) - held_by(angle, last, p);
+end
+
+function angle = end_of_rest(command, last, p)
+% The angle of an end: where the shaft comes to from the command, slowly. A load that full drive does not
+% hold has no rest: then that of a drive without limit.
+off = error_of(held_by(command, last, p), p);
+side = -sign(off);
+near = 0.0;
+far = abs(off);
+pulled = @(distance) side * excess(command, command + side * distance, last, p) > 0.0;
+for k = 1:8
+    if pulled(far)
+        near = far;
+        far = 2.0 * far;
+    end
+end
+if pulled(far)
+    angle = command - off;
+    return
+end
+for k = 1:60
+    middle = 0.5 * (near + far);
+    if pulled(middle)
+        near = middle;
+    else
+        far = middle;
+    end
+end
+angle = command + side * far;
 end
 
 function servo = step(servo, command, p)

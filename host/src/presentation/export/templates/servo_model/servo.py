@@ -54,14 +54,70 @@ def unlimited_drive(h, error, speed, loaded, ratio):
     return pushed - (loaded + pushed) * damped(h, ratio) * braking(h, ratio)
 
 
+# Rest: the shaft stays at all angles at which the drive differs from the load by no more than friction
+# holds. It rests in the middle of them; `end` is -1 for the upper end of them and 1 for the lower.
+
+
+def sign(value):
+    """-1, 0 or 1."""
+    return (value > 0) - (value < 0)
+
+
+def side_of(drive):
+    """A-/A+ where a drive of this sign is negative."""
+    return DOWN_TO_UP if drive < 0.0 else 1.0
+
+
+def held_by(angle, end):
+    """The drive that just holds the shaft at an end."""
+    more = end * (1.0 + FRICTION_AT_REST)
+    own, share = more * FRICTION, more * FRICTION_OF_GEARS
+    if abs(share) >= 1.0:
+        return load(angle)  # friction that holds any drive counts as none
+    if 2.0 * load(angle) + own < 0.0:
+        share = -share
+    return (load(angle) * (1.0 + share) + own) / (1.0 - share)
+
+
+def error_of(drive):
+    """The error at rest under which a drive without limit is `drive`."""
+    return drive / (STIFFNESS * side_of(drive)) + sign(drive) * DEAD_BAND
+
+
+def excess(command, angle, end):
+    """By how much the drive at rest is more than the one that holds the shaft."""
+    seen = nearer_zero(command - angle, DEAD_BAND)
+    largest = FULL_DRIVE * side_of(seen)
+    drive = STIFFNESS * side_of(seen) * seen
+    return max(-largest, min(largest, drive)) - held_by(angle, end)
+
+
+def end_of_rest(command, end):
+    """The angle of an end: where the shaft comes to from the command, slowly. A load that full drive does
+    not hold has no rest: then that of a drive without limit."""
+    error = error_of(held_by(command, end))
+    side, near, far = -sign(error), 0.0, abs(error)
+
+    def pulled(distance):
+        return side * excess(command, command + side * distance, end) > 0.0
+
+    for _ in range(8):
+        if pulled(far):
+            near, far = far, 2.0 * far
+    if pulled(far):
+        return command - error
+    for _ in range(60):
+        middle = 0.5 * (near + far)
+        near, far = (middle, far) if pulled(middle) else (near, middle)
+    return command + side * far
+
+
 class Servo:
     """The servo: theta, its speed, and the commands that are on their way."""
 
     def __init__(self, command=0.0):
         """At rest under `command`."""
-        self.angle = command
-        for _ in range(25):
-            self.angle = 0.5 * (self.angle + command - load(self.angle) / STIFFNESS)
+        self.angle = 0.5 * (end_of_rest(command, -1.0) + end_of_rest(command, 1.0))
         self.speed = 0.0
         self.late = [command] * (DELAY_STEPS + 2)  # a ring
         self.newest = 0

@@ -1,0 +1,26 @@
+//! The range of the commands of a record: where it shows the servo, and where not.
+
+use serde::{Deserialize, Serialize};
+
+/// The least and the largest command of a record \[command\].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CommandRange {
+    /// The least.
+    pub least: f64,
+    /// The largest.
+    pub largest: f64,
+}
+
+impl CommandRange {
+    /// Half way between its ends.
+    #[must_use]
+    pub fn middle(&self) -> f64 {
+        0.5 * (self.least + self.largest)
+    }
+
+    /// Half of the distance between its ends.
+    #[must_use]
+    pub fn amplitude(&self) -> f64 {
+        0.5 * (self.largest - self.least)
+    }
+}
