@@ -13,5 +13,6 @@ pub(crate) use holds::{
 };
 pub use moments::{MomentStream, Moments};
 pub use quantisation::Quantisation;
+pub(crate) use quantisation::sensor_step;
 pub use record::{Record, Run};
 pub use timing::Timing;
