@@ -1,12 +1,12 @@
 //! The linear model of a data set, with the advice that its files ask for.
 
 use super::angle_units::advice_on_gain;
-use super::command_edges::commands_between_rows;
+use super::command_edges::{CommandEdges, command_edges};
 use super::duration_in_words::in_words;
 use crate::data::dataset::Dataset;
 use crate::presentation::summary::percent;
 use anyhow::{Context, Result};
-use servoid_identification::results::{Advice, Check, Metrics, Model, pointwise_critical};
+use servoid_identification::results::{Advice, Check, Metrics, Model, Reason, pointwise_critical};
 use servoid_identification::{Identification, Options, identify_explained};
 use servoid_protocol::hello::INTERNAL_CLOCK_ERROR;
 
@@ -18,6 +18,11 @@ pub fn identified(data: &Dataset, name: &str, options: &Options) -> Result<Ident
     let found = identify_explained(&data.record, options);
     let mut found = found.with_context(|| name.to_owned())?;
     found.model.advice.extend(data.about.advice.iter().cloned());
+    // What follows from a seam is not to be read before it.
+    found
+        .model
+        .advice
+        .sort_by_key(|advice| advice.check != Check::Seams);
     let doubtful = unlikely_period(data.record.sample_period_s());
     let doubtful = doubtful.or_else(|| unlikely_duration(&found.model));
     let mixed = advice_on_gain(&found.model, data.about.units());
@@ -25,8 +30,23 @@ pub fn identified(data: &Dataset, name: &str, options: &Options) -> Result<Ident
         .model
         .advice
         .splice(0..0, doubtful.into_iter().chain(mixed));
-    let of_data = commands_between_rows(data, &found);
-    let of_data = of_data
+    let in_frames = match command_edges(data, &found) {
+        Some(CommandEdges::BetweenRows(advice)) => {
+            found.model.withdraw_times(Reason::CommandsBetweenRows);
+            // Errors that follow the motion are its consequence.
+            let of_errors = |check: &Check| matches!(check, Check::Linearity | Check::ModelError);
+            found.model.advice.retain(|item| !of_errors(&item.check));
+            found.model.advice.insert(0, advice);
+            None
+        }
+        Some(CommandEdges::AsStated) => {
+            explained_by_polling(&mut found.model);
+            None
+        }
+        Some(CommandEdges::InFrames(advice)) => Some(advice),
+        None => None,
+    };
+    let of_data = in_frames
         .into_iter()
         .chain(against_command(data, &found.model));
     let of_data: Vec<Advice> = of_data.chain(rough_scale(data, &found.model)).collect();
@@ -37,6 +57,17 @@ pub fn identified(data: &Dataset, name: &str, options: &Options) -> Result<Ident
     }
     found.model.metrics = with_sensor_delay(&found.model, data.about.sensor_delay_uncertainty_s);
     Ok(found)
+}
+
+/// Errors that follow the motion are those of commands that came between the rows, which the intervals allow for: nothing else says that
+/// the servo is not linear. Where they took the bounds, they are larger than that.
+fn explained_by_polling(model: &mut Model) {
+    if model.bounds.valid().is_some() {
+        model.linear = true;
+        model
+            .advice
+            .retain(|advice| advice.check != Check::Linearity);
+    }
 }
 
 /// The metrics, with intervals that allow for what is not known of the sensor's delay.

@@ -4,6 +4,7 @@ pub mod dataset;
 pub mod model_file;
 pub mod recording;
 pub mod rig_file;
+mod seams;
 pub mod sensor_preset;
 pub mod table;
 
@@ -18,7 +19,6 @@ pub(crate) mod model_metadata;
 pub(crate) mod numbered_path;
 mod rest_error;
 mod servo_moved;
-mod servo_stopped;
 mod statistics;
 
 pub(crate) mod mixed_units;

@@ -100,11 +100,15 @@ pub enum Check {
     Drift,
     /// Whether the response ends within the record.
     StillRising,
+    /// Whether several runs were written as one.
+    Seams,
     /// Whether samples are there twice.
     SameData,
     /// Whether all recordings, and both columns of each, seem to be in the same units.
     UnitMix,
-    /// Whether commands change at their rows.
+    /// Whether commands change between their rows.
+    CommandsBetweenRows,
+    /// Whether commands wait for frames of their own.
     CommandEdges,
     /// Whether some values are sentinels of missing ones.
     #[serde(alias = "stand_in")]
@@ -146,6 +150,7 @@ impl Check {
                 | Self::EarlyMotion
                 | Self::HeldOutput
                 | Self::LagDrift
+                | Self::CommandsBetweenRows
                 | Self::TravelEnd
                 | Self::Feedback
                 | Self::Prediction
@@ -169,7 +174,9 @@ impl Check {
                 | Self::EarlyMotion
                 | Self::HeldOutput
                 | Self::LagDrift
+                | Self::CommandsBetweenRows
                 | Self::TravelEnd
+                | Self::Stopped
         )
     }
 }
