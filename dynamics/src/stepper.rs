@@ -108,6 +108,18 @@ impl<S: Scalar> Stepper<S> {
         }
     }
 
+    /// The same without the limit of the drive in one direction.
+    #[must_use]
+    pub fn without_limit(mut self, upwards: bool) -> Self {
+        let side = if upwards {
+            &mut self.up
+        } else {
+            &mut self.down
+        };
+        side.largest = None;
+        self
+    }
+
     /// One step under the command `command`.
     #[inline(always)]
     pub fn advance(&self, state: &mut State<S>, command: S) {

@@ -584,6 +584,24 @@ pub const STOP_SAMPLES: usize = 5;
 /// Protects: bounds of recordings in which a few strokes end at a stop. Evidence: the table of stops in docs/method.md.
 pub const STOP_SIGNIFICANCE: f64 = 6.0;
 
+/// Travel of an output that stands still, as a share of its whole travel.
+///
+/// Protects: servos that are slow, rest, or follow small strokes, from being called stopped; and bounds of recordings in which the servo is
+/// switched off. Evidence: the tests of servos that stop, and of a servo that dies under random levels.
+pub const STANDSTILL_TRAVEL: f64 = 0.1;
+
+/// The part of a run, at least, in which the output stands still, and in which it moves; see [`STANDSTILL_TRAVEL`].
+pub const STANDSTILL_PART: f64 = 0.1;
+
+/// What counts as a stroke of the input then, as a share of its travel: one to another level of some stairs, or across all of two.
+pub const STANDSTILL_STROKE: f64 = 0.3;
+
+/// Travel of an output that follows a stroke, as a share of its whole travel; see [`STANDSTILL_TRAVEL`].
+pub const STANDSTILL_FOLLOWED: f64 = 0.25;
+
+/// Strokes of the input that show that the output should move; see [`STANDSTILL_TRAVEL`].
+pub const STANDSTILL_STROKES: usize = 3;
+
 /// Standard deviations from which on motion before the changes of a held command is beyond chance.
 ///
 /// Protects: recordings whose command was written in time from being called late. Evidence: the tests of early motion, where
@@ -634,6 +652,12 @@ pub const EQUALLY_LONG: f64 = 1.25;
 pub const NOTABLE_SHIFT_S: f64 = 0.25e-3;
 
 // The servo model.
+
+/// Standard deviations by which a record must exclude a servo without the limit of one direction, for that limit to have been at work.
+///
+/// Protects: intervals of top speeds and accelerations of a direction in which the servo never needed all of its drive. Evidence: the
+/// test of limits that were not at work.
+pub const SERVO_LIMIT_AT_WORK: f64 = 4.0;
 
 /// Advantage of a term in predicting blocks that the fit has not seen, in standard errors of its mean over the blocks, from
 /// which on the term is taken. One in a thousand advantages of nothing is larger, and about ten terms are tried.

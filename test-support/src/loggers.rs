@@ -28,6 +28,8 @@ pub struct Logger {
     pub top: f64,
     /// Position at which it runs into a stop \[output\].
     pub stop: f64,
+    /// Share of the recording after which it stands still, as if it were jammed.
+    pub jams: f64,
     /// Levels of the command from -10 to 10, each held for at least 0.3 s; 0 for any level.
     pub levels: u32,
 }
@@ -42,6 +44,7 @@ impl Default for Logger {
             weaker: 0.0,
             top: f64::INFINITY,
             stop: f64::INFINITY,
+            jams: f64::INFINITY,
             levels: 0,
         }
     }
@@ -88,6 +91,9 @@ impl Logger {
         let step_s = PERIOD_S / STEPS as f64;
         let mut next = |step: usize| {
             let now = step / STEPS;
+            if now as f64 >= self.jams * SAMPLES as f64 {
+                return position;
+            }
             let command = input[now.saturating_sub(DELAY).min(SAMPLES - 1)];
             let stiffness = 1600.0 * (1.0 - self.weaker * now as f64 / SAMPLES as f64);
             speed += step_s * (stiffness * (command - position) - 64.0 * speed);

@@ -4,7 +4,11 @@
 //! first of them is later than the model, τ = -Σ e s' / Σ s'². Where the moments at which commands take effect have nothing to do with the
 //! rows, these times fill an interval of a certain length evenly: one row where a logger with a clock of its own looks for the command, one
 //! frame where pulses have frames of their own. Noise, and a servo that is not linear, scatter them in another way: their kurtosis is that
-//! of a bell, 3, or more, and that of an even scatter is 1.8.
+//! of a bell, 3, or more, and that of an even scatter is 1.8. A servo that is limited in its speed is later by more the longer the stroke: an
+//! even choice of strokes scatters its answers evenly, too, so times that follow the stroke do not count.
+//!
+//! Where that is the time of one row, a logger polled the command: every answer is up to a row later than its row says, so no time holds, and
+//! errors that follow the motion are its consequence. That is a reason to have no bounds. A frame of pulses is part of what a simulation needs.
 
 use super::duration_in_words::in_words;
 use crate::data::dataset::Dataset;
@@ -13,6 +17,8 @@ use servoid_identification::{Identification, Run};
 
 /// The answer to one change of the command.
 struct CommandAnswer {
+    /// Change of the command.
+    stroke: f64,
     /// Later than the model by \[samples\].
     late: f64,
     /// Sum of squares of the speed.
@@ -39,52 +45,79 @@ const ONE_ROW: std::ops::RangeInclusive<f64> = 0.7..=1.3;
 /// The longest frame of pulses, or cycle of a controller \[s\].
 const LONGEST_FRAME_S: f64 = 0.05;
 
+/// Share of the scatter that may follow the size or the direction of the strokes.
+const MOST_BY_STROKE: f64 = 0.3;
+
+/// When commands take effect, where that is not at their rows.
+pub(super) enum CommandEdges {
+    /// Between the rows: no time of the model holds.
+    BetweenRows(Advice),
+    /// Between the rows, as was said with the recording: that is what errors follow.
+    AsStated,
+    /// At moments of a frame of their own.
+    InFrames(Advice),
+}
+
 /// That commands take effect between the rows of a file, or later than they are written by a frame that scatters.
-pub(super) fn commands_between_rows(data: &Dataset, found: &Identification) -> Option<Advice> {
+pub(super) fn command_edges(data: &Dataset, found: &Identification) -> Option<CommandEdges> {
     let model = &found.model;
-    // Errors of a servo that is not linear, and steps of a coarse sensor, scatter from stroke to stroke, too.
-    let is_plain = model.linear && model.bounds.valid().is_some();
-    if !data.about.commands_at_rows || !is_plain || found.explanation.resolution.is_some() {
+    // Steps of a coarse sensor scatter from stroke to stroke, too.
+    let (at_rows, polled) = (data.about.commands_at_rows, data.about.polled);
+    if !(at_rows || polled) || found.explanation.resolution.is_some() {
         return None;
     }
     let rows = even_scatter(data.record.runs(), model)?;
     let scatter_s = rows * model.sample_period_s;
-    let said = format!(
+    // Errors of a servo that is not linear scatter over any time, and one row is little of that.
+    let is_plain = model.linear && model.bounds.valid().is_some();
+    let is_frame = at_rows && is_plain && rows > *ONE_ROW.end() && scatter_s <= LONGEST_FRAME_S;
+    match ONE_ROW.contains(&rows) {
+        true if polled => Some(CommandEdges::AsStated),
+        true => Some(CommandEdges::BetweenRows(between_rows(rows, model))),
+        false => is_frame.then(|| CommandEdges::InFrames(in_frames(rows, scatter_s))),
+    }
+}
+
+fn scatter_in_words(scatter_s: f64) -> String {
+    format!(
         "The answers to commands scatter evenly over {}",
         in_words(scatter_s)
-    );
-    let half = in_words(0.5 * model.sample_period_s);
-    let mean_wait = in_words(0.5 * scatter_s);
-    let (finding, remedy) = if ONE_ROW.contains(&rows) {
-        (
-            format!(
-                "{said}, about the time between rows, as if commands changed between them. A logger with a clock of its own does that: then all \
-                 times are half a row, {half}, too early, which no bound contains."
-            ),
-            "If such a logger wrote the file, say --polled: times are corrected, and their intervals allow for the rest. Better, record by the \
-             clock of the commands.".to_owned(),
-        )
-    } else if rows > *ONE_ROW.end() && scatter_s <= LONGEST_FRAME_S {
-        (
-            format!(
-                "{said}, as if each waited for a moment of its own: pulses in frames that the rows know nothing of do that, and controllers with \
-                 such a cycle. All times contain the mean of this wait, {mean_wait}, and single answers are up to as much sooner or later."
-            ),
-            format!(
-                "For a simulation that has such a frame, take {mean_wait} from the delay. Better, write each command at the pulse with which it \
-                 begins."
-            ),
-        )
-    } else {
-        return None;
-    };
-    Some(Advice::new(
-        Check::CommandEdges,
-        finding,
+    )
+}
+
+fn between_rows(rows: f64, model: &Model) -> Advice {
+    let period_s = model.sample_period_s;
+    Advice::new(
+        Check::CommandsBetweenRows,
+        format!(
+            "{}, about the time between rows, as if commands changed between them. A logger with a clock of its own does that: then all \
+             times are half a row, {}, too early, which no bound contains, and errors follow the motion of a linear servo, too.",
+            scatter_in_words(rows * period_s),
+            in_words(0.5 * period_s)
+        ),
         rows,
         *ONE_ROW.start(),
-        remedy,
-    ))
+        "If such a logger wrote the file, say --polled: times are corrected, and their intervals allow for the rest. Better, record by the \
+         clock of the commands.",
+    )
+}
+
+fn in_frames(rows: f64, scatter_s: f64) -> Advice {
+    let mean_wait = in_words(0.5 * scatter_s);
+    Advice::new(
+        Check::CommandEdges,
+        format!(
+            "{}, as if each waited for a moment of its own: pulses in frames that the rows know nothing of do that, and controllers with \
+             such a cycle. All times contain the mean of this wait, {mean_wait}, and single answers are up to as much sooner or later.",
+            scatter_in_words(scatter_s)
+        ),
+        rows,
+        *ONE_ROW.start(),
+        format!(
+            "For a simulation that has such a frame, take {mean_wait} from the delay. Better, write each command at the pulse with which it \
+             begins."
+        ),
+    )
 }
 
 /// The length of the interval over which the answers scatter evenly \[samples\]; `None` where they do not.
@@ -104,8 +137,34 @@ fn even_scatter(runs: &[Run<'_>], model: &Model) -> Option<f64> {
     let (variance, fourth) = (moment(2), moment(4));
     let of_noise = mean(&|answer| answer.noise) * mean(&|answer| answer.weight.recip());
     let is_even = of_noise < MOST_NOISE * variance && fourth < EVEN_KURTOSIS * variance * variance;
+    let by_stroke = [CommandAnswer::size as fn(&CommandAnswer) -> f64, |answer| {
+        answer.stroke
+    }]
+    .map(|of| squared_correlation(&answers, of))
+    .into_iter()
+    .fold(0.0, f64::max);
+    let is_even = is_even && by_stroke < MOST_BY_STROKE;
     // An interval of length 1 has the variance 1/12.
     is_even.then(|| (12.0 * (variance - of_noise)).sqrt())
+}
+
+impl CommandAnswer {
+    fn size(&self) -> f64 {
+        self.stroke.abs()
+    }
+}
+
+/// Of the times of the answers with a property of their strokes.
+fn squared_correlation(answers: &[CommandAnswer], of: fn(&CommandAnswer) -> f64) -> f64 {
+    let count = answers.len() as f64;
+    let mean = |of: &dyn Fn(&CommandAnswer) -> f64| answers.iter().map(of).sum::<f64>() / count;
+    let (late, size) = (mean(&|answer| answer.late), mean(&|answer| of(answer)));
+    let product = mean(&|answer| (answer.late - late) * (of(answer) - size));
+    let squares = mean(&|answer| (answer.late - late).powi(2)) * mean(&|a| (of(a) - size).powi(2));
+    match squares > 0.0 {
+        true => product * product / squares,
+        false => 0.0,
+    }
 }
 
 /// The answers of a run, each from one change of the command to the next.
@@ -121,12 +180,19 @@ fn answers(run: &Run<'_>, model: &Model) -> Vec<CommandAnswer> {
     let rows: Vec<(f64, (f64, f64))> =
         (run.input().iter().copied().zip(errors.zip(speeds))).collect();
     // The first hold answers what was before the run.
-    let holds = rows.chunk_by(|(a, _), (b, _)| a == b).skip(1);
-    holds.filter_map(answer).collect()
+    let holds: Vec<_> = rows.chunk_by(|(a, _), (b, _)| a == b).collect();
+    let pairs = holds.windows(2).filter_map(|pair| match pair {
+        [before, hold] => Some((before.first()?.0, *hold)),
+        _ => None,
+    });
+    pairs
+        .filter_map(|(before, hold)| answer(before, hold))
+        .collect()
 }
 
-/// The answer within a hold, by its rows of command, error and speed.
-fn answer(hold: &[(f64, (f64, f64))]) -> Option<CommandAnswer> {
+/// The answer within a hold, by the command `before` it and its rows of command, error and speed.
+fn answer(before: f64, hold: &[(f64, (f64, f64))]) -> Option<CommandAnswer> {
+    let stroke = hold.first()?.0 - before;
     let pairs = || {
         let known = hold.iter().map(|(_, pair)| *pair);
         known.filter(|(error, speed)| !(error * speed).is_nan())
@@ -136,6 +202,7 @@ fn answer(hold: &[(f64, (f64, f64))]) -> Option<CommandAnswer> {
     let left = pairs().map(|(error, speed)| (error + late * speed).powi(2));
     let noise = left.sum::<f64>() / pairs().count() as f64;
     (weight > 0.0).then_some(CommandAnswer {
+        stroke,
         late,
         weight,
         noise,
@@ -145,11 +212,14 @@ fn answer(hold: &[(f64, (f64, f64))]) -> Option<CommandAnswer> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::analysis::identified;
+    use crate::data::dataset::{ArrayRun, Arrays, of_arrays};
+    use servoid_identification::results::{Reason, Withheld};
     use servoid_identification::{Options, Record, identify};
 
     /// A lag of 30 ms under levels of 0.2 to 0.4 s, in rows of 10 ms; a command takes effect up to `wait` rows after its row, or before where
-    /// that is negative.
-    fn scatter(wait: f64, noise: f64) -> Option<f64> {
+    /// that is negative. The servo is no faster than `top` a step of 0.1 ms.
+    fn record(wait: f64, noise: f64, top: f64) -> Record<'static> {
         let random = |k: u32| (f64::from(k) * f64::from(k) * 0.7548776662).fract();
         let (mut input, mut output) = (Vec::new(), Vec::new());
         let (mut angle, mut before) = (0.0, 0.0);
@@ -162,14 +232,67 @@ mod tests {
                 for step in 0..100 {
                     let at = f64::from(100 * row + step);
                     let command = if at < late { before } else { level };
-                    angle += (command - angle) / 300.0;
+                    angle += f64::clamp((command - angle) / 300.0, -top, top);
                 }
             }
             before = level;
         }
-        let record = Record::of_run(0.01, &input, &output).unwrap();
+        Record::of_run(0.01, input, output).unwrap()
+    }
+
+    fn scatter(wait: f64, noise: f64) -> Option<f64> {
+        let record = record(wait, noise, f64::INFINITY);
         let model = identify(&record, &Options::default()).unwrap();
         even_scatter(record.runs(), &model)
+    }
+
+    #[test]
+    fn a_limit_of_speed_is_no_wait() {
+        // 100 a second: some 4 rows later where strokes are large, by the length of the stroke.
+        for top in [0.01, 0.015, 0.02, 0.03] {
+            let record = record(0.0, 0.05, top);
+            let model = identify(&record, &Options::default()).unwrap();
+            let found = even_scatter(record.runs(), &model);
+            assert!(
+                found.is_none_or(|rows| !ONE_ROW.contains(&rows)),
+                "{top}: {found:?}"
+            );
+        }
+    }
+
+    /// Of a recording that a logger polled, where that is said or not.
+    fn polled(stated: bool) -> Model {
+        let record = record(1.0, 0.02, f64::INFINITY);
+        let run = &record.runs()[0];
+        let arrays = Arrays {
+            period_s: 0.01,
+            phase_s: if stated { 0.005 } else { 0.0 },
+            runs: vec![ArrayRun {
+                input: run.input().into(),
+                output: run.output().into(),
+                at_rest: None,
+            }],
+            ..Arrays::default()
+        };
+        let mut data = of_arrays(arrays).unwrap();
+        (data.about.commands_at_rows, data.about.polled) = (!stated, stated);
+        data.about.sensor_delay_uncertainty_s = if stated { 0.005 } else { 0.0 };
+        identified(&data, "polled", &Options::default())
+            .unwrap()
+            .model
+    }
+
+    /// A lag of 30 ms passes a half after 20.8 ms, its commands wait for 5 ms on average, and half a row is 5 ms.
+    #[test]
+    fn a_polled_recording_has_no_times_unless_that_is_said() {
+        let unsaid = polled(false);
+        assert_eq!(unsaid.bounds.withdrawn(), Some(Reason::CommandsBetweenRows));
+        assert_eq!(unsaid.advice[0].check, Check::CommandsBetweenRows);
+        assert_eq!(unsaid.metrics.withheld, Some(Withheld::TimeFault));
+        assert!(unsaid.metrics.dc_gain.value.is_some() && unsaid.metrics.t50_s.value.is_none());
+        let said = polled(true);
+        assert!(said.linear && said.bounds.valid().is_some());
+        assert!(said.metrics.t50_s.contains(0.0308), "{:?}", said.metrics);
     }
 
     #[test]

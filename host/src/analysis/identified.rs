@@ -1,14 +1,14 @@
 //! The linear model of a data set, with the advice that its files ask for.
 
 use super::angle_units::advice_on_gain;
-use super::command_edges::commands_between_rows;
+use super::command_edges::{CommandEdges, command_edges};
 use super::duration_in_words::in_words;
 use super::travel;
 use crate::data::dataset::Dataset;
 use crate::data::rounding::six_digits;
 use crate::presentation::summary::percent;
 use anyhow::{Context, Result};
-use servoid_identification::results::{Advice, Check, Metrics, Model, pointwise_critical};
+use servoid_identification::results::{Advice, Check, Metrics, Model, Reason, pointwise_critical};
 use servoid_identification::{Identification, Options, identify_explained};
 use servoid_protocol::hello::INTERNAL_CLOCK_ERROR;
 
@@ -19,11 +19,12 @@ use servoid_protocol::hello::INTERNAL_CLOCK_ERROR;
 pub fn identified(data: &Dataset, name: &str, options: &Options) -> Result<Identification> {
     let found = identify_explained(&data.record, options);
     let mut found = found.with_context(|| name.to_owned())?;
-    let of_files = data.about.advice.iter().cloned();
-    let (first, others): (Vec<_>, Vec<_>) =
-        of_files.partition(|item| item.check == Check::UnlikeRuns);
-    found.model.advice.splice(0..0, first);
-    found.model.advice.extend(others);
+    found.model.advice.extend(data.about.advice.iter().cloned());
+    // What follows from these is not to be read before them.
+    found
+        .model
+        .advice
+        .sort_by_key(|item| !item.explains_others());
     let doubtful = unlikely_period(data.record.sample_period_s());
     let doubtful = doubtful.or_else(|| unlikely_duration(&found.model));
     let mixed = advice_on_gain(&found.model, data.about.units());
@@ -32,13 +33,30 @@ pub fn identified(data: &Dataset, name: &str, options: &Options) -> Result<Ident
         .model
         .advice
         .splice(0..0, doubtful.into_iter().chain(mixed).chain(off));
-    let of_data = commands_between_rows(data, &found);
-    let of_data = of_data
+    let in_frames = match command_edges(data, &found) {
+        Some(CommandEdges::BetweenRows(advice)) => {
+            found.model.withdraw_times(Reason::CommandsBetweenRows);
+            // Errors that follow the motion are its consequence.
+            found
+                .model
+                .advice
+                .retain(|item| !item.is_of_errors_in_motion());
+            found.model.advice.insert(0, advice);
+            None
+        }
+        Some(CommandEdges::AsStated) => {
+            explained_by_polling(&mut found.model);
+            None
+        }
+        Some(CommandEdges::InFrames(advice)) => Some(advice),
+        None => None,
+    };
+    let of_data = in_frames
         .into_iter()
         .chain(against_command(data, &found.model));
     let of_data: Vec<Advice> = of_data.chain(rough_scale(data, &found.model)).collect();
     found.model.advice.extend(of_data);
-    name_unlike_runs(&mut found.model.advice);
+    Advice::name_unlike_runs(&mut found.model.advice);
     if data.about.inexact_clock {
         let [slow, fast] = INTERNAL_CLOCK_ERROR;
         found.model.metrics = found.model.metrics.with_clock_error(slow, fast);
@@ -47,16 +65,12 @@ pub fn identified(data: &Dataset, name: &str, options: &Options) -> Result<Ident
     Ok(found)
 }
 
-/// Where runs are not of one kind, that is why they scatter, and nothing else need be looked for.
-fn name_unlike_runs(advice: &mut [Advice]) {
-    if !advice.iter().any(|item| item.check == Check::UnlikeRuns) {
-        return;
-    }
-    for item in advice {
-        if matches!(item.check, Check::RunScatter | Check::DeviatingRun) {
-            "Runs of different kinds differ by more than noise: identify each kind alone."
-                .clone_into(&mut item.remedy);
-        }
+/// Errors that follow the motion are those of commands that came between the rows, which the intervals allow for: nothing else says that
+/// the servo is not linear. Where they took the bounds, they are larger than that.
+fn explained_by_polling(model: &mut Model) {
+    if model.bounds.valid().is_some() {
+        model.linear = true;
+        model.advice.retain(|item| !item.is_of_errors_in_motion());
     }
 }
 

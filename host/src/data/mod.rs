@@ -4,6 +4,7 @@ pub mod dataset;
 pub mod model_file;
 pub mod recording;
 pub mod rig_file;
+mod seams;
 pub mod sensor_preset;
 pub mod table;
 
@@ -19,7 +20,6 @@ pub(crate) mod numbered_path;
 mod rest_error;
 pub(crate) mod rounding;
 mod servo_moved;
-mod servo_stopped;
 mod statistics;
 mod unlike_runs;
 

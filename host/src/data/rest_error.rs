@@ -1,11 +1,13 @@
 //! Where a servo rests, against its command.
 //!
 //! Friction and a dead band hold a servo on the side that it comes from, so what they leave changes its sign with the direction of the
-//! stroke. A zero that is off, or a load, does not. The errors of all rests are split into the two:
+//! stroke. A zero that is off, or a load, does not. A gain that is not one makes errors that grow with the command, so the rests are split into three:
 //!
 //! ```text
-//! y - u = c + f s        s = 1 after a stroke upwards, -1 downwards
+//! y = c + g (u - m) + f s        s = 1 after a stroke upwards, -1 downwards
 //! ```
+//!
+//! With m the middle of the commands, the servo rests c - m from its command there. Under two levels every stroke upwards ends at the same command, and g and f are one.
 
 use super::statistics::{mean, span};
 use servoid_identification::results::{Advice, Check};
@@ -40,27 +42,32 @@ pub(super) fn advice(record: &Record, unit: Option<&str>) -> Option<Advice> {
         .iter()
         .flat_map(|run| rests(run, hold, MATTERS * travel))
         .collect();
-    let (up, down): (Vec<&CommandedRest>, Vec<&CommandedRest>) =
-        all.iter().partition(|rest| rest.upwards);
-    if all.len() < RESTS || up.len().min(down.len()) < 2 || !ONE_ANGLE.contains(&slope(&all)?) {
+    let upwards = all.iter().filter(|rest| rest.upwards).count();
+    if all.len() < RESTS || upwards.min(all.len() - upwards) < 2 {
         return None;
     }
-    let (up, up_variance) = errors(&up);
-    let (down, down_variance) = errors(&down);
-    let (off, friction) = ((up + down) / 2.0, (up - down).abs() / 2.0);
-    let sd = (up_variance + down_variance).sqrt() / 2.0;
-    let is_off = off.abs() > friction.max(MATTERS * travel).max(BEYOND_CHANCE * sd);
+    let line = Line::through(&all)?;
+    if !ONE_ANGLE.contains(&line.slope) {
+        return None;
+    }
+    let (off, least) = (line.off, MATTERS * travel);
+    let beside = line.friction.unwrap_or(line.direction);
+    let is_off = off.abs() > beside.max(least).max(BEYOND_CHANCE * line.off_sd);
     let unit = unit.map_or_else(String::new, |unit| format!(" {unit}"));
+    let friction = line.friction.map_or(String::new(), |friction| {
+        format!(
+            "; what changes with the direction of the stroke, as friction does, is {friction:.2}{unit} to each side"
+        )
+    });
     is_off.then(|| {
         Advice::new(
             Check::Zeros,
             format!(
-                "The servo rests {off:+.2}{unit} from its command (mean of {} rests); what changes with the direction of the stroke, as friction \
-                 does, is {friction:.2}{unit} to each side.",
+                "The servo rests {off:+.2}{unit} from its command (mean of {} rests){friction}.",
                 all.len()
             ),
             off,
-            friction,
+            beside,
             "Look at the zero of the sensor, at the horn on its spline and at a load that pulls to one side. The step response does not \
              depend on it.",
         )
@@ -96,29 +103,70 @@ fn rests(run: &Run<'_>, hold: usize, still: f64) -> Vec<CommandedRest> {
     found
 }
 
-/// Mean error of some rests, and the variance of that mean.
-fn errors(rests: &[&CommandedRest]) -> (f64, f64) {
-    let errors: Vec<f64> = rests
-        .iter()
-        .map(|rest| rest.position - rest.command)
-        .collect();
-    let centre = mean(&errors).unwrap_or(f64::NAN);
-    let squares: f64 = errors.iter().map(|error| (error - centre).powi(2)).sum();
-    let count = errors.len() as f64;
-    (centre, squares / (count - 1.0) / count)
+/// Share of the scatter of the directions that must not follow the command, for friction to be known beside the gain.
+const SEPARATE: f64 = 0.05;
+
+/// The line through the rests, beside the direction that they were reached in.
+struct Line {
+    /// Position at the middle of the commands, less that command, and its standard deviation.
+    off: f64,
+    off_sd: f64,
+    slope: f64,
+    /// What changes with the direction of the stroke, to each side; `None` where the command changes with it.
+    friction: Option<f64>,
+    /// The same with what the command adds, where nothing distinguishes the two.
+    direction: f64,
 }
 
-/// Slope of the positions over the commands; `None` of one command.
-fn slope(rests: &[CommandedRest]) -> Option<f64> {
-    let commands: Vec<f64> = rests.iter().map(|rest| rest.command).collect();
-    let positions: Vec<f64> = rests.iter().map(|rest| rest.position).collect();
-    let (u, y) = (mean(&commands)?, mean(&positions)?);
-    let product: f64 = rests
-        .iter()
-        .map(|rest| (rest.command - u) * (rest.position - y))
-        .sum();
-    let square: f64 = commands.iter().map(|command| (command - u).powi(2)).sum();
-    (square > 0.0).then(|| product / square)
+impl Line {
+    /// `None` for rests of one command.
+    fn through(rests: &[CommandedRest]) -> Option<Self> {
+        let column = |of: fn(&CommandedRest) -> f64| -> Vec<f64> { rests.iter().map(of).collect() };
+        let commands = column(|rest| rest.command);
+        let positions = column(|rest| rest.position);
+        let directions = column(|rest| if rest.upwards { 1.0 } else { -1.0 });
+        let (u, y, s) = (mean(&commands)?, mean(&positions)?, mean(&directions)?);
+        let [du, dy, ds] = [(commands, u), (positions, y), (directions, s)]
+            .map(|(values, mean)| values.iter().map(|value| value - mean).collect::<Vec<_>>());
+        let square = product(&du, &du);
+        if square <= 0.0 {
+            return None;
+        }
+        let along = product(&ds, &du) / square;
+        let beside: Vec<f64> = ds.iter().zip(&du).map(|(s, u)| s - along * u).collect();
+        let left = product(&beside, &beside);
+        let is_separate = left > SEPARATE * product(&ds, &ds);
+        let f = match is_separate {
+            true => product(&dy, &beside) / left,
+            false => 0.0,
+        };
+        let slope = product(&dy, &du) / square - f * along;
+        let count = rests.len() as f64;
+        let errors = dy.iter().zip(du.iter().zip(&ds));
+        let errors = errors.map(|(y, (u, s))| y - slope * u - f * s);
+        let variance = errors.map(|error| error * error).sum::<f64>() / (count - 3.0).max(1.0);
+        let of_friction = if is_separate { s * s / left } else { 0.0 };
+        // The commands may lie to one side of their middle.
+        let range = rests.iter().map(|rest| rest.command);
+        let (low, high) = range.fold((f64::MAX, f64::MIN), |(low, high), u| {
+            (low.min(u), high.max(u))
+        });
+        let middle = f64::midpoint(low, high);
+        let of_slope = (middle - u).powi(2) / square;
+        let errors = dy.iter().zip(&du).map(|(y, u)| y - u);
+        let direction = errors.zip(&ds).map(|(error, s)| error * s).sum::<f64>();
+        Some(Self {
+            off: y - f * s + slope * (middle - u) - middle,
+            off_sd: (variance * (1.0 / count + of_friction + of_slope)).sqrt(),
+            slope,
+            friction: is_separate.then_some(f.abs()),
+            direction: (direction / product(&ds, &ds)).abs(),
+        })
+    }
+}
+
+fn product(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 #[cfg(test)]
@@ -155,5 +203,41 @@ mod tests {
         assert!(found.finding.contains("rests +3.0"), "{}", found.finding);
         assert_eq!(advice(&record(1.0, 0.0), None), None);
         assert_eq!(advice(&record(3.0, 4.0), None), None);
+        assert!(!found.finding.contains("friction"), "{}", found.finding);
+    }
+
+    /// Five levels, each reached from below and from above, of a servo with this gain and friction that rests 2 off.
+    fn five_levels(gain: f64, friction: f64) -> Advice {
+        let level = |hold: usize| 10.0 * [0.0, 1.0, -1.0, 2.0, 1.0, -2.0, -1.0][hold % 7];
+        let input: Vec<f64> = (0..1600).map(|k| level(k / 50)).collect();
+        let output = (0..1600).map(|k| {
+            let upwards = level(k / 50) > level(k / 50 + 6);
+            let noise = ((k * k * 7919) % 101) as f64 / 1000.0 - 0.05;
+            let side = if upwards { -friction } else { friction };
+            match k % 50 {
+                0..5 => 0.0,
+                _ => gain * input[k] + 2.0 + side + noise,
+            }
+        });
+        let output: Vec<f64> = output.collect();
+        let record = Record::of_run(0.02, input.clone(), output).unwrap();
+        advice(&record, Some("deg")).unwrap()
+    }
+
+    #[test]
+    fn a_gain_is_no_friction() {
+        let linear = five_levels(0.9, 0.0);
+        assert!(
+            linear.finding.contains("is 0.00 deg to each side"),
+            "{}",
+            linear.finding
+        );
+        assert!((linear.value - 2.0).abs() < 0.05, "{}", linear.value);
+        let sticking = five_levels(0.9, 0.5);
+        assert!(
+            sticking.finding.contains("is 0.50 deg to each side"),
+            "{}",
+            sticking.finding
+        );
     }
 }

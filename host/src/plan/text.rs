@@ -84,6 +84,8 @@ fn none_because(reason: Reason) -> String {
             "take a reference with sharp edges, or a sensor with finer steps"
         }
         Reason::BeyondRecord => "plan with a model of a recording with strokes as large as these",
+        Reason::ServoStopped => "take a model of what is before the servo stops",
+        Reason::CommandsBetweenRows => "read the model's recording with --polled",
         Reason::EarlyMotion | Reason::LagDrift => "write command and position by one clock",
         Reason::TravelEnd => "take strokes on this side of the stop",
         Reason::HeldOutput => "read the sensor with every sample",

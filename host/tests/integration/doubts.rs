@@ -245,18 +245,23 @@ fn commands_that_change_between_rows_are_suspected_and_corrected() {
     polled(&file);
     let names = ["u_deg", "y_deg"];
     let (text, document) = identified(&file, names, &["--period", "0.02"]);
-    assert!(checks(&document).contains(&"command_edges"), "{text}");
-    assert!(text.contains("half a row, 10 ms, too early"), "{text}");
+    assert_eq!(checks(&document)[0], "commands_between_rows", "{text}");
+    let said = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(said.contains("half a row, 10 ms, too early"), "{text}");
+    let metrics = &document["metrics"];
+    assert_eq!(document["withdrawn"]["reason"], "commands_between_rows");
+    assert_eq!(metrics["t50_s"]["value"], Value::Null, "{text}");
+    assert!(metrics["dc_gain"]["value"].is_number(), "{text}");
     let half_way = |document: &Value| {
         let metrics = &document["metrics"]["t50_s"];
         ["lower", "value", "upper"].map(|end| metrics[end].as_f64().unwrap())
     };
     // 12 ms + 30 ms ln 2.
     let truth = 0.0328;
-    let [_, _, upper] = half_way(&document);
-    assert!(upper < truth, "{text}");
     let (text, document) = identified(&file, names, &["--period", "0.02", "--polled"]);
-    assert!(!checks(&document).contains(&"command_edges"), "{text}");
+    let found = checks(&document);
+    assert!(!found.contains(&"commands_between_rows"), "{text}");
+    assert!(document["linear"] == true && !document["bounds"].is_null());
     let [lower, value, upper] = half_way(&document);
     assert!((lower..upper).contains(&truth), "{text}");
     // A quarter of a row: the changes of this command do not lie evenly between rows.

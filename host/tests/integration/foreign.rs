@@ -239,10 +239,10 @@ fn what_is_not_certain_is_asked_in_one_sentence() {
             "uneven steps",
         ),
         (
-            new("clock.csv", "time,u,y\n", &|k, u, y| {
-                format!("12:00:{:06.3},{u},{y:.4}\n", 0.002 * f64::from(k))
+            new("suffix.csv", "time,u,y\n", &|k, u, y| {
+                format!("{:.3} s,{u},{y:.4}\n", 0.002 * f64::from(k))
             }),
-            "no numbers",
+            "neither numbers nor those of a clock",
         ),
         (
             new("commas.csv", "t,u,y\n", &|k, u, y| {

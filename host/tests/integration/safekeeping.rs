@@ -261,7 +261,7 @@ fn a_model_of_another_schema_is_named_as_what_it_is() {
         ("0", "no servoid writes"),
         ("\"1\"", "no servoid writes"),
         ("null", "no servoid writes"),
-        ("1", "is no model"),
+        ("1", "is not laid out like that"),
         ("2", "is no model"),
     ] {
         std::fs::write(&file, format!("{{\"schema\":{schema}}}")).unwrap();

@@ -14,5 +14,6 @@ pub(crate) use holds::{
 };
 pub use moments::{MomentStream, Moments};
 pub use quantisation::Quantisation;
+pub(crate) use quantisation::sensor_step;
 pub use record::{Record, Run};
 pub use timing::Timing;

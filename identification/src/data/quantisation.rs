@@ -43,7 +43,7 @@ pub struct Quantisation {
 impl Quantisation {
     /// Of `record` with its residuals \[rms\]. `None` when the noise dithers or the output has no steps.
     pub fn of(record: &Record, residual: f64) -> Option<Self> {
-        let step = step_of(record)?;
+        let step = sensor_step(record)?;
         let residual = residual / step;
         if residual >= DITHERED {
             return None;
@@ -59,7 +59,7 @@ impl Quantisation {
 }
 
 /// The step that the output is rounded to, if many samples equal the previous one.
-fn step_of(record: &Record) -> Option<f64> {
+pub(crate) fn sensor_step(record: &Record) -> Option<f64> {
     let differences = || {
         let runs = record.runs().iter();
         runs.flat_map(|run| {

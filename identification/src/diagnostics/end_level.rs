@@ -39,8 +39,12 @@ struct Visit {
 
 impl ShortLevel {
     /// The level at an end of those that the runs visit for at least `settling` samples, the higher one where both ends fall short.
-    /// `gain` has the sign of the servo's.
-    pub(super) fn of(runs: &[Simulated<'_>], settling: usize, gain: f64) -> Option<Self> {
+    /// `gain` has the sign of the servo's, and `step` is that of the sensor: levels that are short by no more are rounded.
+    pub(super) fn of(
+        runs: &[Simulated<'_>],
+        settling: usize,
+        (gain, step): (f64, f64),
+    ) -> Option<Self> {
         let mut visits: Vec<Visit> = runs
             .iter()
             .flat_map(|run| visits(run, settling, gain))
@@ -51,7 +55,7 @@ impl ShortLevel {
         if levels.len() < FEWEST_LEVELS {
             return None;
         }
-        let is_short = |ends: &[&[Visit]]| is_short(&visits, ends);
+        let is_short = |ends: &[&[Visit]]| is_short(&visits, ends, step);
         let end = if is_short(&[last]) {
             last
         } else if is_short(&[first]) {
@@ -94,8 +98,8 @@ fn visits(simulated: &Simulated<'_>, settling: usize, gain: f64) -> Vec<Visit> {
 }
 
 /// Whether all of `ends` fall short of the line through the other visits, beyond chance and beyond any of the others, and no
-/// polynomial describes them better.
-fn is_short(visits: &[Visit], ends: &[&[Visit]]) -> bool {
+/// polynomial describes them better. Each must be short by more than `step`.
+fn is_short(visits: &[Visit], ends: &[&[Visit]], step: f64) -> bool {
     let is_end = |visit: &Visit| ends.iter().any(|end| end[0].level == visit.level);
     let others: Vec<Visit> = (visits.iter().filter(|v| !is_end(v)).copied()).collect();
     let Some(line) = Line::through(&others) else {
@@ -103,7 +107,7 @@ fn is_short(visits: &[Visit], ends: &[&[Visit]]) -> bool {
     };
     let are_short = ends
         .iter()
-        .all(|end| end.len() >= FEWEST_VISITS && line.is_short_at(end));
+        .all(|end| end.len() >= FEWEST_VISITS && line.is_short_at(end, step));
     let by_stops = line.square + ends.iter().map(|end| about_mean(end)).sum::<f64>();
     // Two stops and a cubic bend are much alike.
     are_short && ends.len() as f64 * by_stops < square_beside_polynomial(visits)
@@ -158,7 +162,7 @@ impl Line {
     }
 
     /// Whether the visits of an end lie on the inner side of the line: each farther than any of the others, their mean beyond chance.
-    fn is_short_at(&self, end: &[Visit]) -> bool {
+    fn is_short_at(&self, end: &[Visit], step: f64) -> bool {
         let outwards = (end[0].level - self.centre).signum();
         let short = || end.iter().map(|visit| -outwards * self.error_beside(visit));
         let visits = end.len() as f64;
@@ -166,7 +170,8 @@ impl Line {
         let leverage = 1.0 / self.count + (end[0].level - self.centre).powi(2) / self.spread;
         let sd = (self.square / (self.count - 2.0) * (1.0 / visits + leverage)).sqrt();
         let tail = StudentsT::new(0.0, 1.0, self.count - 2.0).map(|t| t.sf(mean / sd));
-        short().all(|short| short > self.largest)
+        mean > step
+            && short().all(|short| short > self.largest)
             && tail.is_ok_and(|tail| tail < SHORT_LEVEL_SIGNIFICANCE)
     }
 }
@@ -226,7 +231,7 @@ mod tests {
     /// Whether the last, the first or both levels fall short.
     fn is_found(visits: &[Visit]) -> [bool; 3] {
         let (first, last) = (&visits[..6], &visits[30..]);
-        [&[last][..], &[first][..], &[first, last][..]].map(|ends| is_short(visits, ends))
+        [&[last][..], &[first][..], &[first, last][..]].map(|ends| is_short(visits, ends, 0.0))
     }
 
     #[test]
@@ -238,6 +243,9 @@ mod tests {
         assert_eq!(is_found(&upper), [true, false, false]);
         let both = visits(2, |level, _, noise| level.clamp(-9.2, 9.2) - level + noise);
         assert_eq!(is_found(&both), [false, false, true]);
+        // By 0.8: a sensor with steps of 0.5 shows it, one with steps of 1 may have rounded.
+        let ends: [&[Visit]; 2] = [&both[30..], &both[..6]];
+        assert!(is_short(&both, &ends, 0.5) && !is_short(&both, &ends, 1.0));
     }
 
     #[test]

@@ -26,6 +26,7 @@ mod run_offsets;
 mod run_scatter;
 mod run_trends;
 mod servo_mean;
+mod servo_stopped;
 mod simulation_error;
 mod slow_end;
 mod spikes;
@@ -62,6 +63,7 @@ pub(crate) use run_offsets::{RunOffsets, allow_for_run_offsets, differing_means,
 pub use run_scatter::{Deviation, Difference, RunComparison, RunDifference, Scatter};
 pub(crate) use run_trends::{RunTrends, allow_for_run_trends, drift, slopes_left, trend_at};
 pub(crate) use servo_mean::allow_for_scatter;
+pub use servo_stopped::ServoStopped;
 pub(crate) use simulation_error::{
     beginnings, one_step_errors, simulated, simulated_whole, square,
 };

@@ -7,10 +7,14 @@
 //!
 //! Where few strokes do, their errors look like glitches, or like slow noise. There the model goes beyond the farthest that the output ever was,
 //! and the output is at its farthest. Neither a linear model nor a servo model has a stop.
+//!
+//! A sensor with large steps brings different commands to one reading anywhere: what is short by no more than its rounding is no stop.
 
 use super::end_level::ShortLevel;
 use super::simulation_error::{Simulated, one_step_errors, simulated_whole};
-use crate::data::{EXACTLY, Hold, Moments, Record, Run, holds, last_quarter, mean_output};
+use crate::data::{
+    EXACTLY, Hold, Moments, Record, Run, holds, last_quarter, mean_output, sensor_step,
+};
 use crate::estimation::GlsFit;
 use crate::numerics::median;
 use crate::thresholds::{STOP_GAIN, STOP_SAMPLES, STOP_SHARE, STOP_SIGNIFICANCE};
@@ -36,11 +40,12 @@ impl TravelEnd {
         is_linear: bool,
         (moments, fit): (&Moments, &GlsFit),
     ) -> Option<Self> {
-        if let Some(found) = of_rests(record) {
+        let step = sensor_step(record).unwrap_or_default();
+        if let Some(found) = of_rests(record, step) {
             return Some(found);
         }
         let runs = simulated_whole(record, moments, fit);
-        if let Some(found) = ShortLevel::of(&runs, fit.impulse().len(), fit.theta()[0]) {
+        if let Some(found) = ShortLevel::of(&runs, fit.impulse().len(), (fit.theta()[0], step)) {
             return Some(Self {
                 rest: found.rest,
                 commands: (found.level, found.level),
@@ -50,7 +55,7 @@ impl TravelEnd {
         if !is_linear {
             return None;
         }
-        let ends = [1.0, -1.0].map(|sign| Touched::by(&runs, sign, moments.centre.1));
+        let ends = [1.0, -1.0].map(|sign| Touched::by(&runs, sign, (moments.centre.1, step)));
         let found = ends.into_iter().find(|end| end.is_beyond_chance(fit))?;
         let mut strokes = found.strokes;
         strokes.sort_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
@@ -74,8 +79,9 @@ struct Touched<'a> {
 }
 
 impl<'a> Touched<'a> {
-    /// Those up (`sign` 1) or down (-1). Outputs of the model count from `centre`.
-    fn by(runs: &'a [Simulated<'a>], sign: f64, centre: f64) -> Self {
+    /// Those up (`sign` 1) or down (-1). Outputs of the model count from `centre`, and the
+    /// sensor has steps of `step`.
+    fn by(runs: &'a [Simulated<'a>], sign: f64, (centre, step): (f64, f64)) -> Self {
         let mut all = Self {
             runs,
             strokes: Vec::new(),
@@ -90,7 +96,7 @@ impl<'a> Touched<'a> {
             let nearest = measured
                 .iter()
                 .fold(f64::INFINITY, |near, y| near.min(sign * y));
-            let notable = NOTABLE * (farthest - nearest);
+            let notable = (NOTABLE * (farthest - nearest)).max(step);
             let beyond = |k: usize| sign * (run.output[k] + centre) - farthest;
             let is_there = |k: &usize| {
                 beyond(*k) > notable && sign * measured[*k] > farthest - FARTHEST * usual
@@ -139,15 +145,15 @@ const NOTABLE: f64 = 1e-3;
 /// within 4 on both sides.
 const FARTHEST: f64 = 12.0;
 
-/// The end of the travel that is reached first, if one is within the range of the commands that are held.
-fn of_rests(record: &Record) -> Option<TravelEnd> {
+/// The end of the travel that is reached first, if one is within the range of the commands that are held. The sensor has steps of `step`.
+fn of_rests(record: &Record, step: f64) -> Option<TravelEnd> {
     let mut rests: Vec<(f64, f64)> = record.runs().iter().flat_map(rests_of).collect();
     rests.sort_by(|a, b| a.0.total_cmp(&b.0));
     let rests = mean_by_command(&rests);
-    let upper = flat_end(&rests);
+    let upper = flat_end(&rests, step);
     upper.or_else(|| {
         let lower: Vec<_> = rests.iter().rev().copied().collect();
-        flat_end(&lower)
+        flat_end(&lower, step)
     })
 }
 
@@ -184,8 +190,9 @@ fn mean_by_command(sorted: &[(f64, f64)]) -> Vec<(f64, f64)> {
 }
 
 /// The flat end of a line of points, which is their last part: it follows the command less than [`STOP_GAIN`] of how the others do, and
-/// is short of where they would go by more than [`STOP_SHARE`] of the range.
-fn flat_end(points: &[(f64, f64)]) -> Option<TravelEnd> {
+/// is short of where they would go by more than [`STOP_SHARE`] of the range. Rests are known to half a step of the sensor, and where the line
+/// goes to so much less as it is short.
+fn flat_end(points: &[(f64, f64)], step: f64) -> Option<TravelEnd> {
     let (first, last) = (points.first()?, points.last()?);
     let is_flat = |from: &usize| {
         let (line, end) = points.split_at(*from);
@@ -198,12 +205,13 @@ fn flat_end(points: &[(f64, f64)]) -> Option<TravelEnd> {
         let gain = (stop.1 - start.1) / (stop.0 - start.0);
         let is_line = (stop.0 - start.0).abs() > LINE * (last.0 - first.0).abs();
         let short_by = (start.1 + gain * (last.0 - start.0) - last.1).abs();
+        let rounding = step * ((last.0 - start.0) / (stop.0 - start.0)).abs();
         let range = (gain * (last.0 - first.0)).abs();
         let play = STOP_GAIN * gain.abs() * span;
         // No other command takes it farther.
         let side = (gain * (last.0 - first.0)).signum();
         let is_farthest = line.iter().all(|(_, rest)| side * (rest - last.1) < play);
-        is_line && high - low < play && short_by > STOP_SHARE * range && is_farthest
+        is_line && high - low < play && short_by > rounding + STOP_SHARE * range && is_farthest
     };
     let mut all = FEWEST.1..=points.len().checked_sub(FEWEST.0)?;
     let from = all.find(is_flat)?;
@@ -235,7 +243,33 @@ mod tests {
                 y + random.random_range(-0.1..0.1)
             })
             .collect();
-        of_rests(&Record::of_run(0.01, &input, &output).unwrap())
+        of_rests(&Record::of_run(0.01, &input, &output).unwrap(), 0.0)
+    }
+
+    /// Random levels behind a lag under noise, of a servo that moves freely or stops at 12, in steps of the sensor. None of the 40 free servos
+    /// may be found, since what rounding can do is bounded; of those that stop at three fifths of the range all are, in steps of 2.
+    #[test]
+    fn a_coarse_sensor_is_no_stop() {
+        let rounded = |seed: u64, step: f64, end: f64| {
+            let mut random = ChaCha8Rng::seed_from_u64(seed);
+            let levels: Vec<f64> = (0..60).map(|_| random.random_range(-20.0..20.0)).collect();
+            let input: Vec<f64> = levels.iter().flat_map(|level| [*level; 50]).collect();
+            let mut y = 0.0;
+            let mut seen = |u: &f64| {
+                y = f64::min(y + (u - y) / 5.0, end);
+                ((y + random.random_range(-0.1..0.1)) / step).round() * step
+            };
+            let output: Vec<f64> = input.iter().map(&mut seen).collect();
+            let record = Record::of_run(0.01, &input, &output).unwrap();
+            let step = sensor_step(&record).unwrap();
+            of_rests(&record, step)
+        };
+        for seed in 0..10 {
+            for step in [2.0, 3.0, 4.0, 5.0] {
+                assert_eq!(rounded(seed, step, 99.0), None, "seed {seed}, step {step}");
+            }
+            assert!(rounded(seed, 2.0, 12.0).is_some(), "seed {seed}");
+        }
     }
 
     #[test]

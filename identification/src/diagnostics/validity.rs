@@ -5,6 +5,7 @@
 
 use crate::diagnostics::misfit::Misfit;
 use crate::diagnostics::rise_at_end::rise_at_end;
+use crate::diagnostics::servo_stopped::ServoStopped;
 use crate::diagnostics::time_fault::TimeFault;
 use crate::diagnostics::travel_end::TravelEnd;
 use crate::estimation::{Excitation, FsfBasis};
@@ -23,6 +24,8 @@ pub(crate) struct ValidityEvidence<'a> {
     pub(crate) quantised: bool,
     /// Whether the response goes on beyond the longest N.
     pub(crate) unsettled: bool,
+    /// Where the servo stops following the input.
+    pub(crate) stopped: Option<ServoStopped>,
     /// What makes its times other than what they are taken for.
     pub(crate) time_fault: Option<TimeFault>,
     /// A stop within the range of the commands.
@@ -50,6 +53,8 @@ pub(crate) struct Validity {
     pub(crate) unexcited_above_hz: Option<f64>,
     /// The lowest frequency that was left out by the caller's choice \[Hz\], where nothing bounds what that does.
     pub(crate) left_out_above_hz: Option<f64>,
+    /// Where the servo stops following the input.
+    pub(crate) stopped: Option<ServoStopped>,
     /// What makes the times of the record other than what they are taken for.
     pub(crate) time_fault: Option<TimeFault>,
     /// A stop within the range of the commands.
@@ -63,11 +68,13 @@ pub(crate) struct Validity {
 impl Validity {
     /// Decides; bounds that hold have `level`.
     ///
-    /// Where times are not what they seem, everything else may be its consequence. An input that excites only part of the response leaves
+    /// Where the servo stops, or times are not what they seem, everything else may be its consequence. An input that excites only part of the response leaves
     /// errors that do not look like noise either, so it comes next. Under a smooth input the effect of rounding grows with everything
     /// else, and nothing bounds it.
     pub(crate) fn new(evidence: &ValidityEvidence<'_>, level: f64) -> Self {
-        let time_fault = evidence.time_fault;
+        let stopped = evidence.stopped;
+        // A servo that does not answer any more has no lag.
+        let time_fault = evidence.time_fault.filter(|_| stopped.is_none());
         let unexcited_above_hz = match time_fault {
             None => evidence.unexcited_above_hz(),
             Some(_) => None,
@@ -75,7 +82,9 @@ impl Validity {
         let left_out_above_hz = evidence
             .left_out_above_hz()
             .filter(|_| unexcited_above_hz.is_none());
-        let reason = if let Some(fault) = time_fault {
+        let reason = if stopped.is_some() {
+            Some(Reason::ServoStopped)
+        } else if let Some(fault) = time_fault {
             Some(fault.reason())
         } else if evidence.travel_end.is_some() {
             Some(Reason::TravelEnd)
@@ -130,6 +139,7 @@ impl Validity {
             level: reason.map_or(Bounds::Valid(level), Bounds::Withdrawn),
             unexcited_above_hz,
             left_out_above_hz,
+            stopped,
             time_fault,
             travel_end: evidence.travel_end,
             withheld,

@@ -7,8 +7,8 @@ use super::responses::Responses;
 use super::task::Task;
 use crate::data::{Run, Timing};
 use crate::diagnostics::{
-    AllowedEnd, Bank, Explanation, PriorOutcome, Resolution, RunComparison, TakenOut, TimeFault,
-    TravelEnd, Validity, ValidityEvidence, contradicted_rest,
+    AllowedEnd, Bank, Explanation, PriorOutcome, Resolution, RunComparison, ServoStopped, TakenOut,
+    TimeFault, TravelEnd, Validity, ValidityEvidence, contradicted_rest,
 };
 use crate::estimation::{Excitation, Noise};
 use crate::numerics::matrix_rows::to_rows;
@@ -37,6 +37,7 @@ pub(super) fn validity(
         quantised: allowances.quantisation.is_some(),
         unsettled: fitted.slow_end.is_some()
             || (allowances.quantisation.is_none() && still_moves(fitted, responses)),
+        stopped: task.recorded.and_then(ServoStopped::of),
         time_fault: (task.recorded.zip(task.record))
             .and_then(|(recorded, record)| TimeFault::of(recorded, record, moments, &estimate.fit)),
         travel_end: travel_end(task, fitted),

@@ -104,11 +104,15 @@ pub enum Check {
     Drift,
     /// Whether the response ends within the record.
     StillRising,
+    /// Whether several runs were written as one.
+    Seams,
     /// Whether samples are there twice.
     SameData,
     /// Whether all recordings, and both columns of each, seem to be in the same units.
     UnitMix,
-    /// Whether commands change at their rows.
+    /// Whether commands change between their rows.
+    CommandsBetweenRows,
+    /// Whether commands wait for frames of their own.
     CommandEdges,
     /// Whether some values are sentinels of missing ones.
     #[serde(alias = "stand_in")]
@@ -203,6 +207,7 @@ impl Advice {
             remedy: remedy.into(),
         }
     }
+
     /// Where it stands beside the results.
     #[must_use]
     pub fn precedence(&self) -> Precedence {
@@ -212,6 +217,7 @@ impl Advice {
             | Check::EarlyMotion
             | Check::HeldOutput
             | Check::LagDrift
+            | Check::CommandsBetweenRows
             | Check::TravelEnd
             | Check::Feedback
             | Check::Prediction
@@ -250,8 +256,35 @@ impl Advice {
                 | Check::EarlyMotion
                 | Check::HeldOutput
                 | Check::LagDrift
+                | Check::CommandsBetweenRows
                 | Check::TravelEnd
+                | Check::Stopped
         )
+    }
+
+    /// Whether others may follow from it, which are then to be read after it: that runs are of different kinds, or one behind the other.
+    #[must_use]
+    pub fn explains_others(&self) -> bool {
+        matches!(self.check, Check::Seams | Check::UnlikeRuns)
+    }
+
+    /// Whether it says that errors follow the motion.
+    #[must_use]
+    pub fn is_of_errors_in_motion(&self) -> bool {
+        matches!(self.check, Check::Linearity | Check::ModelError)
+    }
+
+    /// Where runs are not of one kind, that is why they scatter, and nothing else need be looked for.
+    pub fn name_unlike_runs(all: &mut [Self]) {
+        if !all.iter().any(|item| item.check == Check::UnlikeRuns) {
+            return;
+        }
+        for item in all {
+            if matches!(item.check, Check::RunScatter | Check::DeviatingRun) {
+                "Runs of different kinds differ by more than noise: identify each kind alone."
+                    .clone_into(&mut item.remedy);
+            }
+        }
     }
 
     /// Whether both are findings of one check.

@@ -14,8 +14,8 @@ use crate::numerics::causal_filter;
 use crate::options::{LONGEST_SETTLING_BY_HAND, MAX_NOISE_ORDER};
 use crate::results::advice::Advice;
 use crate::results::frequency_response::FrequencyResponse;
-use crate::results::metrics::Metrics;
 use crate::results::metrics::measured::Measured;
+use crate::results::metrics::{Metrics, Withheld};
 use crate::results::residuals::Residuals;
 use crate::results::step_response::{StepResponse, is_zero};
 use crate::results::usable_numbers::{LARGEST, is_sized, is_usable};
@@ -176,6 +176,17 @@ impl Model {
         self.step.bounds = Bounds::Withdrawn(reason);
         self.frequency.bounds = Bounds::Withdrawn(reason);
         self.metrics = self.metrics.withdrawn(reason);
+    }
+
+    /// Takes all bounds away, and all metrics but the gain, where the times of the record turn out to be others than they were taken for.
+    /// A model without times keeps its own reason.
+    pub fn withdraw_times(&mut self, reason: Reason) {
+        if self.metrics.withheld == Some(Withheld::TimeFault) {
+            return;
+        }
+        self.withdraw(reason);
+        let (gain, bounds) = (self.metrics.dc_gain, self.metrics.bounds);
+        self.metrics = Metrics::withheld(gain, Withheld::TimeFault, bounds);
     }
 
     /// All that metrics are read from, where bounds hold.

@@ -12,12 +12,16 @@ use serde::{Deserialize, Serialize, Serializer};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Reason {
+    /// The servo stops following the input within a run.
+    ServoStopped,
     /// The servo moves before its command changes, as where commands were written late.
     EarlyMotion,
     /// The output is refreshed less often than samples are taken.
     HeldOutput,
     /// The lag of the output changes along the record, as where two clocks differ.
     LagDrift,
+    /// Commands take effect between the samples, as where a logger polled them.
+    CommandsBetweenRows,
     /// The output stops at an angle within the range of the commands, as at a mechanical stop.
     TravelEnd,
     /// The input lacks the frequencies that part of the response consists of.
@@ -39,13 +43,18 @@ pub enum Reason {
 }
 
 impl Reason {
-    /// Whether a record without bounds for this reason still has the motion of a servo under its command: not that of a loop, nor one
-    /// whose times are not what they seem. Elsewhere no model of it describes a servo.
+    /// Whether a record without bounds for this reason still has the motion of a servo under its command: not that of a loop, nor of one
+    /// that stops, nor one whose times are not what they seem. Elsewhere no model of it describes a servo.
     #[must_use]
     pub fn leaves_a_servo(self) -> bool {
         !matches!(
             self,
-            Self::InputFollowsOutput | Self::EarlyMotion | Self::HeldOutput | Self::LagDrift
+            Self::CommandsBetweenRows
+                | Self::ServoStopped
+                | Self::InputFollowsOutput
+                | Self::EarlyMotion
+                | Self::HeldOutput
+                | Self::LagDrift
         )
     }
 
@@ -59,9 +68,11 @@ impl Reason {
     #[must_use]
     pub fn because(self) -> &'static str {
         match self {
+            Self::ServoStopped => "the servo stops following the command within the recording",
             Self::EarlyMotion => "the servo moves before its command",
             Self::HeldOutput => "the position is refreshed less often than it is written",
             Self::LagDrift => "the servo's lag changes along the recording",
+            Self::CommandsBetweenRows => "commands change between the rows",
             Self::TravelEnd => "the servo runs into a stop",
             Self::InputUnexcited => "the reference does not excite all of the response",
             Self::FrequenciesLeftOut => {

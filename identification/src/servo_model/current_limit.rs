@@ -3,6 +3,7 @@
 //! It limits the torque to a share of what full drive gives at standstill, so that strokes begin and end with a smaller
 //! acceleration. A fit takes most of that for a longer delay and other top speeds.
 
+use super::stepped_outputs::{step_s, stepped_outputs};
 use super::stretches::Stretch;
 use servoid_dynamics::{Grid, ServoParameters, State, Stepper};
 
@@ -17,54 +18,34 @@ pub(super) fn shortfall(
     grid: &Grid,
 ) -> Option<Vec<f64>> {
     let most = servo.limit?.up * SHARE;
-    let free = Weak::new(*servo, f64::INFINITY, grid).outputs(stretch);
-    let limited = Weak::new(*servo, most, grid).outputs(stretch);
+    let outputs = |most: f64| {
+        let servo = *servo;
+        let step_s = step_s(grid);
+        Weak {
+            servo,
+            most,
+            step_s,
+        }
+        .outputs(stretch, grid)
+    };
+    let (free, limited) = (outputs(f64::INFINITY), outputs(most));
     Some(free.iter().zip(limited).map(|(y, z)| y - z).collect())
 }
 
 /// A servo whose motor has a largest torque.
 struct Weak {
     servo: ServoParameters,
-    /// The largest torque upwards, and in steps of the integration the period and the delay.
+    /// The largest torque upwards.
     most: f64,
-    steps: usize,
-    delay: usize,
     step_s: f64,
 }
 
 impl Weak {
-    fn new(servo: ServoParameters, most: f64, grid: &Grid) -> Self {
-        let step_s = grid.period_s / grid.steps as f64;
-        Self {
-            servo,
-            most,
-            steps: grid.steps,
-            delay: (servo.delay_s / step_s).round() as usize,
-            step_s,
-        }
-    }
-
-    /// The outputs under the commands of a stretch.
-    fn outputs(&self, stretch: &Stretch) -> Vec<f64> {
-        let (servo, start) = (&self.servo, &stretch.start);
-        let stepper = Stepper::new(servo, self.step_s);
-        let mut state = State {
-            angle: (start.output - servo.offset) / servo.gain,
-            speed: start.rate / servo.gain,
-        };
-        let before = (start.command_before).unwrap_or_else(|| servo.holding_command(state.angle));
-        let mut outputs = Vec::with_capacity(stretch.input.len());
-        for step in 0..stretch.input.len() * self.steps {
-            if step % self.steps == 0 {
-                outputs.push(state.angle * servo.gain + servo.offset);
-            }
-            let command = match step.checked_sub(self.delay) {
-                None => before,
-                Some(since) => stretch.input[since / self.steps],
-            };
-            self.advance(&stepper, &mut state, command);
-        }
-        outputs
+    fn outputs(&self, stretch: &Stretch, grid: &Grid) -> Vec<f64> {
+        let stepper = Stepper::new(&self.servo, self.step_s);
+        stepped_outputs(&self.servo, stretch, grid, |state, command| {
+            self.advance(&stepper, state, command);
+        })
     }
 
     /// One step, in which the torque behind the change of speed is limited; friction counts as part of it.

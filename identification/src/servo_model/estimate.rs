@@ -8,6 +8,7 @@ use super::coordinates::Point;
 use super::covariance::Uncertainty;
 use super::descent::Descent;
 use super::ladder::{Climbed, Ladder, Rung};
+use super::limit_at_work::LimitsAtWork;
 use super::model::{
     Alternative, Covariance, LadderRung, MOST_CONTROLLERS, ReachedSpeeds, ServoFit, ServoModel,
 };
@@ -326,6 +327,17 @@ fn describe(
         friction_speed_share: other.point.friction_speed_share,
         covariance: rows(&other.covariance),
     };
+    let mut quantities = quantities(
+        possible,
+        pointwise_critical(options.level),
+        level,
+        &found.motion,
+        &candidates.other_fits,
+    );
+    if point.terms.limit {
+        let at_work = LimitsAtWork::of(parts, point, &fine_grid(point, record), found);
+        at_work.open(&mut quantities, &found.motion.fastest);
+    }
     ServoModel {
         sample_period_s: record.sample_period_s(),
         sample_phase_s: record.sample_phase_s(),
@@ -340,13 +352,7 @@ fn describe(
             Bounds::Withdrawn(_) => Vec::new(),
             _ => possible[1..].iter().map(alternative).collect(),
         },
-        quantities: quantities(
-            possible,
-            pointwise_critical(options.level),
-            level,
-            &found.motion,
-            &candidates.other_fits,
-        ),
+        quantities,
         coordinates: point.coordinates.clone(),
         values: point.values.clone(),
         commands: Some(found.motion.commands),

@@ -77,6 +77,9 @@ pub(super) fn widen_delay(quantities: &mut [Quantity], seconds: f64) {
     }
 }
 
+/// Ratio of the upper bound to the lower from which on the two exclude nothing.
+const SENSELESS: f64 = 1e6;
+
 /// Values that a quantity can have.
 #[derive(Clone, Copy, PartialEq)]
 enum Domain {
@@ -244,6 +247,7 @@ pub(super) fn quantities(
             .iter()
             .filter_map(|servo| definition.interval(servo, middle, critical))
             .reduce(hull)?;
+        let hull = definition.without_senseless_bounds(hull);
         let interval = definition.as_far_as_reached(hull, level.valid().is_some(), &motion.fastest);
         Some(Quantity {
             name: definition.name.to_owned(),
@@ -373,6 +377,19 @@ impl Definition {
         }
     }
 
+    /// Bounds that are farther than [`SENSELESS`] apart exclude nothing: an exponential makes 8e-165 of what is not known.
+    fn without_senseless_bounds(&self, interval: Interval) -> Interval {
+        let bounds = interval.lower.zip(interval.upper);
+        let is_wide = bounds.is_some_and(|(lower, upper)| upper > SENSELESS * lower);
+        match self.domain == Domain::Positive && is_wide {
+            true => Interval {
+                value: interval.value,
+                ..Interval::default()
+            },
+            false => interval,
+        }
+    }
+
     fn is_determined(&self, interval: &Interval) -> bool {
         match (interval.lower, interval.upper) {
             (Some(lower), Some(upper)) => {
@@ -417,6 +434,18 @@ mod tests {
         assert_eq!((known.lower, known.upper), (Some(90.0), Some(111.0)));
         assert!(!top_speed.is_determined(&open) && top_speed.is_determined(&known));
         assert_eq!(top_speed.as_far_as_reached(wide, false, &fastest), wide);
+    }
+
+    #[test]
+    fn a_bound_that_excludes_nothing_is_none() {
+        let name = "damping ratio";
+        let damping = DEFINITIONS.iter().find(|found| found.name == name).unwrap();
+        let cut = |lower, upper| {
+            let found = damping.without_senseless_bounds(Interval::new(0.5, lower, upper));
+            (found.lower, found.upper)
+        };
+        assert_eq!(cut(8e-165, 1e80), (None, None));
+        assert_eq!(cut(0.1, 40.0), (Some(0.1), Some(40.0)));
     }
 
     #[test]

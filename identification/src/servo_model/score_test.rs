@@ -18,6 +18,8 @@ pub(super) struct Score {
     columns: usize,
     /// What the record knows of the last column's coefficient when all others are free: the reciprocal of its variance.
     pub(super) information: f64,
+    /// That coefficient, in its standard deviations.
+    pub(super) deviations: f64,
 }
 
 impl Score {
@@ -56,6 +58,7 @@ pub(super) fn score_test<const N: usize>(
         chi_square: taken / variance,
         columns: N,
         information: last * last / variance,
+        deviations: own[size - 1] / noise.sigma,
     })
 }
 

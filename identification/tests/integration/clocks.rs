@@ -68,3 +68,29 @@ fn clocks_that_differ_slow_sensors_and_stops_take_the_level() {
         }
     }
 }
+
+/// Times of the end from 40 to 80 % of a run, where the servo stands in the middle of a stroke or between two. Every recording must lose its
+/// bounds: that is no matter of chance, as the output stands still for more than two seconds, and eight strokes.
+#[test]
+fn a_servo_that_dies_takes_the_level_wherever_it_does() {
+    for seed in 1..13 {
+        let jams = 0.4 + 0.4 * (seed as f64 - 1.0) / 11.0;
+        let logger = Logger {
+            jams,
+            ..Logger::default()
+        };
+        let found = identify(&logger.record(seed), &Options::default()).unwrap();
+        assert_eq!(
+            found.bounds.withdrawn(),
+            Some(Reason::ServoStopped),
+            "{seed}"
+        );
+        let at_s = found.advice[0].value;
+        assert_eq!(found.advice.len(), 1, "{:?}", found.advice);
+        // Of 12 s; what is left of a rest before is not seen.
+        assert!(
+            (12.0 * jams - 0.5..12.0 * jams + 0.1).contains(&at_s),
+            "{seed}: {at_s}"
+        );
+    }
+}

@@ -35,6 +35,8 @@ pub struct About {
     pub sensor_delay_uncertainty_s: f64,
     /// Whether commands of a file of another program are taken to change at their rows.
     pub commands_at_rows: bool,
+    /// Whether a logger is stated to have polled the commands.
+    pub polled: bool,
     /// The delays that were taken out of the recordings (s).
     pub sensor_delays_s: Vec<f64>,
 }
@@ -125,6 +127,7 @@ impl About {
             .filter(|_| self.pulse_frame_s == other.pulse_frame_s);
         self.staircase &= other.staircase;
         self.commands_at_rows |= other.commands_at_rows;
+        self.polled |= other.polled;
         self.inexact_clock |= other.inexact_clock;
         let (mine, theirs) = (
             self.sensor_delay_uncertainty_s,

@@ -78,9 +78,9 @@ pub enum DatasetFault {
         "has no column that is called like one of time ('t', 'time_ms', 'Zeit [s]', say): name it with --time COLUMN, or say how far apart the rows are with --period SECONDS"
     )]
     NoPeriod,
-    /// A column of time without numbers.
+    /// A column of time without times.
     #[error(
-        "has in column {0:?} times that are no numbers: say how far apart the rows are with --period SECONDS"
+        "has in column {0:?} times that are neither numbers nor those of a clock (14:00:01.230): write them as one of these, or say how far apart the rows are with --period SECONDS, which does not show rows that are missing"
     )]
     TimeNotNumbers(String),
     /// A column of time without a period, and what its steps are like.

@@ -42,6 +42,7 @@ pub(super) fn from_table(
     let clock_name = clock.as_ref().map(|clock| clock.name);
     let Spacing {
         period_s,
+        uncertain_s,
         time,
         remark,
         doubt,
@@ -88,6 +89,7 @@ pub(super) fn from_table(
             .map(|remark| format!("{file}: {remark}"))
             .collect(),
         commands_at_rows: !options.polled,
+        polled: options.polled,
         ..About::default()
     };
     // A change that is seen in a row came up to one row before.
@@ -95,7 +97,7 @@ pub(super) fn from_table(
         true => 0.5 * period_s,
         false => 0.0,
     };
-    about.sensor_delay_uncertainty_s = phase_s;
+    about.sensor_delay_uncertainty_s = phase_s + uncertain_s;
     if let Some(Doubt { finding, times }) = doubt {
         let remedy =
             "Make sure which of the two is right: all times and frequencies follow from it.";
@@ -184,7 +186,7 @@ struct Clock<'a> {
     name: &'a str,
     /// As the name gives it.
     unit: Option<TimeUnit>,
-    /// `None` where it holds no numbers.
+    /// `None` where it holds no times.
     times: Option<Vec<f64>>,
 }
 
@@ -206,6 +208,8 @@ impl<'a> Columns<'a> {
         let driver = options.controller.as_deref();
         let wanted: Vec<&str> = names.into_iter().chain(run).chain(driver).collect();
         let (numbers, times) = table.numbers_beside(&wanted, clock.map(|(name, _)| name))?;
+        // Hours, minutes and seconds are seconds whatever the name says.
+        let of_clock = times.as_ref().is_some_and(|times| times.of_clock);
         let mut numbers = numbers.into_iter();
         let mut next = || numbers.next().unwrap_or_default();
         Ok(Self {
@@ -213,7 +217,11 @@ impl<'a> Columns<'a> {
             y: next(),
             labels: run.map(|_| next()),
             drivers: driver.map(|_| next()),
-            clock: clock.map(|(name, unit)| Clock { name, unit, times }),
+            clock: clock.map(|(name, unit)| Clock {
+                name,
+                unit: of_clock.then_some(TimeUnit::Seconds).or(unit),
+                times: times.map(|times| times.numbers),
+            }),
         })
     }
 }
@@ -228,6 +236,8 @@ const SCATTER: f64 = 0.02;
 /// How far apart rows are, and how that is known.
 struct Spacing {
     period_s: f64,
+    /// How far the even times that rows are taken at may lie from those of the commands \[s\].
+    uncertain_s: f64,
     /// The column that shows where rows are missing.
     time: Option<TimeColumn>,
     remark: Option<String>,
@@ -273,14 +283,19 @@ impl Spacing {
             unit.names().1,
             time_column::shown(period_s)
         );
+        let mut uncertain_s = 0.0;
         if time.scatter() > SCATTER {
+            uncertain_s = period_s * time.half_spread();
             remark += &format!(
-                "; its time stamps scatter by {:.0} % of that, and the rows are taken as evenly spaced",
-                100.0 * time.scatter()
+                "; its time stamps scatter by {:.0} % of that, and the rows are taken as evenly spaced; where commands are even and rows \
+                 late, times from the edge come out up to {} too short, and their intervals allow for that",
+                100.0 * time.scatter(),
+                time_column::shown(uncertain_s)
             );
         }
         Ok(Self {
             period_s,
+            uncertain_s,
             time: Some(time),
             remark: Some(remark),
             doubt: None,
@@ -291,6 +306,7 @@ impl Spacing {
     fn stated(period_s: f64) -> Self {
         Self {
             period_s,
+            uncertain_s: 0.0,
             time: None,
             remark: None,
             doubt: None,
@@ -312,7 +328,12 @@ impl Spacing {
             .map_or(TimeUnit::value_variants(), std::slice::from_ref);
         let agrees = |unit: &TimeUnit| TimeColumn::with_step(&times, period_s / unit.seconds());
         if let Some(column) = possible.iter().find_map(agrees) {
+            let uncertain_s = match column.scatter() > SCATTER {
+                true => period_s * column.half_spread(),
+                false => 0.0,
+            };
             return Ok(Self {
+                uncertain_s,
                 time: Some(column),
                 ..Self::stated(period_s)
             });
@@ -351,6 +372,7 @@ impl Spacing {
         };
         Ok(Self {
             period_s,
+            uncertain_s: 0.0,
             time: column,
             remark,
             doubt,

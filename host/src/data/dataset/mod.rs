@@ -30,9 +30,10 @@ pub use time_column::TimeUnit;
 use crate::data::file_error::FileError;
 use crate::data::recording::{self, Recording};
 use crate::data::table::{Table, TableFault};
-use crate::data::{fingerprint, input_file, rest_error, servo_stopped, unlike_runs};
+use crate::data::{fingerprint, input_file, rest_error, seams, unlike_runs};
 pub use controllers::{Controllers, UnknownController};
 use loaded::Loaded;
+use servoid_identification::diagnostics::ServoStopped;
 use servoid_identification::{Record, only_stroke};
 use std::path::{Path, PathBuf};
 
@@ -109,11 +110,14 @@ fn together<'a>(all: Loaded<'a>, names: &str) -> Result<Dataset<'a>, DatasetErro
     let findings = [
         unlike_runs::advice(&record, &about.provenance, about.input_unit.as_deref()),
         fingerprint::advice_on_repeats(&record),
-        servo_stopped::advice(&record),
+        uncalibrated.then(|| seams::advice(&record)).flatten(),
         uncalibrated
             .then(|| rest_error::advice(&record, about.output_unit.as_deref()))
             .flatten(),
     ];
+    // Identification has advice on it; validation and comparison only have this.
+    let stopped = ServoStopped::of(&record);
+    about.remarks.extend(stopped.map(|found| found.in_words()));
     for advice in findings.into_iter().flatten() {
         about.remarks.push(advice.finding.clone());
         about.advice.push(advice);

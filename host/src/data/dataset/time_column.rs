@@ -70,13 +70,13 @@ impl TimeUnit {
 /// Words that a column of time is called by: in English, German, French, Spanish, Portuguese and Italian,
 /// the Nordic languages, Dutch, Polish, Czech, Hungarian, Turkish, Russian, Chinese and Japanese.
 const WORDS: &str = "t time timestamp elapsed zeit zeitstempel temps horodatage tiempo tempo tid aika tijd \
-                     czas čas cas idő ido zaman время 时间 時間 时刻 時刻";
+                     czas čas cas idő ido zaman время datetime uhrzeit clock 时间 時間 时刻 時刻";
 
 /// Words that mean time without another word.
 const ALONE: &str = "seconds millis milliseconds micros microseconds";
 
 /// Words that may stand beside them.
-const BESIDE: &str = "stamp since start rel relative in";
+const BESIDE: &str = "stamp since start rel relative in date of day";
 
 /// The column of time, and its unit where its name has one: the first that has, or else the first.
 pub(super) fn column(columns: &[String]) -> Option<(&str, Option<TimeUnit>)> {

@@ -1,5 +1,6 @@
 //! Any CSV file, as columns of numbers.
 
+mod clock_time;
 mod column_unit;
 mod cut_row;
 mod error;
@@ -156,21 +157,20 @@ impl Table {
         Ok(self.numbers_beside(names, None)?.0)
     }
 
-    /// The named columns, and in the same pass one that may hold something else than numbers: `None`
+    /// The named columns, and in the same pass one of times, which may be those of a clock or no numbers at all: `None`
     /// then.
-    #[allow(clippy::type_complexity, reason = "columns, and one more")]
     pub(crate) fn numbers_beside(
         &self,
         names: &[&str],
         beside: Option<&str>,
-    ) -> Result<(Vec<Vec<f64>>, Option<Vec<f64>>), TableFault> {
+    ) -> Result<(Vec<Vec<f64>>, Option<Times>), TableFault> {
         let places: Vec<usize> = names
             .iter()
             .map(|name| self.place_of(name))
             .collect::<Result<_, _>>()?;
         let beside = beside.map(|name| self.place_of(name)).transpose()?;
         let mut columns = vec![Vec::new(); names.len()];
-        let mut other = beside.map(|_| Vec::new());
+        let mut times = beside.map(|_| Times::default());
         let rows = self.bytes.get(self.layout.rows_at..).unwrap_or_default();
         let mut reader = reader(rows, self.layout.separator);
         let mut record = csv::ByteRecord::new();
@@ -195,14 +195,13 @@ impl Table {
                 }
                 numbers.push(number);
             }
-            if let (Some(place), Some(numbers)) = (beside, &mut other) {
-                match number::parse(cell(place), self.decimal) {
-                    Some(number) => numbers.push(number),
-                    None => other = None,
-                }
+            if let (Some(place), Some(found)) = (beside, &mut times)
+                && !found.push(cell(place), self.decimal)
+            {
+                times = None;
             }
         }
-        Ok((columns, other))
+        Ok((columns, times.map(Times::counted)))
     }
 
     /// Line of the file that a row is in, from 1.
@@ -269,7 +268,7 @@ impl Table {
             [(place, _)] => Ok(place),
             [] => Err(TableFault::NoColumn {
                 column,
-                present: self.columns_listed(),
+                present: self.columns_listed() + &self.perhaps(&wanted),
             }),
             _ => Err(TableFault::SeveralColumns {
                 column,
@@ -280,6 +279,50 @@ impl Table {
                     .join(", "),
             }),
         }
+    }
+}
+
+impl Table {
+    /// The first column whose name has `wanted`, in small letters, in it, as a clause; empty where none has.
+    fn perhaps(&self, wanted: &str) -> String {
+        let has = |column: &&String| !wanted.is_empty() && column.to_lowercase().contains(wanted);
+        let found = self.columns().iter().find(has);
+        found.map_or(String::new(), |column| {
+            format!("; perhaps {column:?} is meant")
+        })
+    }
+}
+
+/// A column of times.
+#[derive(Debug, Default)]
+pub(crate) struct Times {
+    pub(crate) numbers: Vec<f64>,
+    /// Whether they are those of a clock, in seconds from the first.
+    pub(crate) of_clock: bool,
+}
+
+impl Times {
+    /// Whether the cell is a time like those before it, or missing.
+    fn push(&mut self, cell: &[u8], decimal: Decimal) -> bool {
+        let number = number::parse(cell, decimal);
+        let of_clock = match number {
+            Some(_) => None,
+            None => clock_time::seconds(cell),
+        };
+        let is_missing = number.is_some_and(f64::is_nan);
+        let is_first = self.numbers.iter().all(|time| time.is_nan());
+        if is_first && of_clock.is_some() {
+            self.of_clock = true;
+        }
+        self.numbers.extend(number.or(of_clock));
+        is_missing || self.of_clock && of_clock.is_some() || !self.of_clock && number.is_some()
+    }
+
+    fn counted(mut self) -> Self {
+        if self.of_clock {
+            clock_time::from_first(&mut self.numbers);
+        }
+        self
     }
 }
 

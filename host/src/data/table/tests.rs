@@ -103,6 +103,27 @@ fn a_column_is_found_by_its_name_without_the_unit_where_one_is_meant() {
     let two = table("u_deg,u_us\n1,2\n3,4\n").unwrap();
     let error = two.numbers(&["u"]).unwrap_err().to_string();
     assert!(error.contains("several columns"), "{error}");
+    let german = table("t,Sollwert in Grad,Ist in Grad\n0,1,2\n").unwrap();
+    let error = german.numbers(&["Sollwert"]).unwrap_err().to_string();
+    assert!(
+        error.ends_with("; perhaps \"Sollwert in Grad\" is meant"),
+        "{error}"
+    );
+}
+
+#[test]
+fn times_of_a_clock_are_counted_in_seconds() {
+    let times = |text: &str| {
+        let table = table(text).unwrap();
+        table.numbers_beside(&["u"], Some("t")).unwrap().1
+    };
+    let found = times("t,u\n14:00:01.230,1\n,2\n14:00:01.250,3\n").unwrap();
+    assert!(found.of_clock);
+    assert!((found.numbers[2] - 0.02).abs() < 1e-9 && found.numbers[1].is_nan());
+    assert!(!times("t,u\n0.1,1\n0.2,2\n").unwrap().of_clock);
+    for mixed in ["t,u\n0.1,1\n14:00:01,2\n", "t,u\n14:00:01,1\n0.2,2\n"] {
+        assert!(times(mixed).is_none(), "{mixed}");
+    }
 }
 
 #[test]

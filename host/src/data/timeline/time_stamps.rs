@@ -152,6 +152,30 @@ impl TimeColumn {
         self.scatter
     }
 
+    /// Half the time over which the rows lie about even ones, if evenly, without what the writing of the times rounds \[steps\].
+    pub fn half_spread(&self) -> f64 {
+        let rounding = self.written_to() / self.step;
+        // An interval of length 1 has the variance 1/12.
+        let variance = self.scatter.powi(2) - rounding.powi(2) / 12.0;
+        (3.0 * variance.max(0.0)).sqrt()
+    }
+
+    /// The last place that times are written to: a power of ten, or 0 where that is finer than the steps by far.
+    fn written_to(&self) -> f64 {
+        let is_whole = |unit: f64| {
+            let mut stamps = self.times.iter().filter(|time| time.is_finite());
+            stamps.all(|time| {
+                let count = time / unit;
+                (count - count.round()).abs() < 1e-3
+            })
+        };
+        let mut units = (-9..=6).rev().map(|power| 10f64.powi(power));
+        units
+            .find(|unit| *unit <= self.step && is_whole(*unit))
+            .filter(|unit| *unit > 1e-4 * self.step)
+            .unwrap_or_default()
+    }
+
     fn measured_scatter(&self) -> f64 {
         let mut ahead = 0.0;
         let (mut square, mut count) = (0.0, 0);

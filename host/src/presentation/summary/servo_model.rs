@@ -255,7 +255,8 @@ fn quantity_row(quantity: &Quantity, units: Units<'_>) -> QuantityRow {
     let interval = quantity.interval.valid().map(|found: &Interval| {
         let end = |bound: Option<f64>| bound.map_or("-".to_owned(), shown);
         match (quantity.determined, found.lower, found.upper) {
-            (_, None, None) => String::new(),
+            (false, None, None) => NOT_DETERMINED.to_owned(),
+            (true, None, None) => String::new(),
             (true, lower, upper) => format!("{} .. {}", end(lower), end(upper)),
             (false, Some(lower), None) => format!("{NOT_DETERMINED}: {} or more", shown(lower)),
             (false, lower, upper) => match lower.zip(upper) {

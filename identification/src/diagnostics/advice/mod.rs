@@ -15,8 +15,12 @@ pub(crate) use evidence::Evidence;
 
 use crate::results::Advice;
 
-/// All findings on a model. That times are not what they seem stands alone: whatever else is found may be its consequence.
+/// All findings on a model. That the servo stops, or that times are not what they seem, stands alone: whatever else is
+/// found may be its consequence.
 pub(crate) fn gather_advice(evidence: &Evidence<'_>) -> Vec<Advice> {
+    if let Some(stopped) = response::servo_stopped(evidence) {
+        return vec![stopped];
+    }
     if let Some(fault) = time_fault::time_fault(evidence) {
         return vec![fault];
     }

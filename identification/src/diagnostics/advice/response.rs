@@ -39,6 +39,21 @@ pub(super) fn settled(evidence: &Evidence<'_>) -> Option<Advice> {
     ))
 }
 
+/// A servo that does not follow any more from some time on.
+pub(super) fn servo_stopped(evidence: &Evidence<'_>) -> Option<Advice> {
+    let found = evidence.validity.stopped?;
+    Some(Advice::new(
+        Check::Stopped,
+        format!(
+            "No bounds can be given, because the servo stops: {}",
+            found.in_words()
+        ),
+        found.at_s,
+        0.0,
+        "Cut the recording there and identify what is before, or mend the servo and record again.",
+    ))
+}
+
 /// A stop within the range of the commands.
 pub(super) fn travel_end(evidence: &Evidence<'_>) -> Option<Advice> {
     let found = evidence.validity.travel_end?;

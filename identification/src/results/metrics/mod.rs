@@ -26,7 +26,8 @@
 //! ```
 //!
 //!   The upper ends need no more than z_1, because only one sample can make them wrong: the true
-//!   peak, and the last sample truly outside. Where the response closes in on its final value over
+//!   peak, and the last sample truly outside. Overshoot is that of the motion between the samples, too: what it may rise above the
+//!   highest sample is added to the upper end. Where the response closes in on its final value over
 //!   the whole bracket, only one crossing can be the last, and its interval is the sharper answer.
 //!
 //! The bounds of what left-out frequencies may hide, and of what the steps of a sensor add, are in all of them.
@@ -41,6 +42,7 @@ mod interpolation;
 pub(crate) mod interval;
 mod inversion;
 pub(crate) mod measured;
+mod peak;
 mod rise;
 mod sample_uncertainty;
 mod step_metrics;

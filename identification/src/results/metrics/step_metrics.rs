@@ -1,12 +1,13 @@
 //! The metrics of a step response with their intervals.
 
 use super::brackets::Brackets;
-use super::crossings_and_peak::{AtLevels, Crossings, LEVELS, SETTLED, Shape, Windows, bump};
+use super::crossings_and_peak::{AtLevels, Crossings, LEVELS, SETTLED, Shape, Windows};
 use super::draws;
 use super::interpolation::interpolation_errors;
 use super::interval::Interval;
 use super::inversion::{Known, Level, SureCrossing};
 use super::measured::Measured;
+use super::peak::rise_above_sample;
 use super::rise::RiseIntervals;
 use super::sample_uncertainty::{Joint, SampleSpread};
 use crate::numerics::{normal_upper_quantile, pointwise_critical};
@@ -153,7 +154,8 @@ impl<'a> StepMetrics<'a> {
                 .fold(f64::NEG_INFINITY, f64::max)
                 / gain
         };
-        let between = bump(&self.curve, peak, last) / gain;
+        let rise = self.nominal.crossings.rise();
+        let between = rise_above_sample(&self.curve, peak, rise) / gain;
         Interval::new(
             value,
             (edge(critical.all, -1.0) - bias).max(0.0),

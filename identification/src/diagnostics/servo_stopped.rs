@@ -3,47 +3,53 @@
 //! The output is looked at in blocks, whose means have little noise. From some block to the end of the run they all lie close together,
 //! while the input goes on with strokes as long as those that the output has followed before. A servo that is too slow
 //! for shorter and shorter strokes is none of these.
+//!
+//! A model of such a record is one of two servos, of which one does not move: it has no bounds.
 
-use super::statistics::{mean, span};
-use servoid_identification::results::{Advice, Check};
-use servoid_identification::{Record, Run};
+use crate::data::{Record, Run};
+use crate::thresholds::{
+    STANDSTILL_FOLLOWED, STANDSTILL_PART, STANDSTILL_STROKE, STANDSTILL_STROKES, STANDSTILL_TRAVEL,
+};
 use std::ops::Range;
 
 /// Blocks of a run, at most.
 const BLOCKS: usize = 400;
-/// Travel of an output that stands still, as a share of its whole travel.
-const STILL: f64 = 0.1;
-/// The part of a run, at least, in which it stands still, and in which it moves.
-const PART: f64 = 0.1;
-/// What counts as a stroke of the input, as a share of its travel: one to another level of some stairs, or across all of two.
-const STROKE: f64 = 0.3;
-/// Travel of an output that follows a stroke, as a share of its whole travel.
-const FOLLOWED: f64 = 0.25;
-/// Strokes of the input that show that the output should move.
-const STROKES: usize = 3;
-/// How long the longest of these is, at least, relative to the shortest that the output has followed.
+/// How long the longest of the strokes that are not followed is, at least, relative to the shortest that was.
 const AS_LONG: f64 = 0.7;
 
-/// Advice where the output of a run stands still from some time on while its input goes on.
-pub(super) fn advice(record: &Record) -> Option<Advice> {
-    let (number, sample) = (1..)
-        .zip(record.runs())
-        .find_map(|(number, run)| Some((number, stopped_at(run)?)))?;
-    let at_s = sample as f64 * record.sample_period_s();
-    let run = match record.runs().len() {
-        1 => String::new(),
-        _ => format!(" of run {number}"),
-    };
-    Some(Advice::new(
-        Check::Stopped,
+/// Where the servo stops.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ServoStopped {
+    /// The run, from 1, where there are several.
+    pub run: Option<usize>,
+    /// Time from the start of the run \[s\].
+    pub at_s: f64,
+}
+
+impl ServoStopped {
+    /// The first run of the record whose output stands still from some time on while its input goes on.
+    #[must_use]
+    pub fn of(record: &Record) -> Option<Self> {
+        let stopped = |(number, run)| Some((number, stopped_at(run)?));
+        let (number, sample) = (1..).zip(record.runs()).find_map(stopped)?;
+        Some(Self {
+            run: (record.runs().len() > 1).then_some(number),
+            at_s: sample as f64 * record.sample_period_s(),
+        })
+    }
+
+    /// What happened, as one sentence.
+    #[must_use]
+    pub fn in_words(&self) -> String {
+        let run = self
+            .run
+            .map_or(String::new(), |run| format!(" of run {run}"));
         format!(
-            "From {at_s:.2} s{run} on the output stands still although the input goes on: the servo was switched off, unplugged or jammed then, \
-             or the sensor's magnet came loose."
-        ),
-        at_s,
-        0.0,
-        "Cut the recording there and identify what is before, or mend the servo and record again.",
-    ))
+            "From {:.2} s{run} on the output stands still although the input goes on: the servo was switched off, unplugged or jammed then, \
+             or the sensor's magnet came loose.",
+            self.at_s
+        )
+    }
 }
 
 /// The sample from which on the output stands still, where it should have moved.
@@ -55,21 +61,22 @@ fn stopped_at(run: &Run<'_>) -> Option<usize> {
     }
     let travel = span(run.output().chunks(size).filter_map(mean))?;
     let strokes = strokes(run.input())?;
-    let still_from = still_from(run, size, STILL * travel)?;
+    let still_from = still_from(run, size, STANDSTILL_TRAVEL * travel)?;
     let (before, after) = (still_from, run.len().saturating_sub(still_from));
-    let part = |samples: usize| samples as f64 >= PART * run.len() as f64;
+    let part = |samples: usize| samples as f64 >= STANDSTILL_PART * run.len() as f64;
     let (early, late) = strokes.split_at(strokes.partition_point(|at| *at < still_from));
     let longest = between(late).map(|stroke| stroke.len()).max()?;
     let followed = |stroke: Range<usize>| {
         let parts = run.output().get(stroke)?.chunks(size).filter_map(mean);
-        Some(span(parts)? >= FOLLOWED * travel)
+        Some(span(parts)? >= STANDSTILL_FOLLOWED * travel)
     };
     let shortest = between(early)
         .filter(|stroke| followed(stroke.clone()) == Some(true))
         .map(|stroke| stroke.len())
         .min()?;
     let as_long = longest as f64 >= AS_LONG * shortest as f64;
-    (part(before) && part(after) && late.len() >= STROKES && as_long).then_some(still_from)
+    (part(before) && part(after) && late.len() >= STANDSTILL_STROKES && as_long)
+        .then_some(still_from)
 }
 
 /// The samples from each stroke to the next.
@@ -91,9 +98,9 @@ fn still_from(run: &Run<'_>, size: usize, travel: f64) -> Option<usize> {
     Some((moving + 1) * size)
 }
 
-/// The samples at which the input has moved by [`STROKE`] of its travel since the one before.
+/// The samples at which the input has moved by [`STANDSTILL_STROKE`] of its travel since the one before.
 fn strokes(input: &[f64]) -> Option<Vec<usize>> {
-    let stroke = STROKE * span(input.iter().copied())?;
+    let stroke = STANDSTILL_STROKE * span(input.iter().copied())?;
     let mut from = input.iter().copied().find(|u| u.is_finite())?;
     let has_moved = |(k, u): (usize, &f64)| {
         let is_far = (u - from).abs() > stroke;
@@ -103,6 +110,22 @@ fn strokes(input: &[f64]) -> Option<Vec<usize>> {
         })
     };
     Some(input.iter().enumerate().filter_map(has_moved).collect())
+}
+
+/// The mean of what is not missing; `None` where all of it is.
+fn mean(values: &[f64]) -> Option<f64> {
+    let present = values.iter().filter(|value| !value.is_nan());
+    let count = present.clone().count();
+    (count > 0).then(|| present.sum::<f64>() / count as f64)
+}
+
+/// From the lowest to the highest value; `None` where these are one, or all is missing.
+fn span(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let known = values.filter(|value| !value.is_nan());
+    let (low, high) = known.fold((f64::MAX, f64::MIN), |(low, high), value| {
+        (low.min(value), high.max(value))
+    });
+    (high > low).then_some(high - low)
 }
 
 #[cfg(test)]
@@ -136,17 +159,14 @@ mod tests {
     #[test]
     fn a_servo_that_is_switched_off_has_a_time() {
         let steady = square(2_000, |_| 50);
-        let found = advice(&record(&steady, 5.0, 1_020)).unwrap();
+        let found = ServoStopped::of(&record(&steady, 5.0, 1_020)).unwrap();
         // The end of the last motion: it is switched off while it is at rest.
-        assert_eq!(found.value, 10.1);
-        assert!(
-            found.finding.starts_with("From 10.10 s on"),
-            "{}",
-            found.finding
-        );
+        assert_eq!(found.at_s, 10.1);
+        let words = found.in_words();
+        assert!(words.starts_with("From 10.10 s on"), "{words}");
         let shorter = square(2_000, |k| 80 - 70 * k / 2_000);
-        let found = advice(&record(&shorter, 5.0, 1_000)).unwrap();
-        assert!((10.0..10.6).contains(&found.value), "{}", found.value);
+        let found = ServoStopped::of(&record(&shorter, 5.0, 1_000)).unwrap();
+        assert!((10.0..10.6).contains(&found.at_s), "{}", found.at_s);
     }
 
     #[test]
@@ -154,23 +174,23 @@ mod tests {
         // To any of six levels, none of them the last.
         let level = |k: usize| (k * k + k / 3) % 6;
         let stairs: Vec<f64> = (0..2_000).map(|k| level(k / 50) as f64 - 2.5).collect();
-        let found = advice(&record(&stairs, 5.0, 1_200)).unwrap();
-        assert!((11.5..12.1).contains(&found.value), "{}", found.value);
-        assert_eq!(advice(&record(&stairs, 5.0, usize::MAX)), None);
+        let found = ServoStopped::of(&record(&stairs, 5.0, 1_200)).unwrap();
+        assert!((11.5..12.1).contains(&found.at_s), "{}", found.at_s);
+        assert_eq!(ServoStopped::of(&record(&stairs, 5.0, usize::MAX)), None);
     }
 
     #[test]
     fn a_servo_that_moves_rests_or_is_too_slow_has_none() {
         let steady = square(2_000, |_| 50);
-        assert_eq!(advice(&record(&steady, 5.0, usize::MAX)), None);
+        assert_eq!(ServoStopped::of(&record(&steady, 5.0, usize::MAX)), None);
         let resting = [&steady[..1_000], &[5.0; 1_000]].concat();
-        assert_eq!(advice(&record(&resting, 5.0, usize::MAX)), None);
+        assert_eq!(ServoStopped::of(&record(&resting, 5.0, usize::MAX)), None);
         // From slow strokes to such as it cannot follow at all.
         let sweep: Vec<f64> = (0..6_000)
             .map(|k| 5.0 * (0.002 * f64::from(k) + 2e-5 * f64::from(k * k)).sin())
             .collect();
-        assert_eq!(advice(&record(&sweep, 60.0, usize::MAX)), None);
+        assert_eq!(ServoStopped::of(&record(&sweep, 60.0, usize::MAX)), None);
         // It never moved: that is another finding.
-        assert_eq!(advice(&record(&steady, 5.0, 0)), None);
+        assert_eq!(ServoStopped::of(&record(&steady, 5.0, 0)), None);
     }
 }

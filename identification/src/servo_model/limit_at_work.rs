@@ -1,0 +1,90 @@
+//! Whether the limit of the drive was at work in a record, in each direction.
+//!
+//! A servo that hardly needs its limit upwards moves as well with one that is twice as large, or with none. The equation
+//! hides that: it has one limit for both directions, or stiffness and limit that are in one ratio, so the limit of the other direction stands
+//! for both. Such a fit has a top speed with a narrow interval that nothing has shown. So the limit of each direction is taken away from the best
+//! servo, and the errors are asked whether they exclude that ([score test](super::score_test)): they are regressed on the derivatives of the fit and
+//! on what the output would be more. The coefficient of that is 0 with the limit and 1 without.
+
+use super::coordinates::Point;
+use super::covariance::Uncertainty;
+use super::motion::Fastest;
+use super::quantities::Quantity;
+use super::score_test::score_test;
+use super::stepped_outputs::{step_s, stepped_outputs};
+use super::stretches::Stretch;
+use crate::results::Interval;
+use crate::thresholds::SERVO_LIMIT_AT_WORK;
+use servoid_dynamics::{Grid, ServoParameters, Stepper};
+
+/// Whether the record excludes that the drive has no limit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct LimitsAtWork {
+    upwards: bool,
+    downwards: bool,
+}
+
+impl LimitsAtWork {
+    /// Those of the best servo `point`, whose uncertainty is `found`. Where nothing is at rest there are no intervals to open.
+    pub(super) fn of(
+        stretches: &[Stretch],
+        point: &Point,
+        grid: &Grid,
+        found: &Uncertainty,
+    ) -> Self {
+        let is_at_work = |upwards: bool| -> Option<bool> {
+            let noise = found.at_rest.as_ref()?;
+            let more = |stretch: &Stretch| {
+                let servo = point.servo_of(stretch, |_, value| value);
+                let more = without_limit(&servo, stretch, grid, upwards);
+                more.into_iter().map(|more| [more]).collect()
+            };
+            let shape: Vec<_> = stretches.iter().map(more).collect();
+            let score = score_test(&found.rows, point.values.len(), &shape, noise)?;
+            Some(score.information.sqrt() - score.deviations > SERVO_LIMIT_AT_WORK)
+        };
+        let [upwards, downwards] = [true, false].map(|side| is_at_work(side).unwrap_or(true));
+        Self { upwards, downwards }
+    }
+
+    /// Takes the bounds that rest on a limit which was not at work.
+    pub(super) fn open(self, quantities: &mut [Quantity], fastest: &Fastest) {
+        for quantity in quantities {
+            let (at_work, reached) = match quantity.name.as_str() {
+                "top speed upwards" => (self.upwards, Some(fastest.upwards)),
+                "top speed downwards" => (self.downwards, Some(fastest.downwards)),
+                "acceleration upwards" | "error of full drive" => (self.upwards, None),
+                "acceleration downwards" => (self.downwards, None),
+                _ => continue,
+            };
+            if at_work || quantity.interval.valid().is_none() {
+                continue;
+            }
+            quantity.determined = false;
+            quantity.interval = quantity.interval.map(|interval| Interval {
+                lower: reached
+                    .map(|reached| interval.lower.map_or(reached, |low| low.min(reached))),
+                upper: None,
+                ..interval
+            });
+        }
+    }
+}
+
+/// What the output is more without the limit of one direction, by sample.
+fn without_limit(
+    servo: &ServoParameters,
+    stretch: &Stretch,
+    grid: &Grid,
+    upwards: bool,
+) -> Vec<f64> {
+    let limited = Stepper::new(servo, step_s(grid));
+    let outputs = |stepper: Stepper<f64>| {
+        stepped_outputs(servo, stretch, grid, |state, command| {
+            stepper.advance(state, command);
+        })
+    };
+    let own = outputs(limited);
+    let free = outputs(limited.without_limit(upwards));
+    free.iter().zip(own).map(|(free, own)| free - own).collect()
+}
