@@ -136,7 +136,7 @@ impl Identified {
         // A finding that leaves nothing to be said before it stands in the place of the sentence.
         let speaks = servo_model.filter(|_| summary::first_finding(model).is_none());
         text.extend(speaks.map(|servo| {
-            let sentence = summary::servo_sentence(&servo.model, units);
+            let sentence = summary::servo_sentence(&servo.model, model, units);
             summary::wrapped(&sentence, 0) + "\n\n"
         }));
         // A step response of which not even the times are findings is no picture of the servo.

@@ -53,7 +53,7 @@ fn of_one(part: &Part<'_>, has_other: bool) -> String {
     let sentence = part
         .servo_model
         .filter(|_| has_other)
-        .map(|found| summary::servo_sentence(&found.model, part.subject.units));
+        .map(|found| summary::servo_sentence(&found.model, model, part.subject.units));
     let as_machine = sentence.map(|sentence| escape(&sentence) + " ");
     let linear = match part.servo_model {
         Some(_) => "As a linear servo: ",

@@ -3,15 +3,16 @@
 use super::layout::listed_words;
 use super::servo_model::{digits, four_digits, seconds_per_60_degrees, turn_time_s};
 use crate::data::units::Units;
-use servoid_identification::results::{Bounds, Reason};
+use servoid_identification::results::{Bounds, Model, Reason};
 use servoid_identification::servo_model::{
     LinearKind, LoadKind, Quantity, QuantityKind, ServoModel, Spread,
 };
 use servoid_identification::thresholds::POOR_PREDICTION_PERCENT;
 
-/// What kind of servo this is, in a sentence or two; and that the linear model is the one to use, where it predicts better.
+/// What kind of servo this is, in a sentence or two; and that the linear model is the one to use, where it predicts better. `linear` is that of
+/// the same recording.
 #[must_use]
-pub fn servo_sentence(model: &ServoModel, units: Units<'_>) -> String {
+pub fn servo_sentence(model: &ServoModel, linear: &Model, units: Units<'_>) -> String {
     if !model.predicts() {
         let noise = (model.reachable_percent())
             .map(|percent| format!(", where noise alone would leave {percent:.1} %"));
@@ -44,12 +45,26 @@ pub fn servo_sentence(model: &ServoModel, units: Units<'_>) -> String {
         hidden_by_noise(model),
         better_linear(model),
     ];
+    // What a servo of higher order does looks like a limit or a load to a machine of second order.
+    let (subject, machine) = match is_linear_beside(model, linear) {
+        true => (
+            "A linear servo describes this recording down to its noise, and a model of it as a machine does not. By the latter the servo",
+            "It",
+        ),
+        false => ("This servo", "A model of it as a machine"),
+    };
     format!(
-        "This servo {}. A model of it as a machine predicts parts of the recording that it has not seen to {:.1} %.{doubt}{}",
+        "{subject} {}. {machine} predicts parts of the recording that it has not seen to {:.1} %.{doubt}{}",
         listed_words(&what),
         model.prediction_percent(),
         doubts.into_iter().flatten().collect::<String>()
     )
+}
+
+/// Whether the errors of the linear model are noise, and those of the servo model are not.
+fn is_linear_beside(model: &ServoModel, linear: &Model) -> bool {
+    let machine_lacks_something = model.covariance.withdrawn() == Some(Reason::ErrorsNotNoise);
+    machine_lacks_something && linear.linear && linear.bounds.valid().is_some()
 }
 
 /// What the model says of the servo, where its intervals hold.
