@@ -61,10 +61,16 @@ pub fn servo_sentence(model: &ServoModel, linear: &Model, units: Units<'_>) -> S
     )
 }
 
-/// Whether the errors of the linear model are noise, and those of the servo model are not.
+/// Whether the servo model has more than a linear servo and no linear one does worse: errors of the linear model are noise, its own are not, and
+/// it predicts no better.
 fn is_linear_beside(model: &ServoModel, linear: &Model) -> bool {
-    let machine_lacks_something = model.covariance.withdrawn() == Some(Reason::ErrorsNotNoise);
-    machine_lacks_something && linear.linear && linear.bounds.valid().is_some()
+    let lacks_something = model.covariance.withdrawn() == Some(Reason::ErrorsNotNoise);
+    let predicts_better = model.linear_models.as_ref().is_none_or(|found| {
+        let mut linear = found.models.iter();
+        linear.all(|linear| linear.held_out_percent < found.servo_model_percent)
+    });
+    let suffices = linear.linear && linear.bounds.valid().is_some();
+    !model.is_linear() && lacks_something && suffices && !predicts_better
 }
 
 /// What the model says of the servo, where its intervals hold.
