@@ -6,7 +6,6 @@ use servoid::presentation::export::{Export, Target};
 use servoid::data::ModelMetadata;
 use servoid::presentation::report::{self, Page, Servo};
 use servoid::data::model_file::ModelFile;
-use servoid::data::Units;
 use servoid::presentation::{plots, summary};
 use servoid_identification::Record;
 use servoid_identification::comparison::{ComparisonOptions, compare_models};
@@ -30,8 +29,8 @@ fuzz_target!(|text: &str| {
         let _ = export.write(target);
     }
     let _ = export.warnings();
-    let all = summary::Extent { picture: "", statistics: true };
-    assert!(!summary::of_model("x", &model, Units::default(), all).is_empty());
+    let extent = summary::Extent { picture: "", statistics: true };
+    assert!(!summary::of_model("x", &model, &metadata, extent).is_empty());
 
     let input: Vec<f64> = (0..200).map(|k| f64::from(k / 7 % 2)).collect();
     let record = Record::of_run(model.sample_period_s, &input, &input);
