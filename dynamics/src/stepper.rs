@@ -108,10 +108,10 @@ impl<S: Scalar> Stepper<S> {
         }
     }
 
-    /// The same without the limit of the drive in one direction.
+    /// The same without the limit of the drive towards larger or smaller θ.
     #[must_use]
-    pub fn without_limit(mut self, upwards: bool) -> Self {
-        let side = if upwards {
+    pub fn without_limit(mut self, towards_larger: bool) -> Self {
+        let side = if towards_larger {
             &mut self.up
         } else {
             &mut self.down

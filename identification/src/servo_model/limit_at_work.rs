@@ -10,6 +10,7 @@ use super::coordinates::Point;
 use super::covariance::Uncertainty;
 use super::motion::Fastest;
 use super::quantities::Quantity;
+use super::quantity_kind::QuantityKind;
 use super::score_test::score_test;
 use super::stepped_outputs::{step_s, stepped_outputs};
 use super::stretches::Stretch;
@@ -20,8 +21,12 @@ use servoid_dynamics::{Grid, ServoParameters, Stepper};
 /// Whether the record excludes that the drive has no limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LimitsAtWork {
+    /// Towards larger outputs.
     upwards: bool,
+    /// Towards smaller outputs.
     downwards: bool,
+    /// Towards larger θ, of which the error of full drive is.
+    of_error: bool,
 }
 
 impl LimitsAtWork {
@@ -32,29 +37,36 @@ impl LimitsAtWork {
         grid: &Grid,
         found: &Uncertainty,
     ) -> Self {
-        let is_at_work = |upwards: bool| -> Option<bool> {
+        let is_at_work = |towards_larger: bool| -> Option<bool> {
             let noise = found.at_rest.as_ref()?;
             let more = |stretch: &Stretch| {
                 let servo = point.servo_of(stretch, |_, value| value);
-                let more = without_limit(&servo, stretch, grid, upwards);
+                let more = without_limit(&servo, stretch, grid, towards_larger);
                 more.into_iter().map(|more| [more]).collect()
             };
             let shape: Vec<_> = stretches.iter().map(more).collect();
             let score = score_test(&found.rows, point.values.len(), &shape, noise)?;
             Some(score.information.sqrt() - score.deviations > SERVO_LIMIT_AT_WORK)
         };
-        let [upwards, downwards] = [true, false].map(|side| is_at_work(side).unwrap_or(true));
-        Self { upwards, downwards }
+        let sides = [true, false].map(|side| is_at_work(side).unwrap_or(true));
+        let servo = point.physics(0, |_, value| value);
+        let [upwards, downwards] = servo.upwards_first(sides);
+        Self {
+            upwards,
+            downwards,
+            of_error: sides[0],
+        }
     }
 
     /// Takes the bounds that rest on a limit which was not at work.
     pub(super) fn open(self, quantities: &mut [Quantity], fastest: &Fastest) {
         for quantity in quantities {
-            let (at_work, reached) = match quantity.name.as_str() {
-                "top speed upwards" => (self.upwards, Some(fastest.upwards)),
-                "top speed downwards" => (self.downwards, Some(fastest.downwards)),
-                "acceleration upwards" | "error of full drive" => (self.upwards, None),
-                "acceleration downwards" => (self.downwards, None),
+            let (at_work, reached) = match quantity.kind() {
+                Some(QuantityKind::TopSpeedUpwards) => (self.upwards, Some(fastest.upwards)),
+                Some(QuantityKind::TopSpeedDownwards) => (self.downwards, Some(fastest.downwards)),
+                Some(QuantityKind::AccelerationUpwards) => (self.upwards, None),
+                Some(QuantityKind::AccelerationDownwards) => (self.downwards, None),
+                Some(QuantityKind::ErrorOfFullDrive) => (self.of_error, None),
                 _ => continue,
             };
             if at_work || quantity.interval.valid().is_none() {
@@ -71,12 +83,12 @@ impl LimitsAtWork {
     }
 }
 
-/// What the output is more without the limit of one direction, by sample.
+/// What the output is more without the limit towards larger or smaller θ, by sample.
 fn without_limit(
     servo: &ServoParameters,
     stretch: &Stretch,
     grid: &Grid,
-    upwards: bool,
+    towards_larger: bool,
 ) -> Vec<f64> {
     let limited = Stepper::new(servo, step_s(grid));
     let outputs = |stepper: Stepper<f64>| {
@@ -85,6 +97,6 @@ fn without_limit(
         })
     };
     let own = outputs(limited);
-    let free = outputs(limited.without_limit(upwards));
+    let free = outputs(limited.without_limit(towards_larger));
     free.iter().zip(own).map(|(free, own)| free - own).collect()
 }

@@ -377,12 +377,28 @@ fn unequal_drives(seed: u64) -> Record<'static> {
 #[test]
 fn a_top_speed_whose_limit_was_not_at_work_is_open_above() {
     for seed in 0..6 {
-        let found = fit(&unequal_drives(seed), &ServoModelOptions::default()).unwrap();
-        let mut upwards = (found.quantities.iter()).filter(|q| q.name == "top speed upwards");
-        let interval = upwards.next().and_then(|q| q.interval.valid().copied());
-        let holds = interval.is_none_or(|found| found.upper.is_none_or(|upper| upper > 350.0));
-        assert!(holds, "{seed}: {interval:?} {:?}", found.reached);
+        require_open_top_speed(seed, &unequal_drives(seed));
     }
+}
+
+/// The same motion of a servo that turns the other way: upwards is where the output grows.
+#[test]
+fn so_it_is_where_the_gain_is_negative() {
+    for seed in 0..6 {
+        let record = unequal_drives(seed);
+        let run = &record.runs()[0];
+        let input: Vec<f64> = run.input().iter().map(|u| -u).collect();
+        let other_way = Record::of_run(PERIOD_S, input, run.output().to_vec()).unwrap();
+        require_open_top_speed(seed, &other_way);
+    }
+}
+
+fn require_open_top_speed(seed: u64, record: &Record) {
+    let found = fit(record, &ServoModelOptions::default()).unwrap();
+    let mut upwards = (found.quantities.iter()).filter(|q| q.name == "top speed upwards");
+    let interval = upwards.next().and_then(|q| q.interval.valid().copied());
+    let holds = interval.is_none_or(|found| found.upper.is_none_or(|upper| upper > 350.0));
+    assert!(holds, "{seed}: {interval:?} {:?}", found.reached);
 }
 
 #[test]
