@@ -68,7 +68,8 @@ impl<S: Scalar> ServoParameters<S> {
     }
 
     /// The error at rest under which a drive without limit is `drive`.
-    fn error_of(&self, drive: S) -> S {
+    #[must_use]
+    pub fn error_of(&self, drive: S) -> S {
         let none = S::constant(0.0);
         let width = self.dead_band.unwrap_or(none);
         let sign = match drive.value() {

@@ -6,6 +6,7 @@ use super::descent_step::MOST;
 use super::initial_state::find_starts;
 use super::motion::largest_error;
 use super::quantities::{Quantity, widen_delay};
+use super::quantity_kind::QuantityKind;
 use super::run_offsets;
 use super::stretches::stretches;
 use crate::data::{Record, Run, Timing};
@@ -205,6 +206,14 @@ impl ServoModel {
             friction_speed_share: FRICTION_SPEED_SHARE,
             run_offsets: Vec::new(),
         }
+    }
+
+    /// The quantity of this kind, where the servo has it.
+    #[must_use]
+    pub fn quantity(&self, kind: QuantityKind) -> Option<&Quantity> {
+        self.quantities
+            .iter()
+            .find(|found| found.kind() == Some(kind))
     }
 
     /// The parameters of the equation, with the controller number `controller` (from 0).

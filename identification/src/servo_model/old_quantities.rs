@@ -5,14 +5,24 @@
 
 use super::model::ServoModel;
 use super::offset;
-use super::quantities::{OFFSET, Quantity};
+use super::quantities::Quantity;
+use super::quantity_kind::QuantityKind;
 use crate::results::Interval;
 
 /// An offset that differs by less, in its unit or as a share of itself, differs by rounding.
 const ROUNDING: f64 = 1e-9;
 
 /// What there is of in two directions.
-const DIRECTED: [&str; 2] = ["top speed", "acceleration"];
+const DIRECTED: [[QuantityKind; 2]; 2] = [
+    [
+        QuantityKind::TopSpeedUpwards,
+        QuantityKind::TopSpeedDownwards,
+    ],
+    [
+        QuantityKind::AccelerationUpwards,
+        QuantityKind::AccelerationDownwards,
+    ],
+];
 
 impl ServoModel {
     /// With the quantities that its names stand for now. An offset that was another one is left open: its interval was that of the other.
@@ -23,14 +33,14 @@ impl ServoModel {
         }
         let servo = self.parameters(0);
         if servo.gain < 0.0 {
-            DIRECTED
-                .iter()
-                .for_each(|name| exchange(&mut self.quantities, name));
+            for directions in DIRECTED {
+                exchange(&mut self.quantities, directions);
+            }
         }
         let rest = offset::at_rest(&servo, 0.0).unwrap_or(f64::NAN);
         let is_other = |found: &&mut Quantity| {
             let apart = (found.value - rest).abs();
-            found.name == OFFSET && apart > ROUNDING * (1.0 + rest.abs())
+            found.kind() == Some(QuantityKind::Offset) && apart > ROUNDING * (1.0 + rest.abs())
         };
         if let Some(quantity) = self.quantities.iter_mut().find(is_other) {
             quantity.value = rest;
@@ -45,12 +55,13 @@ impl ServoModel {
 }
 
 /// Exchanges the two directions of a quantity.
-fn exchange(quantities: &mut [Quantity], name: &str) {
-    let place = |direction: &str| {
-        let whole = format!("{name} {direction}");
-        quantities.iter().position(|found| found.name == whole)
+fn exchange(quantities: &mut [Quantity], directions: [QuantityKind; 2]) {
+    let place = |kind| {
+        quantities
+            .iter()
+            .position(|found| found.kind() == Some(kind))
     };
-    if let (Some(up), Some(down)) = (place("upwards"), place("downwards")) {
+    if let [Some(up), Some(down)] = directions.map(place) {
         quantities.swap(up, down);
         let (earlier, later) = quantities.split_at_mut(up.max(down));
         std::mem::swap(&mut earlier[up.min(down)].name, &mut later[0].name);

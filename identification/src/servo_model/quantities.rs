@@ -4,6 +4,7 @@ use super::coordinates::Point;
 use super::motion::{Fastest, ServoMotion};
 use super::offset::{self, Formula};
 use super::possible_servo::PossibleServo;
+use super::quantity_kind::QuantityKind;
 use crate::numerics::dot;
 use crate::results::{Bounds, Interval};
 use crate::thresholds::{SERVO_TOP_SPEED_REACHED, UNDETERMINED_RATIO};
@@ -63,15 +64,19 @@ pub struct Spread {
     pub most: f64,
 }
 
-/// The name of the only quantity that is a time from the edge of a command.
-const DELAY: &str = "delay";
+impl Quantity {
+    /// Which quantity it is; `None` of one that this version does not know.
+    #[must_use]
+    pub fn kind(&self) -> Option<QuantityKind> {
+        QuantityKind::named(&self.name)
+    }
+}
 
-/// The name of the output at rest under command 0.
-pub(super) const OFFSET: &str = "offset";
-
-/// Allows for output that was recorded up to `seconds` earlier or later than it is taken for.
+/// Allows for output that was recorded up to `seconds` earlier or later than it is taken for: the delay alone is a time from the edge of a
+/// command.
 pub(super) fn widen_delay(quantities: &mut [Quantity], seconds: f64) {
-    for quantity in quantities.iter_mut().filter(|q| q.name == DELAY) {
+    let is_delay = |found: &&mut Quantity| found.kind() == Some(QuantityKind::Delay);
+    for quantity in quantities.iter_mut().filter(is_delay) {
         let interval = quantity.interval;
         quantity.interval = interval.map(|found| found.widened(seconds));
     }
@@ -93,7 +98,7 @@ enum Domain {
 
 /// How a quantity follows from a servo.
 struct Definition {
-    name: &'static str,
+    kind: QuantityKind,
     unit: Unit,
     /// Which values are possible.
     domain: Domain,
@@ -103,9 +108,9 @@ struct Definition {
     reached: Option<fn(&Fastest) -> f64>,
 }
 
-const fn define(name: &'static str, unit: Unit, domain: Domain, of: Formula) -> Definition {
+const fn define(kind: QuantityKind, unit: Unit, domain: Domain, of: Formula) -> Definition {
     Definition {
-        name,
+        kind,
         unit,
         domain,
         of,
@@ -115,26 +120,40 @@ const fn define(name: &'static str, unit: Unit, domain: Domain, of: Formula) -> 
 
 /// All quantities, in the order in which they are shown.
 const DEFINITIONS: &[Definition] = &[
-    define(DELAY, Unit::Seconds, Domain::NotNegative, |p, _| {
-        Some(p.delay_s)
-    }),
-    define("gain", Unit::OutputPerCommand, Domain::Any, |p, _| {
-        Some(p.gain)
-    }),
-    define(OFFSET, Unit::Output, Domain::Any, offset::at_rest),
     define(
-        "bandwidth at small signals",
+        QuantityKind::Delay,
+        Unit::Seconds,
+        Domain::NotNegative,
+        |p, _| Some(p.delay_s),
+    ),
+    define(
+        QuantityKind::Gain,
+        Unit::OutputPerCommand,
+        Domain::Any,
+        |p, _| Some(p.gain),
+    ),
+    define(
+        QuantityKind::Offset,
+        Unit::Output,
+        Domain::Any,
+        offset::at_rest,
+    ),
+    define(
+        QuantityKind::Bandwidth,
         Unit::Hertz,
         Domain::Positive,
         |p, _| Some(bandwidth_hz(p)),
     ),
-    define("damping ratio", Unit::One, Domain::Positive, |p, _| {
-        Some(p.damping / (2.0 * p.stiffness.sqrt()))
-    }),
+    define(
+        QuantityKind::DampingRatio,
+        Unit::One,
+        Domain::Positive,
+        |p, _| Some(p.damping / (2.0 * p.stiffness.sqrt())),
+    ),
     Definition {
         reached: Some(|fastest| fastest.upwards),
         ..define(
-            "top speed upwards",
+            QuantityKind::TopSpeedUpwards,
             Unit::OutputPerSecond,
             Domain::Positive,
             |p, middle| top_speeds(p, middle).map(|[up, _]| up),
@@ -143,56 +162,56 @@ const DEFINITIONS: &[Definition] = &[
     Definition {
         reached: Some(|fastest| fastest.downwards),
         ..define(
-            "top speed downwards",
+            QuantityKind::TopSpeedDownwards,
             Unit::OutputPerSecond,
             Domain::Positive,
             |p, middle| top_speeds(p, middle).map(|[_, down]| down),
         )
     },
     define(
-        "acceleration upwards",
+        QuantityKind::AccelerationUpwards,
         Unit::OutputPerSecondSquared,
         Domain::Positive,
         |p, _| accelerations(p).map(|[up, _]| up),
     ),
     define(
-        "acceleration downwards",
+        QuantityKind::AccelerationDownwards,
         Unit::OutputPerSecondSquared,
         Domain::Positive,
         |p, _| accelerations(p).map(|[_, down]| down),
     ),
     define(
-        "error of full drive",
+        QuantityKind::ErrorOfFullDrive,
         Unit::Command,
         Domain::Positive,
         |p, _| p.limit.map(|l| l.up / p.stiffness),
     ),
     define(
-        "dead band, to each side",
+        QuantityKind::DeadBand,
         Unit::Command,
         Domain::NotNegative,
         |p, _| p.dead_band,
     ),
     define(
-        "resting error by friction",
+        QuantityKind::RestingError,
         Unit::Command,
         Domain::NotNegative,
         |p, _| p.resting_error(),
     ),
     define(
-        "friction at rest to that in motion",
+        QuantityKind::FrictionAtRest,
         Unit::One,
         Domain::NotNegative,
         |p, _| Some(1.0 + p.friction?.at_rest?.excess),
     ),
     define(
-        "friction of the gears",
+        QuantityKind::FrictionOfGears,
         Unit::One,
         Domain::NotNegative,
         |p, _| p.friction.map(|friction| friction.of_gears),
     ),
     define(
-        "load at the middle",
+        QuantityKind::LoadAtMiddle,
         Unit::Command,
         Domain::Any,
         |p, middle| {
@@ -201,7 +220,7 @@ const DEFINITIONS: &[Definition] = &[
         },
     ),
     define(
-        "load of a level arm",
+        QuantityKind::LoadOfLevelArm,
         Unit::Command,
         Domain::Any,
         |p, _| match p.load {
@@ -250,7 +269,7 @@ pub(super) fn quantities(
         let hull = definition.without_senseless_bounds(hull);
         let interval = definition.as_far_as_reached(hull, level.valid().is_some(), &motion.fastest);
         Some(Quantity {
-            name: definition.name.to_owned(),
+            name: definition.kind.name().to_owned(),
             unit: definition.unit,
             determined: definition.is_determined(&interval),
             value,
@@ -299,10 +318,10 @@ impl Definition {
     fn interval(&self, servo: &PossibleServo, middle: f64, critical: f64) -> Option<Interval> {
         let own = self.smooth_interval(servo, middle, critical)?;
         let of = |of| {
-            let definition = define(self.name, self.unit, Domain::Any, of);
+            let definition = define(self.kind, self.unit, Domain::Any, of);
             definition.smooth_interval(servo, middle, critical)
         };
-        if self.name != OFFSET || offset::side_is_known(of) {
+        if self.kind != QuantityKind::Offset || offset::side_is_known(of) {
             return Some(own);
         }
         Some(offset::EDGES.into_iter().filter_map(of).fold(own, hull))
@@ -403,13 +422,16 @@ impl Definition {
 /// The names of all quantities.
 #[cfg(test)]
 pub(super) fn names() -> impl Iterator<Item = &'static str> {
-    DEFINITIONS.iter().map(|definition| definition.name)
+    DEFINITIONS.iter().map(|definition| definition.kind.name())
 }
 
 /// The quantities of a servo under commands about zero by name, without intervals.
 #[cfg(test)]
 pub(super) fn values(point: &Point) -> Vec<(&'static str, f64)> {
-    let of = |definition: &Definition| Some((definition.name, definition.value(point, 0.0)?));
+    let of = |definition: &Definition| {
+        let value = definition.value(point, 0.0)?;
+        Some((definition.kind.name(), value))
+    };
     DEFINITIONS.iter().filter_map(of).collect()
 }
 
@@ -420,8 +442,8 @@ mod tests {
 
     #[test]
     fn a_top_speed_is_open_where_its_upper_bound_is_twice_what_was_reached() {
-        let name = "top speed upwards";
-        let top_speed = DEFINITIONS.iter().find(|found| found.name == name).unwrap();
+        let kind = QuantityKind::TopSpeedUpwards;
+        let top_speed = DEFINITIONS.iter().find(|found| found.kind == kind).unwrap();
         let fastest = Fastest {
             upwards: 60.0,
             downwards: 0.0,
@@ -438,8 +460,8 @@ mod tests {
 
     #[test]
     fn a_bound_that_excludes_nothing_is_none() {
-        let name = "damping ratio";
-        let damping = DEFINITIONS.iter().find(|found| found.name == name).unwrap();
+        let kind = QuantityKind::DampingRatio;
+        let damping = DEFINITIONS.iter().find(|found| found.kind == kind).unwrap();
         let cut = |lower, upper| {
             let found = damping.without_senseless_bounds(Interval::new(0.5, lower, upper));
             (found.lower, found.upper)

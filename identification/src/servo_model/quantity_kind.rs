@@ -1,7 +1,5 @@
 //! Which quantity of a servo a number is.
 
-use super::quantities::Quantity;
-
 /// A quantity of a servo as a machine. Documents have its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum QuantityKind {
@@ -39,30 +37,24 @@ pub enum QuantityKind {
     LoadOfLevelArm,
 }
 
-/// The names that documents have.
-const NAMES: [(QuantityKind, &str); 16] = [
-    (QuantityKind::Delay, "delay"),
-    (QuantityKind::Gain, "gain"),
-    (QuantityKind::Offset, "offset"),
-    (QuantityKind::Bandwidth, "bandwidth at small signals"),
-    (QuantityKind::DampingRatio, "damping ratio"),
-    (QuantityKind::TopSpeedUpwards, "top speed upwards"),
-    (QuantityKind::TopSpeedDownwards, "top speed downwards"),
-    (QuantityKind::AccelerationUpwards, "acceleration upwards"),
-    (
-        QuantityKind::AccelerationDownwards,
-        "acceleration downwards",
-    ),
-    (QuantityKind::ErrorOfFullDrive, "error of full drive"),
-    (QuantityKind::DeadBand, "dead band, to each side"),
-    (QuantityKind::RestingError, "resting error by friction"),
-    (
-        QuantityKind::FrictionAtRest,
-        "friction at rest to that in motion",
-    ),
-    (QuantityKind::FrictionOfGears, "friction of the gears"),
-    (QuantityKind::LoadAtMiddle, "load at the middle"),
-    (QuantityKind::LoadOfLevelArm, "load of a level arm"),
+/// All of them.
+const ALL: [QuantityKind; 16] = [
+    QuantityKind::Delay,
+    QuantityKind::Gain,
+    QuantityKind::Offset,
+    QuantityKind::Bandwidth,
+    QuantityKind::DampingRatio,
+    QuantityKind::TopSpeedUpwards,
+    QuantityKind::TopSpeedDownwards,
+    QuantityKind::AccelerationUpwards,
+    QuantityKind::AccelerationDownwards,
+    QuantityKind::ErrorOfFullDrive,
+    QuantityKind::DeadBand,
+    QuantityKind::RestingError,
+    QuantityKind::FrictionAtRest,
+    QuantityKind::FrictionOfGears,
+    QuantityKind::LoadAtMiddle,
+    QuantityKind::LoadOfLevelArm,
 ];
 
 impl QuantityKind {
@@ -89,19 +81,33 @@ impl QuantityKind {
     /// What pulls to one side.
     pub const OF_LOAD: &[Self] = &[Self::LoadAtMiddle, Self::LoadOfLevelArm];
 
+    /// The name that documents have.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Delay => "delay",
+            Self::Gain => "gain",
+            Self::Offset => "offset",
+            Self::Bandwidth => "bandwidth at small signals",
+            Self::DampingRatio => "damping ratio",
+            Self::TopSpeedUpwards => "top speed upwards",
+            Self::TopSpeedDownwards => "top speed downwards",
+            Self::AccelerationUpwards => "acceleration upwards",
+            Self::AccelerationDownwards => "acceleration downwards",
+            Self::ErrorOfFullDrive => "error of full drive",
+            Self::DeadBand => "dead band, to each side",
+            Self::RestingError => "resting error by friction",
+            Self::FrictionAtRest => "friction at rest to that in motion",
+            Self::FrictionOfGears => "friction of the gears",
+            Self::LoadAtMiddle => "load at the middle",
+            Self::LoadOfLevelArm => "load of a level arm",
+        }
+    }
+
     /// The quantity of this name; `None` of one that this version does not know.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
-        let known = NAMES.iter().find(|(_, known)| *known == name);
-        known.map(|(kind, _)| *kind)
-    }
-}
-
-impl Quantity {
-    /// Which quantity it is; `None` of one that this version does not know.
-    #[must_use]
-    pub fn kind(&self) -> Option<QuantityKind> {
-        QuantityKind::named(&self.name)
+        ALL.into_iter().find(|kind| kind.name() == name)
     }
 }
 
@@ -113,7 +119,7 @@ mod tests {
     #[test]
     fn every_quantity_has_a_kind_of_its_own() {
         let kinds: Vec<QuantityKind> = names().filter_map(QuantityKind::named).collect();
-        assert_eq!((kinds.len(), names().count()), (NAMES.len(), NAMES.len()));
+        assert_eq!((kinds.len(), names().count()), (ALL.len(), ALL.len()));
         for (place, kind) in kinds.iter().enumerate() {
             assert!(!kinds[..place].contains(kind), "{kind:?}");
         }

@@ -144,11 +144,7 @@ fn fit_figure(value: String) -> KeyFigure {
 }
 
 fn top_speeds(model: &ServoModel) -> Option<[f64; 2]> {
-    let of = |kind: QuantityKind| {
-        let mut all = model.quantities.iter();
-        all.find(|found| found.kind() == Some(kind))
-            .map(|found| found.value)
-    };
+    let of = |kind: QuantityKind| model.quantity(kind).map(|found| found.value);
     Some([
         of(QuantityKind::TopSpeedUpwards)?,
         of(QuantityKind::TopSpeedDownwards)?,

@@ -145,9 +145,7 @@ fn agreed<'q>(model: &ServoModel, speeds: [&'q Quantity; 2]) -> Option<[&'q Quan
 
 /// The quantity of this kind, where the record determines it.
 fn determined(model: &ServoModel, kind: QuantityKind) -> Option<&Quantity> {
-    let mut all = model.quantities.iter();
-    all.find(|found| found.kind() == Some(kind))
-        .filter(|found| found.determined)
+    model.quantity(kind).filter(|found| found.determined)
 }
 
 fn top_speeds(model: &ServoModel) -> Option<[&Quantity; 2]> {

@@ -8,7 +8,7 @@ use crate::presentation::export::text::number;
 use crate::presentation::summary;
 use crate::presentation::summary::four_digits;
 use servoid_identification::results::Bounds;
-use servoid_identification::servo_model::{Quantity, ReachedSpeeds};
+use servoid_identification::servo_model::{Quantity, QuantityKind, ReachedSpeeds};
 
 /// How the difference of an export from the servo model was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,8 +50,13 @@ impl ServoExport<'_> {
                 self.reached()
             ));
         }
-        let open = |found: &Quantity| found.name.starts_with("top speed") && !found.determined;
-        self.model.quantities.iter().any(open).then(|| {
+        let speeds = [
+            QuantityKind::TopSpeedUpwards,
+            QuantityKind::TopSpeedDownwards,
+        ];
+        let is_open = |found: &Quantity| !found.determined;
+        let is_open = |kind| self.model.quantity(kind).is_some_and(is_open);
+        speeds.into_iter().any(is_open).then(|| {
             let recorded = (self.recorded_range())
                 .map(|range| format!(" (commands {range})"))
                 .unwrap_or_default();

@@ -2,7 +2,7 @@
 
 use super::subject::ServoExport;
 use crate::presentation::summary::four_digits;
-use servoid_identification::servo_model::Load;
+use servoid_identification::servo_model::{Load, ServoParameters};
 
 /// What a target leaves out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -148,11 +148,11 @@ impl ServoExport<'_> {
     /// An acceleration, and the error at rest that it stands for.
     fn acceleration(&self, acceleration: f64) -> String {
         let command = self.command_unit();
-        let ratio = match self.parameters.limit {
-            Some(limit) if acceleration < 0.0 => limit.down_to_up,
-            _ => 1.0,
+        let without_dead_band = ServoParameters {
+            dead_band: None,
+            ..self.parameters
         };
-        let error = four_digits(acceleration / (self.parameters.stiffness * ratio));
+        let error = four_digits(without_dead_band.error_of(acceleration));
         let acceleration = four_digits(acceleration);
         format!("{acceleration} {command}/s^2, an error of {error} {command} at rest")
     }
