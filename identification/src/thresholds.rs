@@ -3,7 +3,7 @@
 //! Each entry says what it protects and where the evidence for its value is: a table of docs/method.md or
 //! the test that fails when it is moved. How a test is built (its lags, blocks and windows, and the least data that it can be computed
 //! from) and tolerances of the arithmetic (passes, rounding) stay in the files that need them. So do the thresholds of what the host
-//! finds in files and recordings, such as a servo that was switched off: these are advice and take no bounds away.
+//! finds in files and recordings, such as commands that were written between the rows.
 //!
 //! One record is judged by several of these tests. How often a record of a linear servo is given any finding of
 //! them is measured by the example `coverage`, stated in docs/method.md ("False alarms in all") and held by the
@@ -601,6 +601,9 @@ pub const STANDSTILL_FOLLOWED: f64 = 0.25;
 
 /// Strokes of the input that show that the output should move; see [`STANDSTILL_TRAVEL`].
 pub const STANDSTILL_STROKES: usize = 3;
+
+/// How long the longest of the strokes that are not followed is, at least, relative to the shortest that was; see [`STANDSTILL_TRAVEL`].
+pub const STANDSTILL_AS_LONG: f64 = 0.7;
 
 /// Standard deviations from which on motion before the changes of a held command is beyond chance.
 ///

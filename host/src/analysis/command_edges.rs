@@ -137,21 +137,13 @@ fn even_scatter(runs: &[Run<'_>], model: &Model) -> Option<f64> {
     let (variance, fourth) = (moment(2), moment(4));
     let of_noise = mean(&|answer| answer.noise) * mean(&|answer| answer.weight.recip());
     let is_even = of_noise < MOST_NOISE * variance && fourth < EVEN_KURTOSIS * variance * variance;
-    let by_stroke = [CommandAnswer::size as fn(&CommandAnswer) -> f64, |answer| {
-        answer.stroke
-    }]
-    .map(|of| squared_correlation(&answers, of))
-    .into_iter()
-    .fold(0.0, f64::max);
-    let is_even = is_even && by_stroke < MOST_BY_STROKE;
+    let by_stroke: [fn(&CommandAnswer) -> f64; 2] =
+        [|answer| answer.stroke, |answer| answer.stroke.abs()];
+    let is_free_of_strokes = by_stroke
+        .into_iter()
+        .all(|of| squared_correlation(&answers, of) < MOST_BY_STROKE);
     // An interval of length 1 has the variance 1/12.
-    is_even.then(|| (12.0 * (variance - of_noise)).sqrt())
-}
-
-impl CommandAnswer {
-    fn size(&self) -> f64 {
-        self.stroke.abs()
-    }
+    (is_even && is_free_of_strokes).then(|| (12.0 * (variance - of_noise)).sqrt())
 }
 
 /// Of the times of the answers with a property of their strokes.
@@ -181,12 +173,9 @@ fn answers(run: &Run<'_>, model: &Model) -> Vec<CommandAnswer> {
         (run.input().iter().copied().zip(errors.zip(speeds))).collect();
     // The first hold answers what was before the run.
     let holds: Vec<_> = rows.chunk_by(|(a, _), (b, _)| a == b).collect();
-    let pairs = holds.windows(2).filter_map(|pair| match pair {
-        [before, hold] => Some((before.first()?.0, *hold)),
-        _ => None,
-    });
+    let pairs = holds.iter().zip(holds.iter().skip(1));
     pairs
-        .filter_map(|(before, hold)| answer(before, hold))
+        .filter_map(|(before, hold)| answer(before.first()?.0, hold))
         .collect()
 }
 

@@ -1,6 +1,6 @@
 //! Whether the references of two sides may be what makes their responses differ.
 
-use super::motion::Motion;
+use super::motion::{Motion, larger_by};
 use super::outcome::{Comparison, Sides};
 use super::verdict::Verdict;
 use crate::results::Bounds;
@@ -20,8 +20,8 @@ pub(super) fn may_explain(found: &Comparison, motions: &Sides<Motion>, linear: b
 }
 
 /// The same of two models, each of a recording with strokes of one size.
-pub(super) fn strokes_of_models_may_explain(found: &Comparison, [a, b]: [f64; 2]) -> bool {
-    let larger_by = a.max(b) / a.min(b) - 1.0;
+pub(super) fn strokes_of_models_may_explain(found: &Comparison, sizes: [f64; 2]) -> bool {
+    let larger_by = larger_by(sizes);
     let different = found.verdict == Verdict::Different;
     different && (larger_by > EQUALLY_LARGE || strokes_may_explain(found, larger_by))
 }

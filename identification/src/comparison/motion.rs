@@ -77,17 +77,14 @@ impl Motion {
 
     /// By which fraction the larger of the two ranges exceeds the smaller.
     pub(super) fn larger_by(&self, other: &Self) -> f64 {
-        let [a, b] = [self, other].map(|motion| motion.highest - motion.lowest);
-        a.max(b) / a.min(b) - 1.0
+        larger_by([self, other].map(|motion| motion.highest - motion.lowest))
     }
 
     /// "the strokes differ, ±4 against ±5 deg", or in what else the references differ.
     #[must_use]
     pub fn difference_in_words(&self, other: &Self, unit: &str) -> String {
         if self.levels.is_some() && self.levels == other.levels && self.larger_by(other) > 0.0 {
-            let space = if unit.is_empty() { "" } else { " " };
-            let (a, b) = (self.ends_in_words(), other.ends_in_words());
-            return format!("the strokes differ, {a} against {b}{space}{unit}");
+            return strokes_differ([self, other].map(Self::ends_in_words), unit);
         }
         let (a, b) = (self.in_words(unit), other.in_words(unit));
         format!("the references differ, {a}, against {b}")
@@ -124,6 +121,17 @@ impl Motion {
             None => format!("a smooth motion {range}"),
         }
     }
+}
+
+/// By which fraction the larger of two exceeds the smaller.
+pub(super) fn larger_by([a, b]: [f64; 2]) -> f64 {
+    a.max(b) / a.min(b) - 1.0
+}
+
+/// "the strokes differ, 8 against 10 deg"; `unit` may be empty.
+pub(super) fn strokes_differ([a, b]: [String; 2], unit: &str) -> String {
+    let space = if unit.is_empty() { "" } else { " " };
+    format!("the strokes differ, {a} against {b}{space}{unit}")
 }
 
 /// To a thousandth.

@@ -1,5 +1,6 @@
 //! The answer in two sentences: whether and by how much the two differ, and what a pilot notices of it.
 
+use super::motion::strokes_differ;
 use super::options::ComparisonOptions;
 use super::outcome::{
     Comparison, ComparisonBounds, DifferenceCurve, Direction, Levels, Sides, Subject,
@@ -34,11 +35,9 @@ fn not_one_reference(
     let unit = &options.input_unit;
     let of_records = found.motions;
     let of_records = of_records.map(|both| both.a.difference_in_words(&both.b, unit));
-    let of_models = options.strokes_of_models.map(|[a, b]| {
-        let space = if unit.is_empty() { "" } else { " " };
-        let (a, b) = (four_digits(a), four_digits(b));
-        format!("the strokes differ, {a} against {b}{space}{unit}")
-    });
+    let of_models = options.strokes_of_models;
+    let of_models = of_models
+        .map(|sizes| strokes_differ(sizes.map(|size| four_digits(size).to_string()), unit));
     let differ = of_records.or(of_models).unwrap_or_default();
     format!(
         "Not decided: {differ}. A servo that is limited in speed or torque, or has play, answers each of them differently, so that what \

@@ -8,14 +8,13 @@
 
 use crate::data::{Record, Run};
 use crate::thresholds::{
-    STANDSTILL_FOLLOWED, STANDSTILL_PART, STANDSTILL_STROKE, STANDSTILL_STROKES, STANDSTILL_TRAVEL,
+    STANDSTILL_AS_LONG, STANDSTILL_FOLLOWED, STANDSTILL_PART, STANDSTILL_STROKE,
+    STANDSTILL_STROKES, STANDSTILL_TRAVEL,
 };
 use std::ops::Range;
 
 /// Blocks of a run, at most.
 const BLOCKS: usize = 400;
-/// How long the longest of the strokes that are not followed is, at least, relative to the shortest that was.
-const AS_LONG: f64 = 0.7;
 
 /// Where the servo stops.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,7 +73,7 @@ fn stopped_at(run: &Run<'_>) -> Option<usize> {
         .filter(|stroke| followed(stroke.clone()) == Some(true))
         .map(|stroke| stroke.len())
         .min()?;
-    let as_long = longest as f64 >= AS_LONG * shortest as f64;
+    let as_long = longest as f64 >= STANDSTILL_AS_LONG * shortest as f64;
     (part(before) && part(after) && late.len() >= STANDSTILL_STROKES && as_long)
         .then_some(still_from)
 }

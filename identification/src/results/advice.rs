@@ -212,16 +212,8 @@ impl Advice {
     #[must_use]
     pub fn precedence(&self) -> Precedence {
         match self.check {
-            Check::Period
-            | Check::OutputLeads
-            | Check::EarlyMotion
-            | Check::HeldOutput
-            | Check::LagDrift
-            | Check::CommandsBetweenRows
-            | Check::TravelEnd
-            | Check::Feedback
-            | Check::Prediction
-            | Check::Stopped => Precedence::InPlaceOfTheAnswer,
+            Check::Period | Check::Prediction => Precedence::InPlaceOfTheAnswer,
+            _ if self.is_of_the_record() => Precedence::InPlaceOfTheAnswer,
             Check::Duration | Check::Travel | Check::UnlikeRuns => Precedence::BeforeTheAnswer,
             _ => Precedence::BelowTheResults,
         }
@@ -243,7 +235,7 @@ impl Advice {
     /// Whether a finding on one model is worth repeating where it is compared with another.
     #[must_use]
     pub fn bears_on_comparison(&self) -> bool {
-        matches!(
+        let is_of_the_response = matches!(
             self.check,
             Check::ModelError
                 | Check::Linearity
@@ -251,13 +243,21 @@ impl Advice {
                 | Check::LeftOut
                 | Check::Repeats
                 | Check::Settled
-                | Check::Feedback
-                | Check::OutputLeads
+        );
+        is_of_the_response || self.is_of_the_record()
+    }
+
+    /// Whether it says that the record is not that of a servo which follows its command all along, at the times that the record states.
+    fn is_of_the_record(&self) -> bool {
+        matches!(
+            self.check,
+            Check::OutputLeads
                 | Check::EarlyMotion
                 | Check::HeldOutput
                 | Check::LagDrift
                 | Check::CommandsBetweenRows
                 | Check::TravelEnd
+                | Check::Feedback
                 | Check::Stopped
         )
     }

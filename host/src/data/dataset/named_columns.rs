@@ -64,15 +64,10 @@ pub(super) fn timed(
 
 /// The samples of the reference in a run of so many; `None` where the header does not state as many.
 fn reference(header: &Header, samples: usize) -> Option<Range<usize>> {
-    let of = |frames: u32| frames as usize * SAMPLES_PER_FRAME;
-    let [before, reference, after] = [
-        u32::from(header.pre_roll_frames),
-        header.reference_frames,
-        u32::from(header.post_roll_frames),
-    ]
-    .map(of);
-    let is_whole = reference > 0 && before + reference + after == samples;
-    is_whole.then_some(before..before + reference)
+    let Range { start, end } = header.reference_samples()?;
+    let after = u64::from(header.post_roll_frames) * SAMPLES_PER_FRAME as u64;
+    let is_whole = end + after == samples as u64;
+    is_whole.then_some(start as usize..end as usize)
 }
 
 /// A part of a run, with what the sensor shows later of it.

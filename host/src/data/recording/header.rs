@@ -6,7 +6,9 @@ use crate::data::rig_file::{PulseTypeName, RigFile};
 use serde::{Deserialize, Serialize};
 use servoid_protocol::hello::ClockSource;
 use servoid_protocol::message::Start;
+use servoid_protocol::timing::SAMPLES_PER_FRAME;
 use servoid_protocol::{Hello, PulseTrain};
+use std::ops::Range;
 use toml::{Table, Value};
 
 /// Version of the format; a reader refuses a higher one.
@@ -148,6 +150,14 @@ impl Default for Header {
 }
 
 impl Header {
+    /// The samples of the reference, without the rest before and after it; `None` where the header states no reference.
+    pub fn reference_samples(&self) -> Option<Range<u64>> {
+        let of = |frames: u32| u64::from(frames) * SAMPLES_PER_FRAME as u64;
+        let start = of(u32::from(self.pre_roll_frames));
+        let length = of(self.reference_frames);
+        (length > 0).then(|| start..start + length)
+    }
+
     /// The header of a run that begins now.
     pub fn of_run(hello: &Hello, rig: &RigFile, start: &Start) -> Self {
         let now = std::time::SystemTime::now();

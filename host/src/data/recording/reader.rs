@@ -74,12 +74,7 @@ impl Recording {
 
     /// The samples of the reference alone, without the rest at neutral before and after it.
     pub fn reference_samples(&self) -> Range<u64> {
-        let samples = SAMPLES_PER_FRAME as u64;
-        let start = u64::from(self.header.pre_roll_frames) * samples;
-        match u64::from(self.header.reference_frames) {
-            0 => 0..u64::MAX,
-            frames => start..start + frames * samples,
-        }
+        self.header.reference_samples().unwrap_or(0..u64::MAX)
     }
 
     /// The rows of the samples within `range`.
