@@ -9,8 +9,8 @@ use rand_distr::{Distribution, StandardNormal};
 use servoid_dynamics::{DriveLimit, Friction, Grid, Load, ServoParameters, Start, simulate};
 use servoid_identification::servo_model::{ServoModelOptions, fit};
 use servoid_identification::{
-    Frequencies, MomentStream, Moments, NoiseOrder, Options, Record, Run, Settling, identify,
-    identify_moments,
+    Frequencies, MomentStream, Moments, NoiseOrder, Options, Prior, Record, Run, Settling,
+    identify, identify_moments,
 };
 use servoid_test_support::servos::{Limit, limited, measured, sizes};
 
@@ -179,9 +179,15 @@ fn automatic(criterion: &mut Criterion) {
     group.sample_size(10);
     for samples in [3_600, 1_000_000] {
         let record = record(samples);
-        group.bench_function(format!("{samples} samples"), |bencher| {
-            bencher.iter(|| identify(black_box(&record), &Options::default()).unwrap());
-        });
+        for (name, prior) in [("", Prior::None), (", stable prior", Prior::Stable)] {
+            let options = Options {
+                prior,
+                ..Options::default()
+            };
+            group.bench_function(format!("{samples} samples{name}"), |bencher| {
+                bencher.iter(|| identify(black_box(&record), &options).unwrap());
+            });
+        }
     }
     group.finish();
 }
