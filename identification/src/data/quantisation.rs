@@ -48,14 +48,24 @@ impl Quantisation {
         if residual >= DITHERED {
             return None;
         }
-        let dither = (residual * residual - OF_ROUNDING).max(0.0);
-        let left = (-2.0 * std::f64::consts::PI.powi(2) * dither).exp();
+        let of_level = level_error(step, residual);
         Some(Self {
             step,
             residual,
-            allowance: 0.5 * step * left * leverage(record),
+            allowance: of_level * leverage(record),
         })
     }
+
+    /// The largest error of a level of rest that the noise does not dither \[output\].
+    pub(crate) fn level_error(&self) -> f64 {
+        level_error(self.step, self.residual)
+    }
+}
+
+/// For residuals \[rms, in steps\].
+fn level_error(step: f64, residual: f64) -> f64 {
+    let dither = (residual * residual - OF_ROUNDING).max(0.0);
+    0.5 * step * (-2.0 * std::f64::consts::PI.powi(2) * dither).exp()
 }
 
 /// The step that the output is rounded to, if many samples equal the previous one.

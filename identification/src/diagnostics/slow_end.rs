@@ -21,6 +21,9 @@
 //! all that comes after N, and slower ends have more of that: there the one counts that changes it most. The test counts the square of that number
 //! for N as χ² of one degree of freedom.
 //!
+//! The steps of a sensor that noise does not dither are errors that follow the level. Errors of up to r in each of n rows change γ by up to
+//! |D(1)| r √(n/q) (Cauchy and Schwarz): what exceeds that is counted.
+//!
 //! An input that repeats itself shows an end by its lags from N to where it repeats itself alone. Where these are few, σ²/q is large, and
 //! where there are none, nothing is known of an end. The slower an end is, the less of it is left in such lags: there time constants of 8 N count, too.
 
@@ -112,6 +115,8 @@ pub(crate) struct SlowColumns {
     columns: Vec<SlowColumn>,
     /// Variance of ε.
     variance: f64,
+    /// Length of the largest vector of errors that the steps of the sensor leave behind the filter \[output\].
+    of_rounding: f64,
     /// Whether the input of a run repeats itself.
     repeats: bool,
 }
@@ -146,6 +151,8 @@ pub(crate) struct Regression<'a> {
     pub(crate) ar: &'a [f64],
     /// Variance of ε.
     pub(crate) variance: f64,
+    /// The largest error of a level that the steps of the sensor leave \[output\].
+    pub(crate) level_error: f64,
     /// (Z'Z)^-1, the offset last.
     pub(crate) inverse: &'a Mat<f64>,
 }
@@ -161,7 +168,14 @@ pub(crate) struct RegressionRun<'a> {
 
 impl SlowColumns {
     /// Beside the complete bank of `fit`, from its errors in `runs`; `None` where the input does not show slow ends.
-    pub(crate) fn new(runs: &[Simulated<'_>], moments: &Moments, fit: &GlsFit) -> Option<Self> {
+    ///
+    /// `level_error` is the largest error of a level that the steps of the sensor leave \[output\].
+    pub(crate) fn new(
+        runs: &[Simulated<'_>],
+        moments: &Moments,
+        fit: &GlsFit,
+        level_error: f64,
+    ) -> Option<Self> {
         let lags = fit.coordinates.basis.settling();
         let regression = Regression {
             lags,
@@ -169,6 +183,7 @@ impl SlowColumns {
             centre: moments.centre.0,
             ar: &fit.ar,
             variance: fit.variance,
+            level_error,
             inverse: &fit.solution.inverse,
         };
         let runs = runs.iter().map(|run| RegressionRun {
@@ -207,6 +222,7 @@ impl SlowColumns {
         let time_constants: Vec<f64> = times.iter().map(|times| times * lags as f64).collect();
         let mut sums: Vec<LaggedSums> = Vec::new();
         let mut all: Vec<Products> = times.iter().map(|_| Products::default()).collect();
+        let mut count = 0;
         for (period, regression_run) in &runs {
             let RegressionRun {
                 run,
@@ -214,6 +230,7 @@ impl SlowColumns {
                 errors,
             } = regression_run;
             let rows = run.complete_rows(regression.row_lags.0, regression.row_lags.1);
+            count += rows.iter().map(std::ops::Range::len).sum::<usize>();
             let errors = filtered(errors, &d);
             let slow = time_constants.iter().map(|time_constant| {
                 let behind = behind_lag(run, *time_constant, centre, *period);
@@ -247,35 +264,46 @@ impl SlowColumns {
             lags,
             columns: found.collect::<Option<_>>()?,
             variance: regression.variance,
+            of_rounding: gain.abs() * regression.level_error * (count as f64).sqrt(),
             repeats,
         })
     }
 
     /// The test of an end.
     pub(crate) fn test(&self) -> SlowEnd {
-        let first = &self.columns[0];
+        let end = self.end();
         SlowEnd {
-            p: chi_square_upper_tail(first.score.powi(2) / first.left / self.variance, 1),
+            p: chi_square_upper_tail((end.value / end.sd).powi(2), 1),
             beyond: self.lags,
         }
     }
 
     /// The end \[output per input\].
     pub(crate) fn end(&self) -> EstimatedEnd {
-        self.columns[0].end(self.variance)
+        self.end_of(&self.columns[0], self.variance)
+    }
+
+    /// γ beyond what the steps of the sensor explain, where ε has this variance.
+    fn end_of(&self, column: &SlowColumn, variance: f64) -> EstimatedEnd {
+        let explained = self.of_rounding / column.left.sqrt();
+        let value = column.score / column.left;
+        EstimatedEnd {
+            value: (value.abs() - explained).max(0.0).copysign(value),
+            sd: (variance / column.left).sqrt(),
+        }
     }
 
     /// The covariance of `fit`, which is `ratio` times that of its rows for outliers, becomes that with a slow end.
     pub(crate) fn allow_in(&self, fit: &mut GlsFit, ratio: f64) -> EstimatedEnd {
         fit.further.slow_end = Some(self.allowance(ratio));
-        self.columns[0].end(ratio * self.variance)
+        self.end_of(&self.columns[0], ratio * self.variance)
     }
 
     /// By how much the parameters are allowed to be off for a slow end, in standard deviations of ε, the offset last. The covariance
     /// is `ratio` times that of the rows for outliers.
     pub(crate) fn allowance(&self, ratio: f64) -> Vec<f64> {
         self.moved(|column| {
-            let end = column.end(ratio * self.variance);
+            let end = self.end_of(column, ratio * self.variance);
             end.value.hypot(end.sd)
         })
     }
@@ -337,14 +365,6 @@ impl SlowColumn {
             left,
             score: products.score,
         })
-    }
-
-    /// γ, where ε has this variance.
-    fn end(&self, variance: f64) -> EstimatedEnd {
-        EstimatedEnd {
-            value: self.score / self.left,
-            sd: (variance / self.left).sqrt(),
-        }
     }
 
     /// δ, the offset last.

@@ -35,8 +35,7 @@ pub(super) fn validity(
         misfit: fitted.misfit.as_ref(),
         excitation: excitation(fitted, allowances),
         quantised: allowances.quantisation.is_some(),
-        unsettled: fitted.slow_end.is_some()
-            || (allowances.quantisation.is_none() && still_moves(fitted, responses)),
+        unsettled: fitted.slow_end.is_some() || still_moves(fitted, responses),
         stopped: task.recorded.and_then(ServoStopped::of),
         time_fault: (task.recorded.zip(task.record))
             .and_then(|(recorded, record)| TimeFault::of(recorded, record, moments, &estimate.fit)),

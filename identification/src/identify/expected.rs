@@ -42,7 +42,7 @@ pub fn expected_model(
     if example.structure.selected_by == SelectedBy::Auto && basis.is_complete() {
         let moments = &information.moments;
         if let Some(columns) =
-            SlowColumns::new(&simulated_whole(record, moments, &fit), moments, &fit)
+            SlowColumns::new(&simulated_whole(record, moments, &fit), moments, &fit, 0.0)
         {
             columns.expect_in(&mut fit);
         }

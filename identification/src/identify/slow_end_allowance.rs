@@ -11,7 +11,16 @@ pub(super) fn slow_columns<'a>(task: &Task<'_>, fitted: &'a Fitted) -> Option<&'
     let record = with_noise_for_errors(task, fitted)?;
     let estimate = &fitted.estimate;
     let (moments, fit) = (&estimate.information.moments, &estimate.fit);
-    let found = || SlowColumns::new(&simulated_whole(record, moments, fit), moments, fit);
+    let found = || {
+        let rmse = figures_of_merit(fitted, 0).rmse;
+        let level_error = Quantisation::of(record, rmse).map_or(0.0, |found| found.level_error());
+        SlowColumns::new(
+            &simulated_whole(record, moments, fit),
+            moments,
+            fit,
+            level_error,
+        )
+    };
     fitted.slow_columns.get_or_init(found).as_ref()
 }
 
@@ -22,17 +31,7 @@ fn with_noise_for_errors<'a>(task: &Task<'a>, fitted: &Fitted) -> Option<&'a Rec
     let follows_motion = fitted
         .linearity
         .is_some_and(|found| found.errors_follow_motion());
-    // Errors of the steps of the sensor follow the motion too.
-    let is_rounded = || {
-        let rmse = figures_of_merit(fitted, 0).rmse;
-        Quantisation::of(record, rmse).is_some()
-    };
-    if follows_motion
-        || within_holds
-        || fitted.misfit.is_some()
-        || !plan.basis.is_complete()
-        || is_rounded()
-    {
+    if follows_motion || within_holds || fitted.misfit.is_some() || !plan.basis.is_complete() {
         return None;
     }
     Some(record)

@@ -25,7 +25,7 @@ mod two_inputs;
 use faer::Mat;
 use serde::{Deserialize, Serialize};
 
-use crate::data::{Quantisation, Record, Run, Timing};
+use crate::data::{Record, Run, Timing};
 use crate::error::Error;
 use crate::estimation::{Coordinates, CurveVariance, FsfBasis};
 use crate::numerics::{
@@ -109,13 +109,12 @@ pub struct DirectionModel {
 /// The record has too few samples, or strokes in one direction only, which do not separate the two
 /// responses.
 pub fn split_by_direction(record: &Record, model: &Model) -> Result<DirectionModel, Error> {
-    let is_rounded = Quantisation::of(record, model.fit.rmse).is_some();
     split_with(
         record,
         model.basis()?,
         NoiseOrder::Auto,
         model.level(),
-        model.structure.selected_by == SelectedBy::Auto && !is_rounded,
+        model.structure.selected_by == SelectedBy::Auto,
     )
 }
 

@@ -4,7 +4,7 @@ use faer::ColRef;
 
 use super::split_fit::SplitFit;
 use super::two_inputs::{TwoInputFit, TwoInputMoments};
-use crate::data::{Record, Run};
+use crate::data::{Quantisation, Record, Run};
 use crate::diagnostics::{Regression, RegressionRun, SlowColumns, end_is_unseen};
 use crate::estimation::{Coordinates, FsfBasis};
 use crate::numerics::times;
@@ -18,6 +18,8 @@ pub(super) fn allow_for_slow_end(
     split: &mut SplitFit,
 ) -> bool {
     let lags = first.basis.settling();
+    let rmse = (fit.error / moments.rows as f64).sqrt();
+    let level_error = Quantisation::of(record, rmse).map_or(0.0, |found| found.level_error());
     let inverse = faer::Scale(fit.variance.recip()) * &fit.covariance;
     let regression = Regression {
         lags,
@@ -25,6 +27,7 @@ pub(super) fn allow_for_slow_end(
         centre: moments.centre.0,
         ar: &fit.ar,
         variance: fit.variance,
+        level_error,
         inverse: &inverse,
     };
     let history = lags + fit.ar.len();
