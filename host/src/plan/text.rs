@@ -79,7 +79,9 @@ fn none_because(reason: Reason) -> String {
     let remedy = match reason {
         Reason::InputUnexcited => "take a reference with sharp edges",
         Reason::FrequenciesLeftOut => "identify the model again with more frequencies",
-        Reason::ErrorsNotNoise => "take holds in which the servo comes to rest",
+        Reason::ErrorsNotNoise | Reason::NeverAtRest => {
+            "take holds in which the servo comes to rest"
+        }
         Reason::QuantisationAboveNoise => {
             "take a reference with sharp edges, or a sensor with finer steps"
         }

@@ -11,7 +11,14 @@ use crate::thresholds::{MATERIAL_MISFIT_PERCENT, MISFIT_SIGNIFICANCE};
 
 /// The share of its largest value by which the response of `fit` moves again after `hold` samples; `None` where it does not beyond
 /// chance, or by nothing that matters.
-pub(crate) fn moves_again(information: &RowInformation, fit: &GlsFit, hold: usize) -> Option<f64> {
+///
+/// `rounding` is the largest error of the response that the steps of the sensor leave \[output per input\].
+pub(crate) fn moves_again(
+    information: &RowInformation,
+    fit: &GlsFit,
+    hold: usize,
+    rounding: f64,
+) -> Option<f64> {
     let step = fit.coordinates.basis.step_response(&fit.theta());
     let window = (hold / 2).min(step.len().saturating_sub(hold + 1));
     let from_hold = |m: &usize| (step[*m] - step[hold]).abs();
@@ -34,5 +41,6 @@ pub(crate) fn moves_again(information: &RowInformation, fit: &GlsFit, hold: usiz
     let sd = CurveVariance::of_fit(information, fit, &contrast).sd[0];
     // The farthest of so many.
     let chance = normal_upper_quantile(MISFIT_SIGNIFICANCE / window as f64) * sd;
-    (larger_by > chance).then(|| from_hold(&after) / largest)
+    // It moves either of the two.
+    (larger_by > chance + 2.0 * rounding).then(|| from_hold(&after) / largest)
 }

@@ -4,7 +4,7 @@ use super::assess::figures_of_merit;
 use super::fitted::Fitted;
 use super::responses::Responses;
 use super::task::Task;
-use crate::data::Quantisation;
+use crate::data::{Quantisation, Record};
 use crate::estimation::Truncation;
 use crate::results::Biases;
 
@@ -21,10 +21,9 @@ pub(super) struct Allowances {
 
 impl Allowances {
     pub(super) fn new(task: &Task<'_>, fitted: &Fitted, responses: &Responses) -> Self {
-        let rmse = figures_of_merit(fitted, 0).rmse;
         let quantisation = task
             .record
-            .and_then(|record| Quantisation::of(record, rmse));
+            .and_then(|record| steps_of_sensor(record, fitted));
         let basis = fitted.candidate.plan.basis;
         let (truncation, mut frequency, bounded) = if basis.is_complete() {
             (0.0, Vec::new(), true)
@@ -50,6 +49,11 @@ impl Allowances {
             quantisation,
         }
     }
+}
+
+/// The steps of the sensor, where they are larger than the errors of the fit.
+pub(super) fn steps_of_sensor(record: &Record, fitted: &Fitted) -> Option<Quantisation> {
+    Quantisation::of(record, figures_of_merit(fitted, 0).rmse)
 }
 
 /// Bounds of the effects of the frequencies that the bank leaves out; `None` where there is no bound.

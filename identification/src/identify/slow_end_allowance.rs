@@ -1,9 +1,9 @@
 //! A slow end beside the lags up to N, where the errors can say something of one.
 
-use super::assess::figures_of_merit;
+use super::allowances::steps_of_sensor;
 use super::fitted::Fitted;
 use super::task::Task;
-use crate::data::{Quantisation, Record};
+use crate::data::Record;
 use crate::diagnostics::{PriorOutcome, SlowColumns, end_is_unseen, simulated_whole};
 
 /// The input behind slow lags beside all lags up to N. `None` where its share of the errors says nothing of a slow end.
@@ -12,8 +12,7 @@ pub(super) fn slow_columns<'a>(task: &Task<'_>, fitted: &'a Fitted) -> Option<&'
     let estimate = &fitted.estimate;
     let (moments, fit) = (&estimate.information.moments, &estimate.fit);
     let found = || {
-        let rmse = figures_of_merit(fitted, 0).rmse;
-        let level_error = Quantisation::of(record, rmse).map_or(0.0, |found| found.level_error());
+        let level_error = steps_of_sensor(record, fitted).map_or(0.0, |found| found.level_error());
         SlowColumns::new(
             &simulated_whole(record, moments, fit),
             moments,

@@ -30,6 +30,8 @@ pub enum Reason {
     FrequenciesLeftOut,
     /// The errors follow the motion, or generalised least squares fits worse for taking them for noise.
     ErrorsNotNoise,
+    /// The servo is hardly ever at rest, so that nothing shows whether its errors in motion are noise.
+    NeverAtRest,
     /// The steps of the sensor are larger than the noise, and the input does not average them out.
     QuantisationAboveNoise,
     /// The command runs further ahead of the servo than in the recording that the model comes from.
@@ -79,6 +81,7 @@ impl Reason {
                 "part of the response lies at frequencies that were left out"
             }
             Self::ErrorsNotNoise => "the errors are not noise",
+            Self::NeverAtRest => "the servo is hardly ever at rest, so nothing shows what is noise",
             Self::QuantisationAboveNoise => "the steps of the sensor are larger than the noise",
             Self::BeyondRecord => "the command has larger strokes than the recording",
             Self::ResponseNotOver => "the response goes on beyond the settling time",

@@ -22,7 +22,13 @@ pub(super) fn against(stretches: &[Stretch], point: &Point, found: &Uncertainty)
     let follow = lack_of_fit::follows_command(stretches, point, found)
         || lack_of_fit::has_play(point, found)
         || found.has_hidden_part;
-    (follow || grows_with_motion(found)).then_some(Reason::ErrorsNotNoise)
+    if follow {
+        return Some(Reason::ErrorsNotNoise);
+    }
+    if found.at_rest.is_none() {
+        return Some(Reason::NeverAtRest);
+    }
+    grows_with_motion(found).then_some(Reason::ErrorsNotNoise)
 }
 
 /// Whether the servo has friction that the record does not show: it hardly moved, and between two strokes any friction fits.
@@ -71,7 +77,7 @@ fn grows_with_motion(found: &Uncertainty) -> bool {
     };
     let (rest_count, at_rest) = on(&found.motion.at_rest);
     let (moving_count, moving) = on(&found.motion.moving);
-    if found.at_rest.is_none() || rest_count == 0.0 || moving_count == 0.0 {
+    if rest_count == 0.0 || moving_count == 0.0 {
         return true;
     }
     let ratio = (moving / moving_count) / (at_rest / rest_count);

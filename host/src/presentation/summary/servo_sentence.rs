@@ -35,6 +35,7 @@ pub fn servo_sentence(model: &ServoModel, linear: &Model, units: Units<'_>) -> S
                 match reason {
                     Reason::ErrorsNotNoise =>
                         ", so the servo or the recording has something that the model lacks",
+                    Reason::NeverAtRest => " (holds in which it comes to rest would)",
                     _ => "",
                 }
             ),
@@ -130,7 +131,8 @@ const SAME_SPEED: f64 = 0.05;
 /// Top speeds without intervals on which all fits agree, and which the servo has not exceeded: a limit that was exceeded is none. Where
 /// errors show that the model lacks something, speeds may stand for that.
 fn agreed<'q>(model: &ServoModel, speeds: [&'q Quantity; 2]) -> Option<[&'q Quantity; 2]> {
-    if model.covariance.withdrawn() == Some(Reason::ErrorsNotNoise) {
+    let reason = model.covariance.withdrawn();
+    if matches!(reason, Some(Reason::ErrorsNotNoise | Reason::NeverAtRest)) {
         return None;
     }
     let reached = model.reached?;

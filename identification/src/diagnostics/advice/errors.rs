@@ -5,7 +5,7 @@ use crate::diagnostics::linearity::Linearity;
 use crate::diagnostics::misfit::{Misfit, MisfitEvidence};
 use crate::diagnostics::run_scatter::RunComparison;
 use crate::options::{MAX_AUTO_ORDER, NoiseOrder};
-use crate::results::{Advice, Check, Withheld};
+use crate::results::{Advice, Bounds, Check, Reason, Withheld};
 use crate::thresholds::{
     DISAGREEMENT, FEW_DEGREES, MATERIAL_MISFIT_PERCENT, POOR_PREDICTION_PERCENT,
     RESIDUAL_SIGNIFICANCE, SLOW_ROOT, STEPS_FOLLOWED, UNEXPLAINED_PERCENT, WHITENING_COST_POINTS,
@@ -194,12 +194,19 @@ pub(super) fn gain_may_be_zero(evidence: &Evidence<'_>) -> Option<Advice> {
     let metrics = &evidence.model.metrics;
     let gain = metrics.dc_gain.value?;
     let bounds = metrics.dc_gain.lower.zip(metrics.dc_gain.upper);
-    let which = bounds.map_or_else(
-        || {
-            "which the linear model does not determine: its errors are not noise, and by their size even a gain of zero is not excluded".to_owned()
-        },
-        |(lower, upper)| format!("whose bounds ({lower:.3} .. {upper:.3}) contain zero"),
+    let end_is_missing = matches!(
+        evidence.validity.level,
+        Bounds::Withdrawn(Reason::ResponseNotOver | Reason::EndUnseen)
     );
+    let which = match bounds {
+        Some((lower, upper)) => format!("whose bounds ({lower:.3} .. {upper:.3}) contain zero"),
+        None if end_is_missing => {
+            "which is not known where the end of the response is not seen".to_owned()
+        }
+        None => {
+            "which the linear model does not determine: its errors are not noise, and by their size even a gain of zero is not excluded".to_owned()
+        }
+    };
     (metrics.withheld == Some(Withheld::GainMayBeZero)).then(|| {
         Advice::new(
             Check::GainMayBeZero,
@@ -209,6 +216,9 @@ pub(super) fn gain_may_be_zero(evidence: &Evidence<'_>) -> Option<Advice> {
             gain,
             0.0,
             match evidence.model.linear && evidence.misfit().is_none() {
+                true if end_is_missing => {
+                    "Record holds of different lengths, in each of which the servo comes to rest."
+                }
                 true => "Record larger strokes, or more of them, each held until the servo rests.",
                 false => {
                     "The servo is not linear, so take the servo model; for a linear one, record smaller strokes, each held until the \

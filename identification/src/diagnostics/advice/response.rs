@@ -23,19 +23,30 @@ pub(super) fn settled(evidence: &Evidence<'_>) -> Option<Advice> {
         true => "The bounds hold up to there; the",
         false => "The",
     };
+    let seen = match choice.detected < choice.longest {
+        true => format!(
+            "The response moves until {moving:.3} s, and this recording shows too little after that, up to {longest:.3} s, to say that it is \
+             over."
+        ),
+        false => format!(
+            "The response still moves at {longest:.3} s, the longest time that this recording shows."
+        ),
+    };
+    let (hold, in_all) = (MARGIN * longest, 7.0 * MARGIN * longest);
     Some(Advice::new(
         Check::Settled,
-        format!(
-            "The response has not settled within the longest time that can be judged, {longest:.3} s: it still moves \
-             at {moving:.3} s. {bounds} final value is not certain."
-        ),
+        format!("{seen} {bounds} final value is not certain."),
         choice.detected as f64,
         choice.longest as f64 / MARGIN,
-        format!(
-            "Record with holds of at least {:.2} s and at least {:.1} s in all.",
-            MARGIN * longest,
-            7.0 * MARGIN * longest
-        ),
+        match choice.repeats_after {
+            Some(_) => format!(
+                "Record holds of different lengths, up to {hold:.2} s, and at least {in_all:.1} s in all: where all are equal, longer ones \
+                 show little more."
+            ),
+            None => format!(
+                "Record with holds of at least {hold:.2} s and at least {in_all:.1} s in all."
+            ),
+        },
     ))
 }
 

@@ -11,6 +11,7 @@
 use crate::data::usual_hold;
 use crate::diagnostics::moves_again;
 use crate::error::Error;
+use crate::identify::allowances::steps_of_sensor;
 use crate::identify::candidate::Candidate;
 use crate::identify::fitted::Fitted;
 use crate::identify::task::Task;
@@ -26,7 +27,8 @@ pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
         return Ok(fitted);
     }
     let estimate = &fitted.estimate;
-    let moves_again = moves_again(&estimate.information, &estimate.fit, hold);
+    let rounding = steps_of_sensor(record, &fitted).map_or(0.0, |found| found.allowance);
+    let moves_again = moves_again(&estimate.information, &estimate.fit, hold, rounding);
     if moves_again.is_none() && !fitted.linearity.is_some_and(|found| found.is_rejected()) {
         return Ok(fitted);
     }
