@@ -1,6 +1,6 @@
 //! What bounds allow for beside noise: frequencies that the bank leaves out, and the steps of the sensor.
 
-use super::assess::figures_of_merit;
+use super::estimate::Estimate;
 use super::fitted::Fitted;
 use super::responses::Responses;
 use super::task::Task;
@@ -23,7 +23,7 @@ impl Allowances {
     pub(super) fn new(task: &Task<'_>, fitted: &Fitted, responses: &Responses) -> Self {
         let quantisation = task
             .record
-            .and_then(|record| steps_of_sensor(record, fitted));
+            .and_then(|record| steps_of_sensor(record, &fitted.estimate));
         let basis = fitted.candidate.plan.basis;
         let (truncation, mut frequency, bounded) = if basis.is_complete() {
             (0.0, Vec::new(), true)
@@ -52,8 +52,8 @@ impl Allowances {
 }
 
 /// The steps of the sensor, where they are larger than the errors of the fit.
-pub(super) fn steps_of_sensor(record: &Record, fitted: &Fitted) -> Option<Quantisation> {
-    Quantisation::of(record, figures_of_merit(fitted, 0).rmse)
+pub(super) fn steps_of_sensor(record: &Record, estimate: &Estimate) -> Option<Quantisation> {
+    Quantisation::of(record, estimate.rmse())
 }
 
 /// Bounds of the effects of the frequencies that the bank leaves out; `None` where there is no bound.

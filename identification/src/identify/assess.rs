@@ -17,7 +17,7 @@ pub(super) fn figures_of_merit(fitted: &Fitted, taken_out: usize) -> Fit {
     Fit {
         simulation_percent: fit_percent(error, spread),
         one_step_percent: fit_percent(estimate.fit.solution.rss, spread),
-        rmse: (error / information.rows() as f64).sqrt(),
+        rmse: estimate.rmse(),
         samples_used: information.rows(),
         samples_missing: fitted.candidate.moments.missing().saturating_sub(taken_out),
     }

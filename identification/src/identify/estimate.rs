@@ -2,6 +2,7 @@
 
 use super::plan::Plan;
 use crate::data::{Moments, Record};
+use crate::diagnostics::square;
 use crate::error::Error;
 use crate::estimation::{
     Coordinates, FIRST_ORDER, GlsFit, NestedBanks, RowInformation, accurate_fit,
@@ -29,6 +30,11 @@ impl Estimate {
             information,
             fit,
         })
+    }
+
+    /// Root mean square of the errors of the simulation, over the rows \[output\].
+    pub(super) fn rmse(&self) -> f64 {
+        (square(&self.information, &self.fit) / self.information.rows() as f64).sqrt()
     }
 }
 

@@ -12,7 +12,8 @@ pub(super) fn slow_columns<'a>(task: &Task<'_>, fitted: &'a Fitted) -> Option<&'
     let estimate = &fitted.estimate;
     let (moments, fit) = (&estimate.information.moments, &estimate.fit);
     let found = || {
-        let level_error = steps_of_sensor(record, fitted).map_or(0.0, |found| found.level_error());
+        let level_error =
+            steps_of_sensor(record, estimate).map_or(0.0, |found| found.level_error());
         SlowColumns::new(
             &simulated_whole(record, moments, fit),
             moments,

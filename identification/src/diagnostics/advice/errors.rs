@@ -150,6 +150,15 @@ pub(super) fn not_linear(evidence: &Evidence<'_>) -> Option<Advice> {
     let linearity = evidence.explanation.linearity;
     let found = linearity.filter(|found| found.is_rejected() && evidence.misfit().is_none())?;
     let (percent, shown_by) = excess(&found);
+    let settling = evidence.explanation.settling.as_ref();
+    let unsettled = settling.filter(|choice| !choice.settled && !evidence.has_bounds());
+    let what = match unsettled {
+        Some(choice) => format!(
+            "The servo is not linear, or its response goes on beyond {:.3} s, the longest time that this recording shows",
+            choice.longest as f64 * evidence.model.sample_period_s
+        ),
+        None => "The servo is not linear".to_owned(),
+    };
     let consequence = match evidence.has_bounds() {
         true => {
             "The bounds are those of the linear description that fits this reference best: a single stroke may lie \
@@ -162,9 +171,7 @@ pub(super) fn not_linear(evidence: &Evidence<'_>) -> Option<Advice> {
     };
     Some(Advice::new(
         Check::Linearity,
-        format!(
-            "The servo is not linear: {percent:.1} % of the motion (rms) {shown_by}. {consequence}"
-        ),
+        format!("{what}: {percent:.1} % of the motion (rms) {shown_by}. {consequence}"),
         percent,
         MATERIAL_MISFIT_PERCENT,
         "Compare only what was recorded with the same reference; look at strokes up and down and at the \

@@ -49,6 +49,10 @@ pub struct Linearity {
     /// Whether the model has all frequencies, so that residuals that follow the motion cannot come from those
     /// left out.
     pub complete: bool,
+    /// What the steps of the sensor explain at most, relative to the output about its mean \[% rms\]: they are a function of the position,
+    /// too.
+    #[serde(default)]
+    pub of_steps_percent: f64,
     /// By how much runs differ from each other; `None` with a single one.
     #[serde(default)]
     pub runs: Option<BetweenRuns>,
@@ -78,7 +82,8 @@ impl Linearity {
     /// Whether functions of the motion explain errors, by an amount that matters.
     #[must_use]
     pub fn by_functions(&self) -> bool {
-        self.p < MISFIT_SIGNIFICANCE && self.misfit_percent > MATERIAL_MISFIT_PERCENT
+        self.p < MISFIT_SIGNIFICANCE
+            && self.misfit_percent > MATERIAL_MISFIT_PERCENT + self.of_steps_percent
     }
 
     /// How much larger errors are in motion than at standstill, if that is shown, by an amount that matters.
@@ -104,12 +109,14 @@ impl Linearity {
     }
 }
 
-/// Tests the errors of `fit` in `runs`; `None` when there are too few rows.
+/// Tests the errors of `fit` in `runs`; `None` when there are too few rows. `level_error` is the largest error of a level that the steps of
+/// the sensor leave \[output\].
 #[must_use]
 pub(crate) fn test_linearity(
     runs: &[Simulated<'_>],
     information: &RowInformation,
     fit: &GlsFit,
+    level_error: f64,
 ) -> Option<Linearity> {
     let test = ResetTest::new(runs, &information.moments, fit)?;
     let found = test.regress(fit)?;
@@ -140,6 +147,7 @@ pub(crate) fn test_linearity(
             .map(between_runs),
         misfit_percent: 100.0 * misfit / motion,
         complete: fit.coordinates.basis.has_all_frequencies(),
+        of_steps_percent: 100.0 * level_error / motion,
         rest: None,
     })
 }

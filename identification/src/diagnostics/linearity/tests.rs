@@ -169,7 +169,7 @@ fn moments_by_transforms_give_what_the_explicit_regression_gives() {
 
 fn tested(record: &Record, information: &RowInformation, fit: &GlsFit) -> Linearity {
     let runs = simulated(record, &information.moments, fit);
-    test_linearity(&runs, information, fit).unwrap()
+    test_linearity(&runs, information, fit, 0.0).unwrap()
 }
 
 #[test]

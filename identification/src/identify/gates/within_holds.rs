@@ -27,7 +27,7 @@ pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
         return Ok(fitted);
     }
     let estimate = &fitted.estimate;
-    let rounding = steps_of_sensor(record, &fitted).map_or(0.0, |found| found.allowance);
+    let rounding = steps_of_sensor(record, estimate).map_or(0.0, |found| found.allowance);
     let moves_again = moves_again(&estimate.information, &estimate.fit, hold, rounding);
     if moves_again.is_none() && !fitted.linearity.is_some_and(|found| found.is_rejected()) {
         return Ok(fitted);
