@@ -9,14 +9,18 @@
 //!
 //! Where that is the time of one row, a logger polled the command: every answer is up to a row later than its row says, so no time holds, and
 //! errors that follow the motion are its consequence. That is a reason to have no bounds. A frame of pulses is part of what a simulation needs.
+//! Where frames are regular, [each command waits for the next](super::pulse_frames), and errors that follow the motion are that wait.
 
 use super::duration_in_words::in_words;
+use super::pulse_frames::{TimedAnswer, frame_length};
 use crate::data::dataset::Dataset;
 use servoid_identification::results::{Advice, Check, Model};
 use servoid_identification::{Identification, Run};
 
 /// The answer to one change of the command.
 struct CommandAnswer {
+    /// The run, and the row in it at which the command changed.
+    at: (usize, usize),
     /// Change of the command.
     stroke: f64,
     /// Later than the model by \[samples\].
@@ -56,6 +60,8 @@ pub(super) enum CommandEdges {
     AsStated,
     /// At moments of a frame of their own.
     InFrames(Advice),
+    /// With the next of regular pulses: that is what errors follow.
+    WithPulses(Advice),
 }
 
 /// That commands take effect between the rows of a file, or later than they are written by a frame that scatters.
@@ -66,11 +72,22 @@ pub(super) fn command_edges(data: &Dataset, found: &Identification) -> Option<Co
     if !(at_rows || polled) || found.explanation.resolution.is_some() {
         return None;
     }
-    let rows = even_scatter(data.record.runs(), model)?;
+    let scatter = Scatter::of(data.record.runs(), model)?;
+    let rows = scatter.rows();
     let scatter_s = rows * model.sample_period_s;
+    let is_longer = rows > *ONE_ROW.end() && scatter_s <= LONGEST_FRAME_S;
+    if at_rows
+        && is_longer
+        && let Some(frame_s) = scatter.frame_length(model.sample_period_s)
+    {
+        return Some(CommandEdges::WithPulses(with_pulses(rows, frame_s)));
+    }
+    if !scatter.is_even() {
+        return None;
+    }
     // Errors of a servo that is not linear scatter over any time, and one row is little of that.
     let is_plain = model.linear && model.bounds.valid().is_some();
-    let is_frame = at_rows && is_plain && rows > *ONE_ROW.end() && scatter_s <= LONGEST_FRAME_S;
+    let is_frame = at_rows && is_plain && is_longer;
     match ONE_ROW.contains(&rows) {
         true if polled => Some(CommandEdges::AsStated),
         true => Some(CommandEdges::BetweenRows(between_rows(rows, model))),
@@ -120,30 +137,85 @@ fn in_frames(rows: f64, scatter_s: f64) -> Advice {
     )
 }
 
-/// The length of the interval over which the answers scatter evenly \[samples\]; `None` where they do not.
-fn even_scatter(runs: &[Run<'_>], model: &Model) -> Option<f64> {
-    let mut answers: Vec<CommandAnswer> = runs.iter().flat_map(|run| answers(run, model)).collect();
-    answers.sort_by(|a, b| a.weight.total_cmp(&b.weight));
-    let usual = answers.get(answers.len() / 2)?.weight;
-    answers.retain(|answer| answer.weight > SMALL * usual);
-    if answers.len() < FEWEST {
-        return None;
+fn with_pulses(rows: f64, frame_s: f64) -> Advice {
+    let mean_wait = in_words(0.5 * frame_s);
+    Advice::new(
+        Check::CommandEdges,
+        format!(
+            "Each command waits for the next pulse of a frame of {}, and errors that follow the motion are that wait. All times contain its mean, \
+             {mean_wait}, and single answers are up to as much sooner or later.",
+            in_words(frame_s)
+        ),
+        rows,
+        *ONE_ROW.start(),
+        format!(
+            "For a simulation that has such a frame, take {mean_wait} from the delay. Better, write each command at the pulse with which it \
+             begins."
+        ),
+    )
+}
+
+/// By how much the answers to commands are later than the model, one by one, where that is more than noise.
+struct Scatter {
+    /// Those to changes that are not small, by time.
+    answers: Vec<CommandAnswer>,
+    /// Their variance beyond noise \[samples²\].
+    variance: f64,
+    kurtosis: f64,
+}
+
+impl Scatter {
+    fn of(runs: &[Run<'_>], model: &Model) -> Option<Self> {
+        let runs = runs.iter().enumerate();
+        let mut answers: Vec<CommandAnswer> = runs
+            .flat_map(|(index, run)| answers(index, run, model))
+            .collect();
+        let mut weights: Vec<f64> = answers.iter().map(|answer| answer.weight).collect();
+        weights.sort_by(f64::total_cmp);
+        let usual = *weights.get(weights.len() / 2)?;
+        answers.retain(|answer| answer.weight > SMALL * usual);
+        if answers.len() < FEWEST {
+            return None;
+        }
+        let mean = |of: &dyn Fn(&CommandAnswer) -> f64| -> f64 {
+            answers.iter().map(of).sum::<f64>() / answers.len() as f64
+        };
+        let middle = mean(&|answer| answer.late);
+        let moment = |power: i32| mean(&|answer| (answer.late - middle).powi(power));
+        let (variance, fourth) = (moment(2), moment(4));
+        let of_noise = mean(&|answer| answer.noise) * mean(&|answer| answer.weight.recip());
+        (of_noise < MOST_NOISE * variance).then(|| Self {
+            answers,
+            variance: variance - of_noise,
+            kurtosis: fourth / (variance * variance),
+        })
     }
-    let mean = |of: &dyn Fn(&CommandAnswer) -> f64| -> f64 {
-        answers.iter().map(of).sum::<f64>() / answers.len() as f64
-    };
-    let middle = mean(&|answer| answer.late);
-    let moment = |power: i32| mean(&|answer| (answer.late - middle).powi(power));
-    let (variance, fourth) = (moment(2), moment(4));
-    let of_noise = mean(&|answer| answer.noise) * mean(&|answer| answer.weight.recip());
-    let is_even = of_noise < MOST_NOISE * variance && fourth < EVEN_KURTOSIS * variance * variance;
-    let by_stroke: [fn(&CommandAnswer) -> f64; 2] =
-        [|answer| answer.stroke, |answer| answer.stroke.abs()];
-    let is_free_of_strokes = by_stroke
-        .into_iter()
-        .all(|of| squared_correlation(&answers, of) < MOST_BY_STROKE);
-    // An interval of length 1 has the variance 1/12.
-    (is_even && is_free_of_strokes).then(|| (12.0 * (variance - of_noise)).sqrt())
+
+    /// The length of the interval over which they scatter, where they do so evenly \[samples\].
+    fn rows(&self) -> f64 {
+        // An interval of length 1 has the variance 1/12.
+        (12.0 * self.variance).sqrt()
+    }
+
+    fn is_even(&self) -> bool {
+        let by_stroke: [fn(&CommandAnswer) -> f64; 2] =
+            [|answer| answer.stroke, |answer| answer.stroke.abs()];
+        let mut by_stroke = by_stroke.into_iter();
+        self.kurtosis < EVEN_KURTOSIS
+            && by_stroke.all(|of| squared_correlation(&self.answers, of) < MOST_BY_STROKE)
+    }
+
+    /// The length of a frame of pulses that commands wait for \[s\], by the run that has the most of them.
+    fn frame_length(&self, period_s: f64) -> Option<f64> {
+        let runs = self.answers.chunk_by(|a, b| a.at.0 == b.at.0);
+        let run = runs.max_by_key(|answers| answers.len())?;
+        let answers = run.iter().map(|answer| TimedAnswer {
+            at_s: answer.at.1 as f64 * period_s,
+            late_s: answer.late * period_s,
+        });
+        let answers: Vec<TimedAnswer> = answers.collect();
+        frame_length(&answers, self.rows() * period_s)
+    }
 }
 
 /// Of the times of the answers with a property of their strokes.
@@ -160,7 +232,7 @@ fn squared_correlation(answers: &[CommandAnswer], of: fn(&CommandAnswer) -> f64)
 }
 
 /// The answers of a run, each from one change of the command to the next.
-fn answers(run: &Run<'_>, model: &Model) -> Vec<CommandAnswer> {
+fn answers(index: usize, run: &Run<'_>, model: &Model) -> Vec<CommandAnswer> {
     let simulated = model.simulate(run);
     let speed = |beside: &[f64]| match beside {
         [before, _, after] => 0.5 * (after - before),
@@ -174,13 +246,17 @@ fn answers(run: &Run<'_>, model: &Model) -> Vec<CommandAnswer> {
     // The first hold answers what was before the run.
     let holds: Vec<_> = rows.chunk_by(|(a, _), (b, _)| a == b).collect();
     let pairs = holds.iter().zip(holds.iter().skip(1));
+    let mut row = 0;
     pairs
-        .filter_map(|(before, hold)| answer(before.first()?.0, hold))
+        .filter_map(|(before, hold)| {
+            row += before.len();
+            answer((index, row), before.first()?.0, hold)
+        })
         .collect()
 }
 
 /// The answer within a hold, by the command `before` it and its rows of command, error and speed.
-fn answer(before: f64, hold: &[(f64, (f64, f64))]) -> Option<CommandAnswer> {
+fn answer(at: (usize, usize), before: f64, hold: &[(f64, (f64, f64))]) -> Option<CommandAnswer> {
     let stroke = hold.first()?.0 - before;
     let pairs = || {
         let known = hold.iter().map(|(_, pair)| *pair);
@@ -191,6 +267,7 @@ fn answer(before: f64, hold: &[(f64, (f64, f64))]) -> Option<CommandAnswer> {
     let left = pairs().map(|(error, speed)| (error + late * speed).powi(2));
     let noise = left.sum::<f64>() / pairs().count() as f64;
     (weight > 0.0).then_some(CommandAnswer {
+        at,
         stroke,
         late,
         weight,
@@ -232,7 +309,8 @@ mod tests {
     fn scatter(wait: f64, noise: f64) -> Option<f64> {
         let record = record(wait, noise, f64::INFINITY);
         let model = identify(&record, &Options::default()).unwrap();
-        even_scatter(record.runs(), &model)
+        let found = Scatter::of(record.runs(), &model)?;
+        found.is_even().then(|| found.rows())
     }
 
     #[test]
@@ -241,10 +319,10 @@ mod tests {
         for top in [0.01, 0.015, 0.02, 0.03] {
             let record = record(0.0, 0.05, top);
             let model = identify(&record, &Options::default()).unwrap();
-            let found = even_scatter(record.runs(), &model);
+            let found = Scatter::of(record.runs(), &model);
             assert!(
-                found.is_none_or(|rows| !ONE_ROW.contains(&rows)),
-                "{top}: {found:?}"
+                found.is_none_or(|found| !found.is_even() || !ONE_ROW.contains(&found.rows())),
+                "{top}"
             );
         }
     }

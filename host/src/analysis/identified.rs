@@ -45,8 +45,12 @@ pub fn identified(data: &Dataset, name: &str, options: &Options) -> Result<Ident
             None
         }
         Some(CommandEdges::AsStated) => {
-            explained_by_polling(&mut found.model);
+            explained_by_waits(&mut found.model);
             None
+        }
+        Some(CommandEdges::WithPulses(advice)) => {
+            explained_by_waits(&mut found.model);
+            Some(advice)
         }
         Some(CommandEdges::InFrames(advice)) => Some(advice),
         None => None,
@@ -65,9 +69,9 @@ pub fn identified(data: &Dataset, name: &str, options: &Options) -> Result<Ident
     Ok(found)
 }
 
-/// Errors that follow the motion are those of commands that came between the rows, which the intervals allow for: nothing else says that
-/// the servo is not linear. Where they took the bounds, they are larger than that.
-fn explained_by_polling(model: &mut Model) {
+/// Errors that follow the motion are those of commands that came at other times than their rows, about a mean that the response contains:
+/// nothing else says that the servo is not linear. Where they took the bounds, they are larger than that.
+fn explained_by_waits(model: &mut Model) {
     if model.bounds.valid().is_some() {
         model.linear = true;
         model.advice.retain(|item| !item.is_of_errors_in_motion());

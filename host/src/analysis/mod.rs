@@ -9,6 +9,7 @@ mod identification;
 mod identified;
 mod json;
 mod model_lag;
+mod pulse_frames;
 pub mod servo_fit;
 mod simulation;
 mod travel;

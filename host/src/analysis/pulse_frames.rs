@@ -1,0 +1,106 @@
+//! Whether each command waits for the next pulse of a regular frame.
+//!
+//! A servo sees its command with pulses, of which a receiver or a library sends one every T = 20 ms or so, whatever the rows of a recording
+//! are. A command of the time t waits for the next one,
+//!
+//! ```text
+//! w(t) = (t0 - t) mod T = T/2 + Σ_k T/(π k) sin(2π k (t - t0)/T)
+//! ```
+//!
+//! so the first harmonic of the times of the answers, where it is largest, tells T and t0, and w then has to explain the times.
+
+use std::f64::consts::TAU;
+
+/// The time of a command, and by how much its answer is later than the others \[s\].
+pub(super) struct TimedAnswer {
+    pub(super) at_s: f64,
+    pub(super) late_s: f64,
+}
+
+/// Frames are looked for between these parts of the length over which the answers scatter, which is known to a fifth or so.
+const PARTS: [f64; 2] = [0.7, 1.4];
+
+/// Steps of the frequency in reciprocals of the time from the first command to the last: with five, the frame is off by a twentieth of itself
+/// at both ends.
+const STEPS: f64 = 5.0;
+
+/// Share of the times that the wait may leave: noise, and the row up to which a time is known.
+const MOST_LEFT: f64 = 0.25;
+
+/// Probability of such a wait by chance.
+const CHANCE: f64 = 1e-4;
+
+/// The length of the frames \[s\], of answers that scatter over `scatter_s`; `None` where commands do not wait so.
+pub(super) fn frame_length(answers: &[TimedAnswer], scatter_s: f64) -> Option<f64> {
+    let count = answers.len() as f64;
+    let (first, last) = (answers.first()?.at_s, answers.last()?.at_s);
+    let mean = answers.iter().map(|answer| answer.late_s).sum::<f64>() / count;
+    let [highest, lowest] = PARTS.map(|part| (part * scatter_s).recip());
+    let step = (STEPS * (last - first)).recip();
+    let tries = ((highest - lowest) / step).max(1.0);
+    let harmonic = |frequency: f64| {
+        let parts = answers.iter().map(|answer| {
+            let (sin, cos) = (TAU * frequency * (answer.at_s - first)).sin_cos();
+            ((answer.late_s - mean) * cos, (answer.late_s - mean) * sin)
+        });
+        parts.fold((0.0, 0.0), |(a, b), (cos, sin)| (a + cos, b + sin))
+    };
+    let frequencies = (0..tries.ceil() as usize).map(|k| lowest + k as f64 * step);
+    let found = frequencies.map(|frequency| (frequency, harmonic(frequency)));
+    let power = |(_, (cos, sin)): &(f64, (f64, f64))| cos * cos + sin * sin;
+    let (frequency, (cos, sin)) = found.max_by(|a, b| power(a).total_cmp(&power(b)))?;
+    // cos : sin of the harmonic are those of sin(2π (t - t0)/T).
+    let pulse = f64::atan2(cos, sin) / TAU;
+    let wait = |answer: &TimedAnswer| {
+        let cycles = frequency * (answer.at_s - first) + pulse;
+        (1.0 - cycles.rem_euclid(1.0)) / frequency
+    };
+    let waits: Vec<f64> = answers.iter().map(wait).collect();
+    let mean_wait = waits.iter().sum::<f64>() / count;
+    let pairs = || answers.iter().zip(&waits);
+    let of = |part: &dyn Fn(f64, f64) -> f64| -> f64 {
+        let square = |(answer, wait): (&TimedAnswer, &f64)| {
+            part(answer.late_s - mean, wait - mean_wait).powi(2)
+        };
+        pairs().map(square).sum()
+    };
+    let left = of(&|late, wait| late - wait) / of(&|late, _| late);
+    // A length, a phase, and a mean are fitted.
+    let chance = tries * left.powf(0.5 * (count - 3.0));
+    (left < MOST_LEFT && chance < CHANCE).then(|| frequency.recip())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn random(k: u32) -> f64 {
+        (f64::from(k) * f64::from(k) * 0.754_877_666_2).fract()
+    }
+
+    /// Commands of 60 times over 30 s that wait for pulses of this length, known to a row of 4 ms.
+    fn answers(wait: impl Fn(u32, f64) -> f64) -> Vec<TimedAnswer> {
+        let at = |k: u32| 0.004 * (125.0 * (f64::from(k) + 0.5 * random(7 * k))).round();
+        let answer = |k: u32| TimedAnswer {
+            at_s: at(k),
+            late_s: wait(k, at(k)) + 0.002 * random(11 * k + 3),
+        };
+        (0..60).map(answer).collect()
+    }
+
+    #[test]
+    fn the_length_of_a_frame_is_found() {
+        for frame in [0.02, 0.022, 0.0111] {
+            let late = answers(|_, at| frame - (at + 0.0073).rem_euclid(frame));
+            let found = frame_length(&late, 0.9 * frame).unwrap();
+            // A step of the frequency is 1/150 s.
+            assert!((found / frame - 1.0).abs() < 0.5 * found / 150.0, "{found}");
+        }
+    }
+
+    #[test]
+    fn waits_that_follow_no_clock_are_no_frames() {
+        let late = answers(|k, _| 0.02 * random(3 * k + 1));
+        assert_eq!(frame_length(&late, 0.02), None);
+    }
+}
