@@ -393,22 +393,26 @@ pub(crate) fn digits(value: f64, count: usize) -> String {
     digits_beside(value, count, None)
 }
 
-/// Digits of the width of an interval that are shown: what is smaller says nothing.
-const OF_WIDTH: usize = 3;
+/// Digits of the width of an interval that are shown, at least and at most: with fewer, value and bounds would look the same, and what is
+/// smaller says nothing.
+const OF_WIDTH: std::ops::RangeInclusive<usize> = 2..=3;
 
-/// A number with so many digits at most, and none that is small beside the `width` of its interval.
+/// A number with so many digits, or as many as distinguish it from the ends of its interval of this `width`; none is small beside that.
 fn digits_beside(value: f64, count: usize, width: Option<f64>) -> String {
     let leading = |value: f64| Some(value.abs().log10().floor()).filter(|power| power.is_finite());
     let decimals = |power: f64, count: usize| count as i32 - 1 - power as i32;
     let width = width.and_then(leading);
-    let enough = width.map_or(i32::MAX, |power| decimals(power, OF_WIDTH));
+    let [fewest, enough] = match width {
+        Some(power) => [OF_WIDTH.start(), OF_WIDTH.end()].map(|count| decimals(power, *count)),
+        None => [i32::MIN, i32::MAX],
+    };
     let Some(power) = leading(value) else {
         return format!("{value:.0}");
     };
     if !POWERS.contains(&power) && decimals(power, count) <= enough {
         return format!("{value:.0$e}", count - 1);
     }
-    let decimals = decimals(power, count).min(enough).clamp(0, 9) as usize;
+    let decimals = (decimals(power, count).max(fewest).min(enough)).clamp(0, 9) as usize;
     // A small number of either sign may round to 0.
     let text = format!("{value:.decimals$}");
     let is_zero = text.chars().all(|letter| "-0.".contains(letter));
@@ -421,6 +425,16 @@ fn digits_beside(value: f64, count: usize, width: Option<f64>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_ends_of_a_narrow_interval_differ_from_the_value() {
+        let shown = |width| [12.639, 12.641, 12.643].map(|value| digits_beside(value, 4, width));
+        assert_eq!(shown(None), ["12.64", "12.64", "12.64"]);
+        assert_eq!(shown(Some(0.004)), ["12.6390", "12.6410", "12.6430"]);
+        assert_eq!(shown(Some(0.4)), ["12.64", "12.64", "12.64"]);
+        assert_eq!(shown(Some(40.0)), ["12.6", "12.6", "12.6"]);
+        assert_eq!(shown(Some(0.0)), ["12.64", "12.64", "12.64"]);
+    }
 
     #[test]
     fn speeds_and_accelerations_say_which_load_they_are_for() {
