@@ -108,10 +108,7 @@ impl TableArgs {
         talk: Talk,
     ) -> Result<Dataset<'static>> {
         let data = dataset::load_as(files, &self.options(), model)?;
-        data.about
-            .remarks
-            .iter()
-            .for_each(|remark| talk.say(remark));
+        say_remarks(&data, talk);
         Ok(data)
     }
 
@@ -122,10 +119,25 @@ impl TableArgs {
         talk: Talk,
     ) -> Result<[Dataset<'static>; 2]> {
         let sides = dataset::load_sides(sides, &self.options())?;
-        let remarks = sides.iter().flat_map(|side| &side.about.remarks);
-        remarks.for_each(|remark| talk.say(remark));
+        sides.iter().for_each(|side| say_remarks(side, talk));
         Ok(sides)
     }
+}
+
+/// Says what is to be known of data before their results, which have the findings among it as advice.
+fn say_remarks(data: &Dataset, talk: Talk) {
+    let is_advice = |remark: &&String| {
+        data.about
+            .advice
+            .iter()
+            .any(|item| item.finding == **remark)
+    };
+    let remarks = data
+        .about
+        .remarks
+        .iter()
+        .filter(|remark| !is_advice(remark));
+    remarks.for_each(|remark| talk.say(remark));
 }
 
 /// That there is no such simulated servo; a text that describes none is wrong usage.

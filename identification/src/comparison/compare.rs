@@ -204,7 +204,7 @@ fn of_curves(
         over_prediction: None,
         levels: None,
         asymmetry: None,
-        differences: metric_differences(&metrics_a, &metrics_b),
+        differences: metric_differences(&metrics_a, &metrics_b, runs),
         curves: difference_curves,
         summary: String::new(),
         advice: Vec::new(),

@@ -398,7 +398,7 @@ fn one_servo_under_two_references_is_not_called_two_servos() {
     assert!(found.descriptions_of_different_motions && found.p_value.is_none());
     let apart = found.bounds.valid().unwrap().difference_percent;
     assert!(apart.at_least > found.margin_percent, "{apart:?}");
-    let reason = "Not decided: the strokes differ, ±4 against ±6 deg.";
+    let reason = "Not decided by the step responses: the strokes differ, ±4 against ±6 deg.";
     assert!(found.summary.starts_with(reason), "{}", found.summary);
     // A linear servo answers both alike.
     let linear = compare(&under(1.0, 1e6, 3), &under(6.0, 1e6, 4), &options).unwrap();

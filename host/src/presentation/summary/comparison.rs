@@ -88,7 +88,11 @@ pub(super) fn subject_in_words(found: &Comparison) -> &'static str {
 pub(crate) fn facts_of_comparison(a: &str, b: &str, found: &Comparison) -> Vec<(String, String)> {
     let (verdict, margin) = (verdict(found.verdict), found.margin_percent);
     let of = subject_in_words(found);
-    let margin = format!("{verdict} ({of}; margin {margin} % of the step)");
+    let undecided_by = match found.verdict {
+        Verdict::Undecided => " by the step responses",
+        Verdict::Different | Verdict::Same => "",
+    };
+    let margin = format!("{verdict}{undecided_by} ({of}; margin {margin} % of the step)");
     let mut facts = vec![("verdict".to_owned(), margin)];
     let mut add = |name: &str, value: String| facts.push((name.to_owned(), value));
     match &found.bounds {
