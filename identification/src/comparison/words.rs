@@ -134,9 +134,14 @@ fn behind(found: &Comparison) -> String {
         let Some(seconds) = shift.value else {
             return "cannot be called earlier or later than the first".to_owned();
         };
-        let level = shift.lower.is_some() && shift.contains(0.0);
-        if level || seconds.abs() < NOTABLE_SHIFT_S {
+        if shift.lower.is_some() && shift.contains(0.0) {
             return "is as fast as the first, as far as these recordings show".to_owned();
+        }
+        if seconds.abs() < NOTABLE_SHIFT_S {
+            return format!(
+                "is as fast as the first to within {:.2} ms",
+                1e3 * NOTABLE_SHIFT_S
+            );
         }
         let place = if seconds > 0.0 { "behind" } else { "ahead of" };
         format!("is about {:.1} ms {place} the first", 1e3 * seconds.abs())

@@ -393,17 +393,17 @@ pub(crate) fn digits(value: f64, count: usize) -> String {
     digits_beside(value, count, None)
 }
 
-/// Digits of the width of an interval that are shown, at least and at most: with fewer, value and bounds would look the same, and what is
-/// smaller says nothing.
-const OF_WIDTH: std::ops::RangeInclusive<usize> = 2..=3;
+/// Digits of the width of an interval that are shown: what is smaller says nothing.
+const OF_WIDTH: usize = 3;
 
-/// A number with so many digits, or as many as distinguish it from the ends of its interval of this `width`; none is small beside that.
-fn digits_beside(value: f64, count: usize, width: Option<f64>) -> String {
+/// A number with so many digits, or as many as distinguish it from the ends of its interval of this `width`, which is by half as many of the
+/// width; none is small beside that.
+pub(super) fn digits_beside(value: f64, count: usize, width: Option<f64>) -> String {
     let leading = |value: f64| Some(value.abs().log10().floor()).filter(|power| power.is_finite());
     let decimals = |power: f64, count: usize| count as i32 - 1 - power as i32;
     let width = width.and_then(leading);
     let [fewest, enough] = match width {
-        Some(power) => [OF_WIDTH.start(), OF_WIDTH.end()].map(|count| decimals(power, *count)),
+        Some(power) => [count / 2, OF_WIDTH].map(|count| decimals(power, count)),
         None => [i32::MIN, i32::MAX],
     };
     let Some(power) = leading(value) else {
