@@ -252,16 +252,21 @@ fn quantity_row(quantity: &Quantity, units: Units<'_>) -> QuantityRow {
         Some(_) => digits_beside(scale * value, 4, known.map(|(low, high)| width(low, high))),
         None => digits_beside(scale * value, 3, fits),
     };
+    let with_unit = |text: String| format!("{text} {unit}").trim_end().to_owned();
     let interval = quantity.interval.valid().map(|found: &Interval| {
         let end = |bound: Option<f64>| bound.map_or("-".to_owned(), shown);
         match (quantity.determined, found.lower, found.upper) {
             (false, None, None) => NOT_DETERMINED.to_owned(),
             (true, None, None) => String::new(),
             (true, lower, upper) => format!("{} .. {}", end(lower), end(upper)),
-            (false, Some(lower), None) => format!("{NOT_DETERMINED}: {} or more", shown(lower)),
+            (false, Some(lower), None) => {
+                let least = with_unit(shown(lower));
+                format!("{NOT_DETERMINED}: {least} or more")
+            }
             (false, lower, upper) => match lower.zip(upper) {
                 Some((lower, upper)) if upper < WORTH_PRINTING * lower => {
-                    format!("{NOT_DETERMINED}: {} .. {}", shown(lower), shown(upper))
+                    let range = format!("{} .. {}", shown(lower), shown(upper));
+                    format!("{NOT_DETERMINED}: {}", with_unit(range))
                 }
                 _ => NOT_DETERMINED.to_owned(),
             },
@@ -485,7 +490,7 @@ mod tests {
         let open = quantity("top speed upwards", false, 210.0, f64::NAN);
         assert_eq!(
             quantity_row(&open, degrees).interval,
-            "not determined by this recording: 210.0 or more"
+            "not determined by this recording: 210.0 deg/s or more"
         );
         let advice = what_to_record(&[absurd, open]);
         assert_eq!(advice.len(), 2);
