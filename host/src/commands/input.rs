@@ -124,19 +124,12 @@ impl TableArgs {
     }
 }
 
-/// Says what is to be known of data before their results, which have the findings among it as advice.
+/// Says what is to be known of data before their results. Text has the findings among it as advice, and JSON nobody reads.
 fn say_remarks(data: &Dataset, talk: Talk) {
-    let is_advice = |remark: &&String| {
-        data.about
-            .advice
-            .iter()
-            .any(|item| item.finding == **remark)
-    };
-    let remarks = data
-        .about
-        .remarks
-        .iter()
-        .filter(|remark| !is_advice(remark));
+    let about = &data.about;
+    let is_advice = |remark: &String| about.advice.iter().any(|item| item.finding == *remark);
+    let remarks = about.remarks.iter();
+    let remarks = remarks.filter(|remark| talk.json || !is_advice(remark));
     remarks.for_each(|remark| talk.say(remark));
 }
 
