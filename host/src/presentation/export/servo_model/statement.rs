@@ -206,7 +206,7 @@ impl ServoExport<'_> {
             _ => "",
         };
         let of_top = |limit: f64, top: f64| {
-            let [percent, limit, top] = [100.0 * limit / top, limit, top].map(four_digits);
+            let [percent, limit, top] = [100.0 * (limit / top), limit, top].map(four_digits);
             format!(
                 "{limit} {unit}/s, which is {percent} % of the top speed of {top} {unit}/s{both}"
             )
