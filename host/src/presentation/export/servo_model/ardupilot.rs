@@ -183,10 +183,11 @@ fn apply(export: &ServoExport<'_>, line: &str, zero: f64) -> String {
         }
         false => "",
     };
+    let unit = export.metadata.units().input;
     format!(
-        "Apply beside the parameters the gain and the offset, which SITL's servo has not: {line}. The output is from -1 to 1, and 0 under the command {} {}. Apply them where your flight model takes the output: no parameter of ArduPilot comes behind the servo. Where the flight model cannot be changed, SERVOn_TRIM shifts the output{reversed}. The largest difference below is of the position so computed.",
+        "Apply beside the parameters the gain and the offset, which SITL's servo has not: {line}. The output is from -1 to 1, and 0 under the command {}{}. Apply them where your flight model takes the output: no parameter of ArduPilot comes behind the servo. Where the flight model cannot be changed, SERVOn_TRIM shifts the output{reversed}. The largest difference below is of the position so computed.",
         four_digits(zero),
-        export.command_unit()
+        unit.map(|unit| format!(" {unit}")).unwrap_or_default()
     )
 }
 

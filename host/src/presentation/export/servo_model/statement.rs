@@ -246,24 +246,26 @@ impl ServoExport<'_> {
 
     /// The strokes of a trial beside those of the recording.
     fn strokes(&self, trial: &Trial) -> String {
-        let unit = self.command_unit();
+        let unit = of_column(self.metadata.units().input, "command");
         let stroke = trial.largest_stroke();
         let recorded = match self.recorded_range() {
             Some(range) => format!("the recording has commands {range}"),
             None => "which range the recording has, the model file does not say".to_owned(),
         };
         format!(
-            "over strokes of the command of up to {} {unit} ({recorded})",
+            "over strokes of up to {} {unit} ({recorded})",
             beside(stroke, stroke)
         )
     }
 
     fn of_stroke(&self, difference: f64, trial: &Trial) -> String {
-        let unit = self.output_unit();
+        let unit = self.metadata.units().output;
+        let short = unit.map(|unit| format!(" {unit}")).unwrap_or_default();
+        let unit = of_column(unit, "position");
         let stroke = trial.largest_stroke() * self.parameters.gain.abs();
         let percent = four_digits(100.0 * difference / stroke);
         format!(
-            "{} {unit} of the position, {percent} % of its largest stroke, {} {unit}",
+            "{} {unit}, {percent} % of its largest stroke ({}{short})",
             difference_text(difference),
             beside(stroke, stroke)
         )
@@ -299,6 +301,11 @@ impl ServoExport<'_> {
             trial.steps_of_broken_off,
         )
     }
+}
+
+/// "deg of the position", or "units of the position" where that is all that is known.
+fn of_column(unit: Option<&str>, column: &str) -> String {
+    format!("{} of the {column}", unit.unwrap_or("units"))
 }
 
 /// A number with the digits that count beside the size `size`: three of that.

@@ -204,7 +204,7 @@ fn what_is_to_be_applied_beside_a_file_is_said_with_its_numbers() {
         "where your flight model takes the output",
         "SERVOn_REVERSED, set opposite to that of the aircraft",
         "deg of the position, ",
-        "over strokes of the command of up to ",
+        "deg of the command (the recording has",
     ] {
         assert!(said.contains(part), "{part}: {said}");
     }
