@@ -263,11 +263,13 @@ impl Compared {
     /// The comparison as text.
     #[must_use]
     pub fn as_text(&self, names: [&str; 2]) -> String {
+        let units = self.metadata.units();
         let mut text = match &self.found {
-            StepResponses::Compared(found) => summary::of_comparison(names[0], names[1], found),
+            StepResponses::Compared(found) => {
+                summary::of_comparison(names[0], names[1], found, units)
+            }
             StepResponses::NotCompared(found) => summary::wrapped(&found.summary, 0) + "\n",
         };
-        let units = self.metadata.units();
         if let Some(servos) = &self.servo_model {
             let sentence = summary::sentence_on_servo_models("A", "B", servos, units);
             let sentence = summary::wrapped(&sentence, 0);

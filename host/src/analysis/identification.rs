@@ -1,6 +1,6 @@
 //! One identification with all that may follow it: servo model, low-order model, limits.
 
-use super::{identified, servo_fit};
+use super::{identified, load_at_rest, servo_fit};
 use crate::data::HeldOutPrediction;
 use crate::data::dataset::{Dataset, DatasetOptions};
 use crate::data::model_file::{ModelDocument, ServoModelDocument};
@@ -12,7 +12,7 @@ use serde::Serialize;
 use servoid_identification::diagnostics::Explanation;
 use servoid_identification::flight_model::{self, FlightModel, FlightModelOptions};
 use servoid_identification::nonlinear::{DirectionModel, Limits, split_by_direction};
-use servoid_identification::results::{Model, StepResponse};
+use servoid_identification::results::{Advice, Model, StepResponse};
 use servoid_identification::servo_model::Watch;
 use servoid_identification::{Identification, Options};
 
@@ -72,11 +72,20 @@ impl Identified {
             .then(|| fit_flight_model(data, &found.model).map_err(|error| error.to_string()));
         let servo = servo_fit::is_wanted(request.servo_model, &found.model)
             .then(|| servo_fit::find(data, &mut found, options, request.held_out, &watch()));
-        let Identification { model, explanation } = found;
+        let Identification {
+            mut model,
+            explanation,
+        } = found;
         let (servo_model, held_out) = match servo {
             Some(found) => (Some(found.model), found.held_out),
             None => (None, None),
         };
+        let (servo, _) = parts(&servo_model);
+        if let Some(remedy) =
+            servo.and_then(|servo| load_at_rest::remedy(&servo.model, data.about.units()))
+        {
+            Advice::name_load(&mut model.advice, &remedy);
+        }
         let limits = request.limits.then(|| {
             let limits = Limits::of(&data.record, &model, options.level);
             // A recording with strokes of one direction only has no split; the summary mentions it.

@@ -6,6 +6,7 @@ use super::duration_in_words::in_words;
 use super::travel;
 use crate::data::dataset::Dataset;
 use crate::data::rounding::six_digits;
+use crate::data::sensor_preset::is_of_data_sheet;
 use crate::presentation::summary::percent;
 use anyhow::{Context, Result};
 use servoid_identification::results::{Advice, Check, Metrics, Model, Reason, pointwise_critical};
@@ -138,6 +139,10 @@ fn against_command(data: &Dataset, model: &Model) -> Option<Advice> {
     })
 }
 
+/// What makes a scale surer that a calibration found, where it is not as sure as the gain.
+const MORE_ANGLES: &str = "It was calibrated. More positions, and positions nearer to the ends of the travel ('servoid calibrate --pulses'), make \
+     it surer, and so do angles that are read more closely. Where the gain is not used, nothing needs to be done.";
+
 /// That the scale of the sensor is not known as well as the gain.
 fn rough_scale(data: &Dataset, model: &Model) -> Option<Advice> {
     let sd_percent = data
@@ -161,7 +166,12 @@ fn rough_scale(data: &Dataset, model: &Model) -> Option<Advice> {
             ),
             scale_percent,
             half_percent,
-            "Calibrate ('servoid calibrate') before the gain is used, with angles as far apart as the travel allows.",
+            match is_of_data_sheet(sd_percent) {
+                false => MORE_ANGLES,
+                true => {
+                    "Calibrate ('servoid calibrate') before the gain is used, with angles as far apart as the travel allows."
+                }
+            },
         )
     })
 }

@@ -8,6 +8,7 @@ mod duration_in_words;
 mod identification;
 mod identified;
 mod json;
+mod load_at_rest;
 mod model_lag;
 mod pulse_frames;
 pub mod servo_fit;

@@ -1,5 +1,6 @@
 //! A model against recordings that it was not identified from.
 
+use super::load_at_rest;
 use super::model_lag::Lag;
 use crate::data::dataset::Dataset;
 use crate::data::fingerprint;
@@ -45,6 +46,12 @@ impl Validated {
         let own_of_servo = fit_of_servo.map(|fit| fit.simulation_percent);
         let own_rmse_of_servo = fit_of_servo.map(|fit| fit.rmse);
         let runs = data.record.runs();
+        let of_load = servo
+            .as_ref()
+            .and_then(|servo| load_at_rest::remedy(&servo.model, metadata.units()));
+        // What is slower in larger strokes is later there, and no delay.
+        let is_linear =
+            file.model.linear && servo.as_ref().is_none_or(|servo| servo.model.is_linear());
         let lag = |simulated: &[Vec<f64>]| Lag::of(runs, simulated, data.record.sample_period_s());
         let mut lag_of_servo = None;
         let servo = servo.map(|servo| -> Result<Validation> {
@@ -64,7 +71,8 @@ impl Validated {
         let own_rmse = file.model.fit.rmse;
         let of_linear = validation.as_ref().and_then(|found| {
             let simulated: Vec<_> = runs.iter().map(|run| file.model.simulate(run)).collect();
-            larger_error("linear", found, lag(&simulated), own_rmse, unit)
+            let lag = lag(&simulated).filter(|_| is_linear);
+            larger_error("linear", found, lag, own_rmse, unit)
         });
         let of_servo = servo_model.as_ref().zip(own_rmse_of_servo);
         let of_servo =
@@ -74,12 +82,16 @@ impl Validated {
             .chain(own)
             .chain(of_linear)
             .chain(of_servo);
+        let mut of_files = data.about.advice.clone();
+        if let Some(remedy) = of_load {
+            Advice::name_load(&mut of_files, &remedy);
+        }
         Ok(Self {
             validation,
             servo_model,
             own_fit_percent: file.model.fit.simulation_percent,
             servo_model_own_fit_percent: own_of_servo,
-            advice: own.chain(data.about.advice.clone()).collect(),
+            advice: own.chain(of_files).collect(),
         })
     }
 

@@ -107,6 +107,11 @@ impl ExportArgs {
             "largest difference of the file from the servo model: {}",
             export.share_of_stroke(&written)
         ));
+        if let Some(beside) = &written.beside {
+            self.output.talk.say(format_args!(
+                "the file has neither gain nor offset, so apply both yourself, as its header says: {beside}"
+            ));
+        }
         if let Some(remark) = self.name_of_function(&name) {
             self.output.talk.say(remark);
         }

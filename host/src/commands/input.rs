@@ -108,10 +108,7 @@ impl TableArgs {
         talk: Talk,
     ) -> Result<Dataset<'static>> {
         let data = dataset::load_as(files, &self.options(), model)?;
-        data.about
-            .remarks
-            .iter()
-            .for_each(|remark| talk.say(remark));
+        say_remarks(&data, talk);
         Ok(data)
     }
 
@@ -122,10 +119,18 @@ impl TableArgs {
         talk: Talk,
     ) -> Result<[Dataset<'static>; 2]> {
         let sides = dataset::load_sides(sides, &self.options())?;
-        let remarks = sides.iter().flat_map(|side| &side.about.remarks);
-        remarks.for_each(|remark| talk.say(remark));
+        sides.iter().for_each(|side| say_remarks(side, talk));
         Ok(sides)
     }
+}
+
+/// Says what is to be known of data before their results. Text has the findings among it as advice, and JSON nobody reads.
+fn say_remarks(data: &Dataset, talk: Talk) {
+    let about = &data.about;
+    let is_advice = |remark: &String| about.advice.iter().any(|item| item.finding == *remark);
+    let remarks = about.remarks.iter();
+    let remarks = remarks.filter(|remark| talk.json || !is_advice(remark));
+    remarks.for_each(|remark| talk.say(remark));
 }
 
 /// That there is no such simulated servo; a text that describes none is wrong usage.

@@ -38,12 +38,17 @@ impl Recover {
             if sound.rows.is_empty() {
                 bail!("nothing to recover: {path:?} has no rows");
             }
+            let rows = sound.rows.len();
             let state = match sound.completeness {
-                Completeness::Complete => "complete".to_owned(),
-                Completeness::Early(why) => format!("ended on purpose: {why}"),
-                Completeness::Partial(why) => format!("partial: {why}"),
+                Completeness::Complete => "is complete and undamaged".to_owned(),
+                Completeness::Early(why) => {
+                    format!("is undamaged, and was ended on purpose: {why}")
+                }
+                Completeness::Partial(why) => format!(
+                    "is partial, as {why}. What is missing is not in the file; its {rows} rows are sound, and other commands read it as it is"
+                ),
             };
-            bail!("nothing to recover: {path:?} is undamaged ({state})");
+            bail!("nothing to recover: {path:?} {state}");
         }
         let saved = recover(&bytes, path)?;
         let whole = WholeFile::new(&self.out, self.output.force)?;

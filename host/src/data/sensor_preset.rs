@@ -1,6 +1,8 @@
 //! Angle sensors that people own, before any of them is calibrated.
 
-use super::rig_file::{FULL_SCALE_VOLTS, RTY_DEGREES, RTY_VOLTS, SensorSection};
+use super::rig_file::{
+    FULL_SCALE_VOLTS, RTY_DEGREES, RTY_VOLTS, SensorSection, UNCALIBRATED_SCALE_SD_PERCENT,
+};
 
 /// A kind of sensor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -108,6 +110,14 @@ impl SensorKind {
             },
         }
     }
+}
+
+/// Whether a scale is known as well as a data sheet has it, and no calibration has measured it.
+pub fn is_of_data_sheet(scale_sd_percent: f64) -> bool {
+    let spreads = SensorKind::ALL.map(|kind| kind.preset().spread);
+    let mut scales = (spreads.into_iter())
+        .map(|spread| spread.map_or(UNCALIBRATED_SCALE_SD_PERCENT, |[_, scale]| scale));
+    scales.any(|scale| scale == scale_sd_percent)
 }
 
 impl std::str::FromStr for SensorKind {

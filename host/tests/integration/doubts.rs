@@ -309,9 +309,22 @@ fn the_scale_the_direction_and_the_place_of_a_servo_are_doubted() {
     );
     // A rig file that was not calibrated.
     assert!(
-        said.contains("The scale of the sensor is known to ±12.9 % only"),
+        said.contains("The scale of the sensor is known to ±12.9 % only")
+            && said.contains("Calibrate ('servoid calibrate')"),
         "{said}"
     );
+    // One that was is not sent to be calibrated as if it were not.
+    let rig = std::fs::read_to_string(&against).unwrap();
+    let (before, after) = rig.split_once("scale_sd_percent = 5.0").unwrap();
+    std::fs::write(&against, format!("{before}scale_sd_percent = 0.524{after}")).unwrap();
+    capture(&against);
+    let said = run(&["identify", "-q", arg(&recording)]);
+    assert!(
+        said.contains("known to ±1.3 % only")
+            && said.contains("It was calibrated. More positions,"),
+        "{said}"
+    );
+    assert!(!said.contains("Calibrate ('servoid calibrate')"), "{said}");
     let said = capture(&narrow);
     assert!(said.contains("warning: the position lies"), "{said}");
 }

@@ -399,7 +399,17 @@ fn recover_keeps_what_is_sound_and_names_what_is_not() {
     let (damaged, saved) = (dir.path().join("x.csv"), dir.path().join("y.csv"));
     let text = String::from_utf8(small_bytes(Some(&Ending::Complete))).unwrap();
     std::fs::write(&damaged, &text).unwrap();
-    assert!(refusal(&["recover", arg(&damaged), "-o", arg(&saved)]).contains("undamaged"));
+    let recovered = || refusal(&["recover", arg(&damaged), "-o", arg(&saved)]);
+    assert!(recovered().contains("is complete and undamaged"));
+    // Cut within its last frame.
+    let cut = text.split_once("\n35,").unwrap().0;
+    std::fs::write(&damaged, format!("{cut}\n")).unwrap();
+    let said = recovered();
+    assert!(
+        said.contains("is partial, as its last frame was cut off. What is missing is not in the file; its 30 rows are sound"),
+        "{said}"
+    );
+    assert!(!said.contains("undamaged"), "{said}");
     std::fs::write(&damaged, text.replace("\n15,0.030,", "\n15,0.031,")).unwrap();
     let said = refusal(&["validate", "m.json", arg(&damaged)]);
     assert!(!said.is_empty());

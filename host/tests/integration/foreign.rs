@@ -1,6 +1,6 @@
 //! Recordings of other programs: what is certain is read, and said; what is not is asked.
 
-use crate::support::{arg, refusal, servoid};
+use crate::support::{arg, refusal, run, servoid};
 use std::path::Path;
 
 /// Command and answer of a servo of first order, sampled every 2 ms.
@@ -40,6 +40,68 @@ fn identified(file: &str, more: &[&str]) -> (f64, f64, String) {
 }
 
 const NAMED: [&str; 4] = ["--input", "u", "--output", "y"];
+
+/// Findings on the record, whose numbers are of the position, and a gain between two units.
+#[test]
+fn numbers_of_findings_have_the_units_of_the_file() {
+    let dir = tempfile::tempdir().unwrap();
+    let said = |name: &str, unit: &str, of: fn(f64) -> f64| {
+        let above = format!("u_deg,y_{unit}\n");
+        let file = file(dir.path(), name, &above, |_, u, y| {
+            format!("{u},{:.6}\n", of(y))
+        });
+        let output = ["--input", "u_deg", "--output", &format!("y_{unit}")];
+        let period = ["--period", "0.002"];
+        run(&[&["identify", "-q", &file][..], &output, &period].concat())
+    };
+    let coarse = said("coarse.csv", "deg", |y| (2.0 * y).round() / 2.0);
+    assert!(
+        coarse.contains("The sensor's steps of 0.50 deg are larger"),
+        "{coarse}"
+    );
+    let radians = said("radians.csv", "rad", f64::to_radians);
+    // A gain of 1 deg/deg, which three decimals would hide.
+    assert!(radians.contains(" ends at 0.0174"), "{radians}");
+}
+
+/// A servo that rests 3 degrees off: a finding on a file is among the results, and not before them as well.
+#[test]
+fn a_finding_on_a_file_is_printed_once() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("off.csv");
+    let mut lagged = -10.0;
+    let row = |k: u32| {
+        let command = if (k / 100).is_multiple_of(2) {
+            -10.0
+        } else {
+            10.0
+        };
+        lagged += 0.2 * (command - lagged);
+        let noise = f64::from(k * 7919 % 101) / 1000.0 - 0.05;
+        format!("{command},{:.4}\n", lagged + 3.0 + noise)
+    };
+    let rows: String = (0..3000).map(row).collect();
+    let text = format!("u_deg,y_deg\n{rows}");
+    std::fs::write(&file, text).unwrap();
+    let identify = [
+        "identify",
+        arg(&file),
+        "--input",
+        "u_deg",
+        "--output",
+        "y_deg",
+    ];
+    let output = servoid(&[&identify[..], &["--period", "0.005"]].concat())
+        .output()
+        .unwrap();
+    let printed = [output.stderr, output.stdout].map(|bytes| String::from_utf8(bytes).unwrap());
+    let printed = printed.concat();
+    assert_eq!(
+        printed.matches("The servo rests +3.0").count(),
+        1,
+        "{printed}"
+    );
+}
 
 #[test]
 fn what_other_programs_write_is_read_and_said() {

@@ -5,8 +5,8 @@ use crate::support::data;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use serde_json::Value;
-use servoid::data::ModelMetadata;
 use servoid::data::model_file::{ModelFile, ModelFileError};
+use servoid::data::{ModelMetadata, Units};
 use servoid::presentation::export::{Export, Target};
 use servoid::presentation::plots::{difference, draw};
 use servoid::presentation::report::{self, Page, Servo};
@@ -272,7 +272,7 @@ fn use_model(text: &str) {
             paper: &[],
         });
         if let Some(found) = found {
-            let _ = summary::of_comparison("a", "b", &found);
+            let _ = summary::of_comparison("a", "b", &found, Units::default());
             let _ = draw(&difference("m", "m", "a", "b", &found));
         }
     }

@@ -19,6 +19,22 @@ const STAIRS: [&str; 10] = [
     "6",
 ];
 
+/// A drive with a limit is later in larger strokes, which is no delay of the recording.
+#[test]
+fn a_servo_that_is_not_linear_is_not_called_late() {
+    let dir = tempfile::tempdir().unwrap();
+    let stairs = ["--reference", "stairs", "--length", "12", "--hold", "0.6"];
+    let model = modelled(dir.path(), "stairs", "bench", &stairs);
+    let other = dir.path().join("other.csv");
+    let simulate = ["simulate", "-q", "--servo", "bench", "--seed", "2"];
+    run(&[&simulate[..], &["-o", arg(&other)]].concat());
+    let said = run(&["validate", "-q", arg(&model), arg(&other)]);
+    assert!(
+        said.contains("The linear model does not hold here") && !said.contains("It is a delay"),
+        "{said}"
+    );
+}
+
 /// A recording of a simulated servo, and its model with a servo model.
 fn modelled(dir: &Path, name: &str, servo: &str, reference: &[&str]) -> PathBuf {
     let [file, model] = ["csv", "json"].map(|ending| dir.join(format!("{name}.{ending}")));

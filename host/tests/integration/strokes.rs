@@ -41,7 +41,7 @@ fn one_servo_under_strokes_of_two_sizes_is_not_called_two() {
     assert_eq!(found["descriptions_of_different_motions"], true);
     let summary = found["summary"].as_str().unwrap();
     assert!(
-        summary.starts_with(&format!("Not decided: {DIFFER}.")),
+        summary.starts_with(&format!("Not decided by the step responses: {DIFFER}.")),
         "{summary}"
     );
     let page = dir.path().join("page.html");

@@ -29,7 +29,7 @@ pub(super) fn different_references(motions: &Sides<Motion>, linear: bool, unit: 
 }
 
 /// That both sides rest apart where the step responses, which are of changes alone, agree.
-fn different_zeros(levels: &Sides<Levels>, margin_percent: f64) -> Option<Advice> {
+fn different_zeros(levels: &Sides<Levels>, margin_percent: f64, unit: &str) -> Option<Advice> {
     let middle = |side: &Levels| Some((side.plus.value? + side.minus.value?) / 2.0);
     let stroke = (levels.a.plus.value? - levels.a.minus.value?).abs();
     let apart = middle(&levels.b)? - middle(&levels.a)?;
@@ -37,12 +37,14 @@ fn different_zeros(levels: &Sides<Levels>, margin_percent: f64) -> Option<Advice
     let same_command =
         (commanded(&levels.a) - commanded(&levels.b)).abs() / 2.0 < margin_percent / 100.0 * stroke;
     let percent = 100.0 * apart.abs() / stroke;
+    let by = format!("{apart:+.3} {unit}");
     (same_command && percent > margin_percent).then(|| {
         Advice::new(
             Check::Zeros,
             format!(
-                "The second rests {apart:+.3} from the first, {percent:.0} % of the stroke, under the same commands. The verdict is on \
-                 step responses, which are of changes alone; the over-prediction counts from zero and contains it."
+                "The second rests {} from the first, {percent:.0} % of the stroke, under the same commands. The verdict is on \
+                 step responses, which are of changes alone; the over-prediction counts from zero and contains it.",
+                by.trim_end()
             ),
             percent,
             margin_percent,
@@ -68,6 +70,7 @@ pub(super) fn gather(
     comparison: &Comparison,
     models: [&Model; 2],
     sides: &[&Identified<'_>],
+    output_unit: &str,
 ) -> Vec<Advice> {
     let mut advice = Vec::new();
     for (which, model) in ["The first", "The second"].into_iter().zip(models) {
@@ -80,7 +83,7 @@ pub(super) fn gather(
     advice.extend(
         comparison
             .levels
-            .and_then(|levels| different_zeros(&levels, comparison.margin_percent)),
+            .and_then(|levels| different_zeros(&levels, comparison.margin_percent, output_unit)),
     );
     let fewest = comparison.runs[0].min(comparison.runs[1]);
     // Models have lost their runs, and the advice on models says so.

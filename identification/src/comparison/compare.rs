@@ -83,6 +83,7 @@ pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Co
             zero_sd: options.zero_sd,
             wait: options.wait_samples.unwrap_or(wait),
             level,
+            units: [&options.input_unit, &options.output_unit],
         };
         comparison.over_prediction = over_prediction(b.record, &predictor);
         comparison.levels = Some(Sides::of([&a, &b], Identified::levels));
@@ -98,7 +99,12 @@ pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Co
         comparison.p_value = None;
     }
     comparison.summary = words::summary(&comparison, options);
-    comparison.advice = advice::gather(&comparison, [&a.alone, &b.alone], &[&a, &b]);
+    comparison.advice = advice::gather(
+        &comparison,
+        [&a.alone, &b.alone],
+        &[&a, &b],
+        &options.output_unit,
+    );
     if comparison.descriptions_of_different_motions || !motions.a.is_like(&motions.b) {
         let finding = advice::different_references(&motions, linear, &options.input_unit);
         comparison.advice.insert(0, finding);
@@ -130,7 +136,7 @@ pub fn compare_models(
         comparison.descriptions_of_different_motions = true;
     }
     comparison.summary = words::summary(&comparison, options);
-    comparison.advice = advice::gather(&comparison, [a, b], &[]);
+    comparison.advice = advice::gather(&comparison, [a, b], &[], &options.output_unit);
     comparison.advice.push(advice::one_response());
     Ok(comparison)
 }
@@ -204,7 +210,7 @@ fn of_curves(
         over_prediction: None,
         levels: None,
         asymmetry: None,
-        differences: metric_differences(&metrics_a, &metrics_b),
+        differences: metric_differences(&metrics_a, &metrics_b, runs),
         curves: difference_curves,
         summary: String::new(),
         advice: Vec::new(),

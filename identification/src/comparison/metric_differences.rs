@@ -1,12 +1,39 @@
 //! The metrics of both sides and their differences.
 
 use super::outcome::MetricDifference;
+use super::run_means::RunMeans;
 use crate::results::{Interval, Metrics};
 
-pub(super) fn metric_differences(a: &Metrics, b: &Metrics) -> Vec<MetricDifference> {
-    let both = a.named().into_iter().zip(b.named());
-    both.map(|((metric, a), (_, b))| of_metric(metric, &a, &b))
-        .collect()
+/// Metric by metric. The interval of a difference contains the scatter of the `runs`, where these serve for that.
+pub(super) fn metric_differences(
+    a: &Metrics,
+    b: &Metrics,
+    runs: Option<&RunMeans>,
+) -> Vec<MetricDifference> {
+    let both = a.named().into_iter().zip(b.named()).enumerate();
+    both.map(|(place, ((metric, a), (_, b)))| {
+        let of_noise = of_metric(metric, &a, &b);
+        match runs {
+            Some(runs) => of_servos(of_noise, runs.metric_half(place)),
+            None => of_noise,
+        }
+    })
+    .collect()
+}
+
+/// The same with an interval of the difference that reaches `half` to each side at least.
+fn of_servos(found: MetricDifference, half: Option<f64>) -> MetricDifference {
+    let difference = Interval {
+        value: found.difference,
+        lower: found.lower,
+        upper: found.upper,
+    };
+    let difference = difference.at_least_as_wide(half);
+    MetricDifference {
+        lower: difference.lower,
+        upper: difference.upper,
+        ..found
+    }
 }
 
 fn of_metric(metric: &str, a: &Interval, b: &Interval) -> MetricDifference {

@@ -150,7 +150,7 @@ pub struct Comparison {
     pub schema: u32,
     /// The answer.
     pub verdict: Verdict,
-    /// What it is of, and all bounds but those of the metrics.
+    /// What it is of, and all bounds of differences.
     #[serde(default)]
     pub of: Subject,
     /// The margin it is held against \[% of the step\].

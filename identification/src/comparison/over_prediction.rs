@@ -18,6 +18,7 @@ use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::data::{EXACTLY, Hold, Record, Run, holds, mean_output};
+use crate::numerics::four_digits;
 use crate::results::{Interval, Model};
 
 /// Over-prediction of the second servo by the first.
@@ -45,6 +46,8 @@ pub(crate) struct Predictor<'a> {
     pub(crate) zero_sd: f64,
     pub(crate) wait: usize,
     pub(crate) level: f64,
+    /// Of input and output, for sentences; empty where they are not known.
+    pub(crate) units: [&'a str; 2],
 }
 
 /// One end of the command.
@@ -102,6 +105,12 @@ pub(crate) fn over_prediction(
     let variance = (plus.sd.hypot(minus.sd) / predicted).powi(2)
         + (sd_predicted * travel / (predicted * predicted)).powi(2);
     let degrees = plus.plateaus.min(minus.plateaus) - 1;
+    let [input, output] = predictor.units;
+    let with = |number: f64, unit: &str| {
+        format!("{} {unit}", four_digits(number))
+            .trim_end()
+            .to_owned()
+    };
     Some(OverPrediction {
         plus_percent: side(high, &plus, predictor.sd_at_rest[0]),
         minus_percent: side(low, &minus, predictor.sd_at_rest[1]),
@@ -113,14 +122,16 @@ pub(crate) fn over_prediction(
         ),
         wait_samples: predictor.wait,
         definition: format!(
-            "(predicted - measured) / predicted of the plateaus at {high} (plus) and {low} (minus), from \
+            "(predicted - measured) / predicted of the plateaus at {} (plus) and {} (minus), from \
              {} samples after the edge; predicted by the first model from the second's own input; {} and {} \
              plateaus; zero of the sensor {}",
+            with(high, input),
+            with(low, input),
             predictor.wait,
             plus.plateaus,
             minus.plateaus,
             if zero > 0.0 {
-                format!("known to {zero} (standard deviation)")
+                format!("known to {} (standard deviation)", with(zero, output))
             } else {
                 "taken as exact".to_owned()
             }

@@ -10,15 +10,17 @@ use super::shift::shift;
 use super::welch::Welch;
 use crate::error::Error;
 use crate::identify::identify_runs;
+use crate::results::Metrics;
 use crate::thresholds::RUNS_FOR_MEAN;
 
 /// Ways in which curves scatter independently, each of which may miss (Bonferroni): how far the servo goes, and when. Of 120 pairs
 /// of one servo, 3 were shown to differ without this.
 const DIRECTIONS: f64 = 2.0;
 
-/// The curves of each run of both sides.
+/// The curves and metrics of each run of both sides.
 pub(super) struct RunMeans {
     sides: [Vec<Curves>; 2],
+    metrics: [Vec<Metrics>; 2],
     level: f64,
 }
 
@@ -28,10 +30,12 @@ impl RunMeans {
     pub(super) fn of(sides: [&Identified<'_>; 2], split: bool, level: f64) -> Option<Self> {
         let [a, b] = sides.map(|side| {
             let enough = side.record.runs().len() >= RUNS_FOR_MEAN;
-            enough.then(|| curves(side, split).ok())?
+            enough.then(|| of_runs(side, split).ok())?
         });
+        let ((curves_a, metrics_a), (curves_b, metrics_b)) = a.zip(b)?;
         Some(Self {
-            sides: [a?, b?],
+            sides: [curves_a, curves_b],
+            metrics: [metrics_a, metrics_b],
             level,
         })
     }
@@ -60,6 +64,17 @@ impl RunMeans {
         Some(half_width(&a?, &b?, self.level))
     }
 
+    /// Half the width of the interval of the difference of a metric, which has this place among [`Metrics::named`]; `None` where a run has
+    /// no such metric.
+    pub(super) fn metric_half(&self, place: usize) -> Option<f64> {
+        let [a, b] = [0, 1].map(|side| {
+            let runs = self.metrics[side].iter();
+            runs.map(|run| run.named()[place].1.value)
+                .collect::<Option<Vec<f64>>>()
+        });
+        Some(half_width(&a?, &b?, self.level))
+    }
+
     fn each(&self, side: usize, of: impl Fn(&Curves) -> f64) -> Vec<f64> {
         self.sides[side].iter().map(of).collect()
     }
@@ -74,19 +89,22 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// The curves of each run alone, by the structure of the comparison.
-fn curves(side: &Identified<'_>, split: bool) -> Result<Vec<Curves>, Error> {
-    if split {
-        let models = side.splits_of_runs(side.model.basis()?)?;
-        return Ok(models.iter().map(Curves::of_split).collect());
-    }
+/// The curves and the metrics of each run alone, by the structure of the comparison.
+fn of_runs(side: &Identified<'_>, split: bool) -> Result<(Vec<Curves>, Vec<Metrics>), Error> {
+    let models = side
+        .run_records()
+        .map(|run| Ok(identify_runs(&run?, &side.options, side.may_go_on)?.model))
+        .collect::<Result<Vec<_>, Error>>()?;
     let points = side.model.structure.settling_samples;
-    side.run_records()
-        .map(|run| {
-            Curves::of_model(
-                &identify_runs(&run?, &side.options, side.may_go_on)?.model,
-                points,
-            )
-        })
-        .collect()
+    let curves = match split {
+        true => {
+            let models = side.splits_of_runs(side.model.basis()?)?;
+            models.iter().map(Curves::of_split).collect()
+        }
+        false => models
+            .iter()
+            .map(|model| Curves::of_model(model, points))
+            .collect::<Result<_, _>>()?,
+    };
+    Ok((curves, models.iter().map(|model| model.metrics).collect()))
 }

@@ -19,7 +19,7 @@ pub(super) fn summary(found: &Comparison, options: &ComparisonOptions) -> String
             format!("{} {}", answer(found, &bounds), feel(found, options))
         }
         Bounds::Withdrawn(reason) => format!(
-            "Not decided: for at least one of the two no bounds can be given, because {}. Record steps that are \
+            "Not decided by the step responses: for at least one of the two no bounds can be given, because {}. Record steps that are \
              held until the servo rests.",
             reason.because()
         ),
@@ -40,7 +40,7 @@ fn not_one_reference(
         .map(|sizes| strokes_differ(sizes.map(|size| four_digits(size).to_string()), unit));
     let differ = of_records.or(of_models).unwrap_or_default();
     format!(
-        "Not decided: {differ}. A servo that is limited in speed or torque, or has play, answers each of them differently, so that what \
+        "Not decided by the step responses: {differ}. A servo that is limited in speed or torque, or has play, answers each of them differently, so that what \
          differs may be the motion and not the servo. Record both sides with the same reference. Of the responses to the two motions, {}.",
         apart(found, bounds)
     )
@@ -92,7 +92,9 @@ fn answer(found: &Comparison, bounds: &ComparisonBounds) -> String {
             format!("{subject} are the same within the margin of {margin} %: {apart}.")
         }
         Verdict::Undecided => {
-            format!("Not decided: {apart}, and the margin of {margin} % lies between.")
+            format!(
+                "Not decided by the step responses: {apart}, and the margin of {margin} % lies between."
+            )
         }
     }
 }
@@ -132,9 +134,14 @@ fn behind(found: &Comparison) -> String {
         let Some(seconds) = shift.value else {
             return "cannot be called earlier or later than the first".to_owned();
         };
-        let level = shift.lower.is_some() && shift.contains(0.0);
-        if level || seconds.abs() < NOTABLE_SHIFT_S {
+        if shift.lower.is_some() && shift.contains(0.0) {
             return "is as fast as the first, as far as these recordings show".to_owned();
+        }
+        if seconds.abs() < NOTABLE_SHIFT_S {
+            return format!(
+                "is as fast as the first to within {:.2} ms",
+                1e3 * NOTABLE_SHIFT_S
+            );
         }
         let place = if seconds > 0.0 { "behind" } else { "ahead of" };
         format!("is about {:.1} ms {place} the first", 1e3 * seconds.abs())

@@ -185,6 +185,8 @@ pub struct Record<'a> {
     sample_phase_s: f64,
     runs: Vec<Run<'a>>,
     rest: Vec<Run<'a>>,
+    /// Of input and output; empty where they are not known.
+    units: [String; 2],
 }
 
 impl<'a> Record<'a> {
@@ -207,7 +209,20 @@ impl<'a> Record<'a> {
             sample_phase_s: 0.0,
             runs,
             rest: Vec::new(),
+            units: Default::default(),
         })
+    }
+
+    /// States the units of input and output, for the sentences of findings; empty where they are not known.
+    #[must_use]
+    pub fn with_units(mut self, [input, output]: [&str; 2]) -> Self {
+        self.units = [input.to_owned(), output.to_owned()];
+        self
+    }
+
+    /// The units of input and output; empty where they are not known.
+    pub fn units(&self) -> [&str; 2] {
+        self.units.each_ref().map(String::as_str)
     }
 
     /// States that the output is sampled `seconds` after the instant at which the input of the same
@@ -292,6 +307,7 @@ impl<'a> Record<'a> {
         Record {
             runs: self.runs.iter().map(completed).collect(),
             rest: self.rest.iter().map(Run::borrowed).collect(),
+            units: self.units.clone(),
             ..*self
         }
     }

@@ -287,6 +287,14 @@ impl Advice {
         }
     }
 
+    /// Where a load is known to hold the servo off its command, `remedy` says so, and the zero need not be looked at.
+    pub fn name_load(all: &mut [Self], remedy: &str) {
+        let at_rest = all.iter_mut().filter(|item| item.check == Check::Zeros);
+        for item in at_rest {
+            remedy.clone_into(&mut item.remedy);
+        }
+    }
+
     /// Whether both are findings of one check.
     #[must_use]
     pub fn is_of_same_check(&self, other: &Self) -> bool {

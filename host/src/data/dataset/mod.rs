@@ -122,8 +122,10 @@ fn together<'a>(all: Loaded<'a>, names: &str) -> Result<Dataset<'a>, DatasetErro
         about.remarks.push(advice.finding.clone());
         about.advice.push(advice);
     }
+    let units = [&about.input_unit, &about.output_unit];
+    let units = units.map(|unit| unit.as_deref().unwrap_or_default());
     Ok(Dataset {
-        record: record.with_sample_phase(phase_s).with_rest(rest),
+        record: (record.with_sample_phase(phase_s).with_rest(rest)).with_units(units),
         controllers: Controllers(controllers),
         about,
     })

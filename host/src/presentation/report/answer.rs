@@ -94,7 +94,7 @@ fn verdict(page: &Page<'_>) -> String {
         let sentence = summary::sentence_on_servo_models(names[0], names[1], found, units);
         let word = page
             .comparison
-            .map(|_| "<b>undecided</b>. ")
+            .map(|_| "<b>undecided by the step responses</b>. ")
             .unwrap_or_default();
         return paragraph("servo", word, &sentence);
     }

@@ -74,7 +74,12 @@ pub(super) fn numbers(page: &Page<'_>) -> String {
     );
     if let (Some(found), Some(second)) = (page.comparison, &page.second) {
         let names = [page.first.subject.name, second.subject.name];
-        body += &table(&summary::facts_of_comparison(names[0], names[1], found));
+        body += &table(&summary::facts_of_comparison(
+            names[0],
+            names[1],
+            found,
+            page.first.metadata.units(),
+        ));
     }
     body + &paper(page)
 }

@@ -3,6 +3,7 @@
 use super::layout::{findings, wrapped};
 use super::metrics::difference_rows;
 use super::numbers::{percent, probability, with_bounds};
+use crate::data::units::Units;
 use servoid_identification::comparison::{
     Comparison, ComparisonBounds, DifferenceCurve, Direction, Subject, Verdict,
 };
@@ -10,9 +11,9 @@ use servoid_identification::results::{Bounds, Interval};
 
 /// A comparison, for a terminal.
 #[must_use]
-pub fn of_comparison(a: &str, b: &str, found: &Comparison) -> String {
+pub fn of_comparison(a: &str, b: &str, found: &Comparison, units: Units<'_>) -> String {
     let mut text = format!("A  {a}\nB  {b}\n\n{}\n\n", wrapped(&found.summary, 0));
-    for (name, value) in facts_of_comparison("A", "B", found) {
+    for (name, value) in facts_of_comparison("A", "B", found, units) {
         text += &format!("  {name:NAMES$} {}\n", wrapped(&value, NAMES + 3));
     }
     text + "\n" + &table_of_comparison("A", "B", found) + &findings(&found.advice)
@@ -85,10 +86,19 @@ pub(super) fn subject_in_words(found: &Comparison) -> &'static str {
 }
 
 /// The results beside the metrics: names and values.
-pub(crate) fn facts_of_comparison(a: &str, b: &str, found: &Comparison) -> Vec<(String, String)> {
+pub(crate) fn facts_of_comparison(
+    a: &str,
+    b: &str,
+    found: &Comparison,
+    units: Units<'_>,
+) -> Vec<(String, String)> {
     let (verdict, margin) = (verdict(found.verdict), found.margin_percent);
     let of = subject_in_words(found);
-    let margin = format!("{verdict} ({of}; margin {margin} % of the step)");
+    let undecided_by = match found.verdict {
+        Verdict::Undecided => " by the step responses",
+        Verdict::Different | Verdict::Same => "",
+    };
+    let margin = format!("{verdict}{undecided_by} ({of}; margin {margin} % of the step)");
     let mut facts = vec![("verdict".to_owned(), margin)];
     let mut add = |name: &str, value: String| facts.push((name.to_owned(), value));
     match &found.bounds {
@@ -138,11 +148,13 @@ pub(crate) fn facts_of_comparison(a: &str, b: &str, found: &Comparison) -> Vec<(
         add(&format!("{a} over-predicts {b}"), shares);
         add("definition", over.definition.clone());
     }
+    let [input, output] = [units.input, units.output]
+        .map(|unit| unit.map(|unit| format!(" {unit}")).unwrap_or_default());
     for (name, side) in found.levels.iter().flat_map(|l| [(a, &l.a), (b, &l.b)]) {
-        let rest = |level: &Interval| with_bounds(level, "", |v| format!("{v:.3}"));
+        let rest = |level: &Interval| with_bounds(level, &output, |v| format!("{v:.3}"));
         let (plus, minus) = (rest(&side.plus), rest(&side.minus));
         let [above, below] = [side.command_plus, side.command_minus];
-        let commanded = |command: f64| format!("{:+}", (1e3 * command).round() / 1e3);
+        let commanded = |command: f64| format!("{:+}{input}", (1e3 * command).round() / 1e3);
         let (above, below) = (commanded(above), commanded(below));
         let rests = format!("{plus} when commanded {above}, {minus} when commanded {below}");
         add(&format!("{name} rests at"), rests);

@@ -3,6 +3,7 @@
 use super::first_finding::first_finding;
 use super::metrics::settling_time;
 use super::numbers::percent;
+use super::servo_model::digits;
 use super::strokes::which_step;
 use crate::data::model_metadata::ModelMetadata;
 use crate::data::units::Units;
@@ -82,9 +83,12 @@ fn end(model: &Model, units: Units<'_>) -> Option<String> {
         .map(|unit| format!(" {unit}"))
         .unwrap_or_default();
     let gain = model.metrics.dc_gain.value?;
-    Some(format!(
-        "ends at {gain:.3}{unit} for each unit of the command"
-    ))
+    // A small one may be a factor of units, such as 0.01745 rad/deg.
+    let gain = match gain.abs() < 0.1 {
+        true => digits(gain, 4),
+        false => format!("{gain:.3}"),
+    };
+    Some(format!("ends at {gain}{unit} for each unit of the command"))
 }
 
 /// An overshoot that is none to the eye (% of the final value).

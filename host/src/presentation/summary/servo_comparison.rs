@@ -3,7 +3,7 @@
 use super::layout::wrapped;
 use super::metrics::TableRow;
 use super::numbers::percent;
-use super::servo_model::{four_digits, scale_and_unit, under_load};
+use super::servo_model::{digits_beside, four_digits, scale_and_unit, under_load};
 use crate::data::units::Units;
 use servoid_identification::comparison::{QuantityPair, ServoModelComparison};
 use servoid_identification::results::{Bounds, Interval};
@@ -114,15 +114,25 @@ pub(crate) fn servo_model_rows(found: &ServoModelComparison, units: Units<'_>) -
     let kinds = || found.quantities.iter().filter_map(QuantityPair::kind);
     let row = |(index, pair): (usize, &QuantityPair)| {
         let (scale, unit) = scale_and_unit(pair.unit, units);
-        let shown = |value: Option<f64>| value.map_or("-".to_owned(), |v| four_digits(scale * v));
-        let with_unit = |value: Option<f64>| match value {
-            Some(_) => format!("{} {unit}", shown(value)).trim_end().to_owned(),
-            None => shown(value),
+        let width = |interval: Option<Interval>| {
+            let (lower, upper) = interval.and_then(|found| found.lower.zip(found.upper))?;
+            Some(scale * (upper - lower))
+        };
+        let shown = |value: Option<f64>, interval: Option<Interval>| {
+            let digits = |v| digits_beside(scale * v, 4, width(interval));
+            value.map_or("-".to_owned(), digits)
+        };
+        let with_unit = |value: Option<f64>, interval: Option<Interval>| match value {
+            Some(_) => format!("{} {unit}", shown(value, interval))
+                .trim_end()
+                .to_owned(),
+            None => shown(value, interval),
         };
         let ends = |interval: Option<Interval>, value: Option<f64>| match interval {
             // What a record leaves open has ends that nobody reads.
             Some(found) if value.is_some() && found.lower.or(found.upper).is_some() => {
-                format!("{} .. {}", shown(found.lower), shown(found.upper))
+                let [lower, upper] = [found.lower, found.upper].map(|end| shown(end, interval));
+                format!("{lower} .. {upper}")
             }
             Some(_) if value.is_none() => "not determined".to_owned(),
             _ => String::new(),
@@ -133,11 +143,11 @@ pub(crate) fn servo_model_rows(found: &ServoModelComparison, units: Units<'_>) -
             None => [None; 3],
         };
         let mut cells = vec![
-            (with_unit(pair.a), ends(of_a, pair.a)),
-            (with_unit(pair.b), ends(of_b, pair.b)),
+            (with_unit(pair.a, of_a), ends(of_a, pair.a)),
+            (with_unit(pair.b, of_b), ends(of_b, pair.b)),
         ];
         if bounds.is_some() {
-            let less = apart.map_or_else(String::new, |found| with_unit(found.value));
+            let less = apart.map_or_else(String::new, |found| with_unit(found.value, apart));
             cells.push((less, ends(apart, apart.and_then(|found| found.value))));
         }
         TableRow {

@@ -252,16 +252,21 @@ fn quantity_row(quantity: &Quantity, units: Units<'_>) -> QuantityRow {
         Some(_) => digits_beside(scale * value, 4, known.map(|(low, high)| width(low, high))),
         None => digits_beside(scale * value, 3, fits),
     };
+    let with_unit = |text: String| format!("{text} {unit}").trim_end().to_owned();
     let interval = quantity.interval.valid().map(|found: &Interval| {
         let end = |bound: Option<f64>| bound.map_or("-".to_owned(), shown);
         match (quantity.determined, found.lower, found.upper) {
             (false, None, None) => NOT_DETERMINED.to_owned(),
             (true, None, None) => String::new(),
             (true, lower, upper) => format!("{} .. {}", end(lower), end(upper)),
-            (false, Some(lower), None) => format!("{NOT_DETERMINED}: {} or more", shown(lower)),
+            (false, Some(lower), None) => {
+                let least = with_unit(shown(lower));
+                format!("{NOT_DETERMINED}: {least} or more")
+            }
             (false, lower, upper) => match lower.zip(upper) {
                 Some((lower, upper)) if upper < WORTH_PRINTING * lower => {
-                    format!("{NOT_DETERMINED}: {} .. {}", shown(lower), shown(upper))
+                    let range = format!("{} .. {}", shown(lower), shown(upper));
+                    format!("{NOT_DETERMINED}: {}", with_unit(range))
                 }
                 _ => NOT_DETERMINED.to_owned(),
             },
@@ -396,19 +401,23 @@ pub(crate) fn digits(value: f64, count: usize) -> String {
 /// Digits of the width of an interval that are shown: what is smaller says nothing.
 const OF_WIDTH: usize = 3;
 
-/// A number with so many digits at most, and none that is small beside the `width` of its interval.
-fn digits_beside(value: f64, count: usize, width: Option<f64>) -> String {
+/// A number with so many digits, or as many as distinguish it from the ends of its interval of this `width`, which is by half as many of the
+/// width; none is small beside that.
+pub(super) fn digits_beside(value: f64, count: usize, width: Option<f64>) -> String {
     let leading = |value: f64| Some(value.abs().log10().floor()).filter(|power| power.is_finite());
     let decimals = |power: f64, count: usize| count as i32 - 1 - power as i32;
     let width = width.and_then(leading);
-    let enough = width.map_or(i32::MAX, |power| decimals(power, OF_WIDTH));
+    let [fewest, enough] = match width {
+        Some(power) => [count / 2, OF_WIDTH].map(|count| decimals(power, count)),
+        None => [i32::MIN, i32::MAX],
+    };
     let Some(power) = leading(value) else {
         return format!("{value:.0}");
     };
     if !POWERS.contains(&power) && decimals(power, count) <= enough {
         return format!("{value:.0$e}", count - 1);
     }
-    let decimals = decimals(power, count).min(enough).clamp(0, 9) as usize;
+    let decimals = (decimals(power, count).max(fewest).min(enough)).clamp(0, 9) as usize;
     // A small number of either sign may round to 0.
     let text = format!("{value:.decimals$}");
     let is_zero = text.chars().all(|letter| "-0.".contains(letter));
@@ -421,6 +430,16 @@ fn digits_beside(value: f64, count: usize, width: Option<f64>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_ends_of_a_narrow_interval_differ_from_the_value() {
+        let shown = |width| [12.639, 12.641, 12.643].map(|value| digits_beside(value, 4, width));
+        assert_eq!(shown(None), ["12.64", "12.64", "12.64"]);
+        assert_eq!(shown(Some(0.004)), ["12.6390", "12.6410", "12.6430"]);
+        assert_eq!(shown(Some(0.4)), ["12.64", "12.64", "12.64"]);
+        assert_eq!(shown(Some(40.0)), ["12.6", "12.6", "12.6"]);
+        assert_eq!(shown(Some(0.0)), ["12.64", "12.64", "12.64"]);
+    }
 
     #[test]
     fn speeds_and_accelerations_say_which_load_they_are_for() {
@@ -471,7 +490,7 @@ mod tests {
         let open = quantity("top speed upwards", false, 210.0, f64::NAN);
         assert_eq!(
             quantity_row(&open, degrees).interval,
-            "not determined by this recording: 210.0 or more"
+            "not determined by this recording: 210.0 deg/s or more"
         );
         let advice = what_to_record(&[absurd, open]);
         assert_eq!(advice.len(), 2);

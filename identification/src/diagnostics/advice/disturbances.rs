@@ -62,8 +62,9 @@ pub(super) fn drift(evidence: &Evidence<'_>) -> Option<Advice> {
     Some(Advice::new(
         Check::Drift,
         format!(
-            "A straight line of each run, which changes by up to {largest:+.3} over a run, was taken out of the output within the regression: \
-             the input does not explain it{bounds}. The servo model, plots and validations still have it."
+            "A straight line of each run, which changes by up to {} over a run, was taken out of the output within the regression: \
+             the input does not explain it{bounds}. The servo model, plots and validations still have it.",
+            evidence.output(format!("{largest:+.3}"))
         ),
         largest,
         0.0,
@@ -77,7 +78,7 @@ pub(super) fn hum(evidence: &Evidence<'_>) -> Option<Advice> {
         format!(
             "{:.1} Hz with an amplitude of {}",
             line.hz,
-            two_digits(line.amplitude)
+            evidence.output(two_digits(line.amplitude))
         )
     };
     let lines: Vec<String> = hum.iter().map(line).collect();

@@ -32,6 +32,21 @@ impl<'a> Evidence<'a> {
         label.map_or_else(|| number.to_string(), |label| label.to_string())
     }
 
+    /// A number of the input as a sentence has it, with its unit where that is known.
+    pub(super) fn input(&self, number: impl std::fmt::Display) -> String {
+        self.with_unit(0, number)
+    }
+
+    /// A number of the output likewise.
+    pub(super) fn output(&self, number: impl std::fmt::Display) -> String {
+        self.with_unit(1, number)
+    }
+
+    fn with_unit(&self, column: usize, number: impl std::fmt::Display) -> String {
+        let unit = self.recorded.map_or("", |record| record.units()[column]);
+        format!("{number} {unit}").trim_end().to_owned()
+    }
+
     /// Whether the model has bounds, of which advice may speak.
     pub(super) fn has_bounds(&self) -> bool {
         self.model.bounds.valid().is_some()

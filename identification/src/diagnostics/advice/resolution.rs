@@ -13,7 +13,7 @@ pub(super) fn quantised(evidence: &Evidence<'_>) -> Option<Advice> {
     let smooth = evidence.explanation.excitation.as_ref();
     let steps = format!(
         "The sensor's steps of {} are larger than the noise",
-        two_digits(found.step)
+        evidence.output(two_digits(found.step))
     );
     let (check, finding, remedy) = if smooth.is_some_and(Excitation::is_smooth) {
         // Under a smooth input the effect of rounding on the response grows with everything else.

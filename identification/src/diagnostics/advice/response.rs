@@ -69,7 +69,7 @@ pub(super) fn servo_stopped(evidence: &Evidence<'_>) -> Option<Advice> {
 pub(super) fn travel_end(evidence: &Evidence<'_>) -> Option<Advice> {
     let found = evidence.validity.travel_end?;
     let (from, to) = found.commands;
-    let (first, last) = (four_digits(from), four_digits(to));
+    let (first, last) = (four_digits(from), evidence.input(four_digits(to)));
     let commands = match found.count {
         1 => format!("a command of {last} ends there"),
         count => format!("commands from {first} to {last} all end there ({count} of them)"),
@@ -78,7 +78,7 @@ pub(super) fn travel_end(evidence: &Evidence<'_>) -> Option<Advice> {
         Check::TravelEnd,
         format!(
             "The output stops at {}: {commands}, though it follows the others. Neither the linear model nor the servo model has a stop.",
-            four_digits(found.rest),
+            evidence.output(four_digits(found.rest)),
         ),
         found.rest,
         from,

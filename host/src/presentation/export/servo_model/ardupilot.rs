@@ -14,7 +14,7 @@ use crate::presentation::export::error::ExportError;
 use crate::presentation::export::text::{SCRIPT_STYLE, number};
 use crate::presentation::summary::four_digits;
 use crate::presentation::template::fill;
-use servoid_identification::servo_model::Load;
+use servoid_identification::servo_model::{Load, ServoParameters};
 use std::f64::consts::{PI, SQRT_2, TAU};
 
 /// Steps of SITL in a second, unless SIM_RATE_HZ says otherwise.
@@ -30,7 +30,7 @@ const SPEED_DEG: f64 = 60.0;
 const HIGHEST_CUTOFF: f64 = 0.45;
 
 /// What SITL has not.
-const LEFT_OUT: [Term; 12] = [
+const LEFT_OUT: [Term; 10] = [
     Term::FullDrive,
     Term::TwoSpeeds,
     Term::DampingRatio,
@@ -41,8 +41,6 @@ const LEFT_OUT: [Term; 12] = [
     Term::ConstantLoad,
     Term::Weight,
     Term::StiffeningLoad,
-    Term::Gain,
-    Term::Offset,
 ];
 
 /// The values of the parameters.
@@ -119,27 +117,45 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     let degrees = export.radians_per_unit()?.to_degrees();
     let full_speed = Parameters::of(export, degrees);
     let trial = Trial::of(export, 1.0 / full_speed.rate_hz, FULL_DEG / degrees);
-    let middle = trial.levels.first().copied().unwrap_or(0.0);
-    let servo = &export.parameters;
-    let turned: Vec<f64> = trial
-        .command()
-        .iter()
-        .map(|u| degrees * (u - middle))
+    let zero = command_of_zero(&trial, FULL_DEG / degrees);
+    let turned: Vec<f64> = (trial.command().iter())
+        .map(|u| degrees * (u - zero))
         .collect();
-    let positions = |parameters: &Parameters| -> Vec<f64> {
-        let deflections = parameters.respond(&turned);
-        let position =
-            |deflection: &f64| servo.gain * (middle + deflection / degrees) + servo.offset;
+    // What the header tells to do with the output.
+    let gain = export.parameters.gain;
+    let positions = |deflections: &[f64], servo: &ServoParameters| -> Vec<f64> {
+        let at_zero = servo.resting_output(zero);
+        let position = |deflection: &f64| at_zero + gain * deflection / degrees;
         deflections.iter().map(position).collect()
     };
-    let exact = trial.exact(&export.parameters_with(Load::None));
-    let share = best_share(&trial, &exact, |share| positions(&full_speed.slower(share))).share;
-    let parameters = full_speed.slower(share);
-    let positions = positions(&parameters);
-    let difference = Difference::of(export, trial, &positions, Load::None);
+    let unloaded = export.parameters_with(Load::None);
+    let exact = trial.exact(&unloaded);
+    let slower = |share| positions(&full_speed.slower(share).respond(&turned), &unloaded);
+    let parameters = full_speed.slower(best_share(&trial, &exact, slower).share);
+    let deflections = parameters.respond(&turned);
+    let from = |servo: &ServoParameters, exact: &[f64]| {
+        trial.largest_difference(&positions(&deflections, servo), exact)
+    };
+    let servo = &export.parameters;
+    let is_loaded = servo.load != Load::None;
+    let difference = Difference {
+        largest: from(servo, &trial.exact(servo)),
+        without_other_loads: is_loaded.then(|| from(&unloaded, &exact)),
+        trial,
+    };
     let rate = format!("{:.0}", parameters.rate_hz);
-    let share = full_speed.speed_s / parameters.speed_s;
-    let about = about(export, &rate, share, &difference);
+    let beside = export.line(
+        servo.resting_output(zero),
+        gain * FULL_DEG / degrees,
+        "times the output of SITL's servo",
+    );
+    let about = about(
+        export,
+        &rate,
+        [&parameters, &full_speed].map(|found| SPEED_DEG / found.speed_s / degrees),
+        &apply(export, &beside, zero),
+        &difference,
+    );
     let values = [
         ("about", SCRIPT_STYLE.comment(&about)),
         ("speed", number(parameters.speed_s)),
@@ -147,13 +163,41 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         ("filter", number(parameters.filter_hz)),
         ("rate", rate),
     ];
-    ExportedServo::new(
-        fill(include_str!("../templates/servo_model/servo.parm"), &values),
-        difference,
+    let text = fill(include_str!("../templates/servo_model/servo.parm"), &values);
+    Ok(ExportedServo::new(text, difference)?.with(beside))
+}
+
+/// The command at which SITL's servo gives 0: that of 0 where a trial from there stays within the `farthest` command, which is a full one,
+/// and else the middle of the trial.
+fn command_of_zero(trial: &Trial, farthest: f64) -> f64 {
+    let middle = trial.levels.first().copied().unwrap_or(0.0);
+    let is_within = trial.levels.iter().all(|level| level.abs() <= farthest);
+    if is_within { 0.0 } else { middle }
+}
+
+/// What is to be done beside the parameters, and where.
+fn apply(export: &ServoExport<'_>, line: &str, zero: f64) -> String {
+    let reversed = match export.parameters.gain < 0.0 {
+        true => {
+            ", and SERVOn_REVERSED, set opposite to that of the aircraft, turns it round, as this servo turns against its command"
+        }
+        false => "",
+    };
+    let unit = export.metadata.units().input;
+    format!(
+        "Apply beside the parameters the gain and the offset, which SITL's servo has not: {line}. The output is from -1 to 1, and 0 under the command {}{}. Apply them where your flight model takes the output: no parameter of ArduPilot comes behind the servo. Where the flight model cannot be changed, SERVOn_TRIM shifts the output{reversed}. The largest difference below is of the position so computed.",
+        four_digits(zero),
+        unit.map(|unit| format!(" {unit}")).unwrap_or_default()
     )
 }
 
-fn about(export: &ServoExport<'_>, rate: &str, share: f64, difference: &Difference) -> Vec<String> {
+fn about(
+    export: &ServoExport<'_>,
+    rate: &str,
+    [limit, top]: [f64; 2],
+    apply: &str,
+    difference: &Difference,
+) -> Vec<String> {
     let lag_s = export.parameters.damping / export.parameters.stiffness;
     let mut about = export.statement();
     about.extend([
@@ -162,10 +206,11 @@ fn about(export: &ServoExport<'_>, rate: &str, share: f64, difference: &Differen
             "In SITL: SIM_SERVO_SPEED is the time for {SPEED_DEG} degrees, or 0 for no limit, SIM_SERVO_DELAY the delay and the two steps that SITL and its filter are early by, at {rate} steps in a second (SIM_RATE_HZ), and SIM_SERVO_FILTER the cutoff of the Butterworth filter that lags behind a ramp as this servo does, by {} ms.",
             four_digits(1e3 * lag_s)
         ),
-        export.rate([share; 2]),
+        export.rate([limit; 2], [top; 2]),
         format!(
-            "SITL takes a full command for {FULL_DEG} degrees. For a servo that turns by D degrees then, multiply SIM_SERVO_SPEED by D/{FULL_DEG}. These parameters are those of all servos of the aircraft."
+            "An output of 1 stands for {FULL_DEG} degrees of the command, as SITL takes it. Where a full command is D degrees, multiply SIM_SERVO_SPEED, and what the output is multiplied by, by D/{FULL_DEG}. These parameters are those of all servos of the aircraft."
         ),
+        apply.to_owned(),
         export.left_out("ArduPilot's SITL", &LEFT_OUT),
         export.difference(difference, Comparison::Emulation("ArduPilot's SITL")),
     ]);

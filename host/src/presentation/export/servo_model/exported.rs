@@ -12,10 +12,13 @@ pub struct ExportedServo {
     pub trial: Trial,
     /// The largest difference of the position under that command \[unit of the position\].
     pub largest_difference: f64,
+    /// What turns that which the program gives into the position, a sentence; `None` where the file does so. The difference is that of such
+    /// a position.
+    pub beside: Option<String>,
 }
 
 impl ExportedServo {
-    /// Text with its difference.
+    /// Text with its difference, of a file that gives the position.
     ///
     /// # Errors
     /// The motion has no end, so there is no difference.
@@ -25,8 +28,17 @@ impl ExportedServo {
                 text,
                 trial: difference.trial,
                 largest_difference: difference.largest,
+                beside: None,
             }),
             false => Err(ExportError::Impossible),
+        }
+    }
+
+    /// The same of a file that needs this beside it.
+    pub(super) fn with(self, beside: String) -> Self {
+        Self {
+            beside: Some(beside),
+            ..self
         }
     }
 }

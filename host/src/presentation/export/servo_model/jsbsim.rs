@@ -221,7 +221,8 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     let difference = Difference::of(export, trial, &positions, load);
     let id = identifier(export.name);
     let held = export.frame_s() > 0.0;
-    let about = about(export, shares(&any, &actuator), &difference);
+    let rates = [&actuator, &any].map(|of| of.rates.map_or([0.0; 2], <[f64; 2]>::from));
+    let about = about(export, rates, &difference);
     let frame = [("id", id.clone()), ("frame", number(export.frame_s()))];
     let hold = held.then(|| fill(include_str!("../templates/hold.xml"), &frame));
     let input = if held { "held" } else { "cmd" };
@@ -242,20 +243,16 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     )
 }
 
-/// What the rates are of those at full speed, towards larger and smaller theta.
-fn shares(full_speed: &Actuator, actuator: &Actuator) -> [f64; 2] {
-    match (actuator.rates, full_speed.rates) {
-        (Some((up, down)), Some((full_up, full_down))) => [up / full_up, down / full_down],
-        _ => [1.0; 2],
-    }
-}
-
-fn about(export: &ServoExport<'_>, shares: [f64; 2], difference: &Difference) -> Vec<String> {
+fn about(
+    export: &ServoExport<'_>,
+    [limits, tops]: [[f64; 2]; 2],
+    difference: &Difference,
+) -> Vec<String> {
     let mut about = export.statement();
     about.extend([
         export.hold(export.frame_s() > 0.0),
         "In JSBSim: hysteresis_width is the distance between the rests from above and from below, by friction and dead band; bias is what the constant load moves the rest by; the filter is the servo at small signals.".to_owned(),
-        export.rate(shares),
+        export.rate(limits, tops),
         "Time: the position that a step of JSBSim gives is that of the beginning of the step, when its command begins to act. Run it at 500 Hz or more. Set the step before the aircraft is loaded: delays are counted out then.".to_owned(),
         export.left_out("an actuator of JSBSim", &LEFT_OUT),
         export.difference(difference, Comparison::Emulation("JSBSim")),

@@ -23,14 +23,12 @@ const IMPEDANCE: f64 = 0.9999;
 const TIME_CONSTANT: f64 = 2.0;
 
 /// What position actuator and joint have not.
-const LEFT_OUT: [Term; 7] = [
+const LEFT_OUT: [Term; 5] = [
     Term::WeakerLoopDownwards,
     Term::DeadBand,
     Term::FrictionOfGears,
     Term::FrictionAtRest,
     Term::StiffeningLoad,
-    Term::Gain,
-    Term::Offset,
 ];
 
 /// The numbers of joint and actuator, in units of the command.
@@ -163,20 +161,33 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         _ => export.only_constant_load(),
     };
     let difference = Difference::of(export, trial, &positions, load);
-    let about = about(export, radians, &difference);
+    let beside = export.line(
+        servo.offset,
+        servo.gain / radians,
+        "times the joint's angle in rad",
+    );
+    let about = about(export, radians, &beside, &difference);
     let mut values = joint.values(&identifier(export.name), radians);
     values.push(("about", XML_STYLE.comment(&about)));
     let template = include_str!("../templates/servo_model/servo.mjcf");
-    ExportedServo::new(fill(template, &values), difference)
+    Ok(ExportedServo::new(fill(template, &values), difference)?.with(beside))
 }
 
-fn about(export: &ServoExport<'_>, radians: f64, difference: &Difference) -> Vec<String> {
+fn about(
+    export: &ServoExport<'_>,
+    radians: f64,
+    beside: &str,
+    difference: &Difference,
+) -> Vec<String> {
     let mut about = export.statement();
     about.extend([
         export.hold(false),
         format!(
-            "In MuJoCo: angles are in rad, {} for each unit of the command and of theta: ctrl is that times the command, and the position is (joint angle / that) times the gain, plus the offset. The actuator is the drive, with kp = k, kv = c - B and the range from -A- to A+; the joint has the damping B and the frictionloss C.",
+            "In MuJoCo: angles are in rad, {} for each unit of the command and of theta: ctrl is that times the command. The actuator is the drive, with kp = k, kv = c - B and the range from -A- to A+; the joint has the damping B and the frictionloss C.",
             number(radians)
+        ),
+        format!(
+            "Apply beside the file the gain and the offset, which a joint has not: {beside}. The largest difference below is of the position so computed."
         ),
         "The joint has an inertia of 1 kg m^2, which stands for the unknown one of motor, gears and load. In your mechanism with the inertia J about this joint, armature included, multiply kp, kv, forcerange, damping, frictionloss and the load by J. The weight, if there is one, is a mass on an arm as short as a millimetre: your mechanism takes its place.".to_owned(),
         "delay and nsample are the delay, and half a step by which MuJoCo is early; they are of a MuJoCo later than 3.9. In an older one leave both out, and delay the command yourself.".to_owned(),

@@ -3,6 +3,7 @@
 use super::exported::ExportedServo;
 use super::subject::ServoExport;
 use super::trial_command::{Difference, FINER, Trial};
+use crate::data::rounding::six_digits;
 use crate::presentation::export::statement::units_in_words;
 use crate::presentation::export::text::number;
 use crate::presentation::summary;
@@ -133,7 +134,7 @@ impl ServoExport<'_> {
             false => "larger theta",
         };
         format!(
-            "Units and signs: {}, theta is in units of the command, times are in seconds. Upwards is where the position grows, towards {theta}. A positive load turns towards smaller theta. The offset that was identified is the position at rest under command 0, with load and dead band, and in the middle of what friction holds; that of the parameters is the position at theta = 0.",
+            "Units and signs: {}, theta is in units of the command, times are in seconds. Upwards is where the position grows, towards {theta}. A positive load turns towards smaller theta. The offset that was identified is the position at rest under command 0, with load and dead band, and in the middle of what friction holds; that of the parameters is the position at theta = 0. Of what was identified, offset, speeds and accelerations are of the position; dead band, resting error, error of full drive and loads are of the command.",
             units_in_words(self.metadata.units()),
         )
     }
@@ -190,24 +191,46 @@ impl ServoExport<'_> {
         }
     }
 
-    /// How a rate limit of these shares of the top speeds was found; those are towards larger and smaller theta.
-    pub(super) fn rate(&self, shares: [f64; 2]) -> String {
+    /// How the limits of a rate were found, of these top speeds; both are of theta, towards larger and smaller. A target with one rate
+    /// has both the same.
+    pub(super) fn rate(&self, limits: [f64; 2], tops: [f64; 2]) -> String {
         if self.top_speeds().is_none() {
             return format!(
                 "Rate: no limit was reached{}, so this model has none, and neither has this file.",
                 self.reached()
             );
         }
-        let [up, down] =
-            (self.parameters.upwards_first(shares)).map(|share| four_digits(100.0 * share));
+        let unit = self.command_unit();
+        let both = match self.top_speeds() {
+            Some((up, down)) if up != down && tops[0] == tops[1] => ", the mean of both directions",
+            _ => "",
+        };
+        let of_top = |limit: f64, top: f64| {
+            let [percent, limit, top] = [100.0 * (limit / top), limit, top].map(four_digits);
+            format!(
+                "{limit} {unit}/s, which is {percent} % of the top speed of {top} {unit}/s{both}"
+            )
+        };
+        let [up, down] = (self.parameters)
+            .upwards_first([(limits[0], tops[0]), (limits[1], tops[1])])
+            .map(|(limit, top)| of_top(limit, top));
         let limit = match up == down {
-            true => format!("the limit is {up} % of the top speed"),
-            false => {
-                format!("the limit is {up} % of the top speed upwards, and {down} % downwards")
-            }
+            true => format!("the limit of theta is {up}"),
+            false => format!("the limit of theta upwards is {up}, and downwards {down}"),
         };
         format!(
-            "Rate: {limit}, which comes closest to the servo under the command below, in the mean of squares, and is not below what the servo reached in the recording. In short strokes a servo does not reach its top speed."
+            "Rate: {limit}. It comes closest to the servo under the command below, in the mean of squares, and is not below what the servo reached in the recording. In short strokes a servo does not reach its top speed."
+        )
+    }
+
+    /// The position as a line of what a target gives: `at_zero` is where that is 0, and `each` is for each unit of it, which `what` names.
+    pub(super) fn line(&self, at_zero: f64, each: f64, what: &str) -> String {
+        let sign = if each < 0.0 { '-' } else { '+' };
+        format!(
+            "position = {} {sign} {} {what}, in {}",
+            six_digits(at_zero),
+            six_digits(each.abs()),
+            self.output_unit()
         )
     }
 
@@ -223,27 +246,28 @@ impl ServoExport<'_> {
 
     /// The strokes of a trial beside those of the recording.
     fn strokes(&self, trial: &Trial) -> String {
-        let unit = self.metadata.units().input;
-        let unit = unit.map(|unit| format!(" {unit}")).unwrap_or_default();
+        let unit = of_column(self.metadata.units().input, "command");
         let stroke = trial.largest_stroke();
         let recorded = match self.recorded_range() {
             Some(range) => format!("the recording has commands {range}"),
             None => "which range the recording has, the model file does not say".to_owned(),
         };
         format!(
-            "over strokes of up to {}{unit} ({recorded})",
+            "over strokes of up to {} {unit} ({recorded})",
             beside(stroke, stroke)
         )
     }
 
     fn of_stroke(&self, difference: f64, trial: &Trial) -> String {
         let unit = self.metadata.units().output;
-        let unit = unit.map(|unit| format!(" {unit}")).unwrap_or_default();
+        let short = unit.map(|unit| format!(" {unit}")).unwrap_or_default();
+        let unit = of_column(unit, "position");
         let stroke = trial.largest_stroke() * self.parameters.gain.abs();
         let percent = four_digits(100.0 * difference / stroke);
         format!(
-            "{}{unit}, {percent} % of the largest stroke",
-            difference_text(difference)
+            "{} {unit}, {percent} % of its largest stroke ({}{short})",
+            difference_text(difference),
+            beside(stroke, stroke)
         )
     }
 
@@ -277,6 +301,11 @@ impl ServoExport<'_> {
             trial.steps_of_broken_off,
         )
     }
+}
+
+/// "deg of the position", or "units of the position" where that is all that is known.
+fn of_column(unit: Option<&str>, column: &str) -> String {
+    format!("{} of the {column}", unit.unwrap_or("units"))
 }
 
 /// A number with the digits that count beside the size `size`: three of that.

@@ -22,8 +22,6 @@ pub(super) enum Term {
     ConstantLoad,
     Weight,
     StiffeningLoad,
-    Gain,
-    Offset,
 }
 
 impl ServoExport<'_> {
@@ -36,7 +34,7 @@ impl ServoExport<'_> {
         match found.is_empty() {
             true => format!("Left out: nothing; {target} has all terms of this servo."),
             false => format!(
-                "Left out, as {target} cannot express it: {}.",
+                "Left out, as {target} cannot express it, in units of the command, which theta has: {}.",
                 found.join("; ")
             ),
         }
@@ -45,7 +43,7 @@ impl ServoExport<'_> {
     /// A term of this servo with its value; `None` where it does not have the term.
     fn described(&self, term: Term) -> Option<String> {
         let p = &self.parameters;
-        let (command, output) = (self.command_unit(), self.output_unit());
+        let command = self.command_unit();
         match term {
             Term::FullDrive | Term::TwoSpeeds | Term::WeakerLoopDownwards => self.drive(term),
             Term::DampingRatio => {
@@ -76,11 +74,6 @@ impl ServoExport<'_> {
                 ))
             }
             Term::ConstantLoad | Term::Weight | Term::StiffeningLoad => self.load(term),
-            Term::Gain => Some(format!(
-                "the gain of {} {output}/{command}",
-                four_digits(p.gain)
-            )),
-            Term::Offset => Some(format!("the offset of {} {output}", four_digits(p.offset))),
         }
     }
 
@@ -157,14 +150,14 @@ impl ServoExport<'_> {
         format!("{acceleration} {command}/s^2, an error of {error} {command} at rest")
     }
 
-    fn command_unit(&self) -> &str {
+    pub(super) fn command_unit(&self) -> &str {
         self.metadata
             .units()
             .input
             .unwrap_or("units of the command")
     }
 
-    fn output_unit(&self) -> &str {
+    pub(super) fn output_unit(&self) -> &str {
         self.metadata
             .units()
             .output

@@ -2,7 +2,7 @@
 //! and `Filter/LowPassFilter2p.cpp` of ArduPilot do, in single precision: a ring of commands of which the oldest is taken after the
 //! newest is put in, a limit of the change in a step, and a biquad filter.
 
-use super::subjects::{Exported, SERVOS};
+use super::subjects::{Exported, SERVOS, number_behind, prose};
 use std::collections::VecDeque;
 
 /// A servo of SITL. Commands and positions are parts of the full deflection.
@@ -62,14 +62,14 @@ impl Sitl {
 }
 
 fn positions(exported: &Exported) -> Vec<f64> {
-    // The command is in deg.
-    let per_unit = 1.0 / 45.0;
-    let middle = exported.trial.levels[0];
-    let mut sitl = Sitl::new(&exported.text, 0.0);
-    let position = |command: &f64| {
-        let deflection = f64::from(sitl.step(((command - middle) * per_unit) as f32));
-        exported.servo.gain * (middle + deflection / per_unit) + exported.servo.offset
-    };
+    // As the header says; the command is in deg.
+    let said = prose(&exported.text);
+    let full = number_behind(&said, "An output of 1 stands for ");
+    let zero = number_behind(&said, "and 0 under the command ");
+    let [at_zero, each] = exported.line();
+    let part = |command: f64| ((command - zero) / full) as f32;
+    let mut sitl = Sitl::new(&exported.text, part(exported.trial.levels[0]));
+    let position = |command: &f64| at_zero + each * f64::from(sitl.step(part(*command)));
     exported.trial.command().iter().map(position).collect()
 }
 

@@ -1,7 +1,7 @@
 //! The equation as a C99 header, compiled as strictly as C99 goes.
 
 use super::super::{must, rows, works};
-use super::subjects::{Exported, SERVOS, from_ends};
+use super::subjects::{Exported, SERVOS, from_ends, prose};
 use servoid_test_support::tools::missing;
 use std::fmt::Write;
 use std::path::Path;
@@ -96,7 +96,7 @@ fn other_steps_state_their_difference() {
     let servo = SERVOS[1];
     let stated = ["0.1", "2", "10"].map(|step| {
         let exported = servo.export("c", folder.path(), &["--step-ms", step]);
-        assert!(exported.text.contains(&format!("with steps of {step}")));
+        assert!(prose(&exported.text).contains(&format!("with steps of {step}")));
         exported.stated / exported.largest_stroke()
     });
     // Second order: the difference falls at least by 5 where the step falls by 5.

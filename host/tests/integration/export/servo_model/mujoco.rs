@@ -48,7 +48,8 @@ fn joints_are_as_far_from_the_servo_model_as_they_state() {
     std::fs::write(&file, script).unwrap();
     let printed = rows(&must(Command::new("python3").arg(file).arg(folder.path())));
     for ((exported, servo), angles) in exports.iter().zip(SERVOS).zip(printed) {
-        let position = |angle: &f64| exported.servo.gain * angle + exported.servo.offset;
+        let [at_zero, each] = exported.line();
+        let position = |angle: &f64| at_zero + each * angle.to_radians();
         let positions: Vec<f64> = angles.iter().map(position).collect();
         // The solver stops a little before the exact minimum of its constraint.
         exported.check(servo.name, &positions, 1e-4);

@@ -1,6 +1,6 @@
 //! What the files say.
 
-use super::subjects::{AIRCRAFT, SERVOS, export};
+use super::subjects::{AIRCRAFT, SERVOS, export, number_behind, prose};
 use crate::support::arg;
 use crate::support::run;
 use serde_json::json;
@@ -17,14 +17,6 @@ const TARGETS: [&str; 7] = [
     "ardupilot",
     "mujoco",
 ];
-
-/// The text of a file as one line, without the signs of comments.
-fn prose(text: &str) -> String {
-    let lines = text
-        .lines()
-        .map(|line| line.trim_start_matches(['#', '%', '*', ' ']));
-    lines.collect::<Vec<_>>().join(" ")
-}
 
 #[test]
 fn every_file_says_what_it_is_and_how_far_it_is_off() {
@@ -95,7 +87,7 @@ fn what_a_target_lacks_is_named_with_its_value() {
     }
     let linear = find("linear").export("mujoco", folder.path(), &[]);
     let nothing = prose(&linear.text);
-    assert!(nothing.contains("the gain of 1.020 deg/deg; the offset of"));
+    assert!(nothing.contains("Left out: nothing"), "{nothing}");
     assert!(!linear.text.contains("forcerange=") && !linear.text.contains("frictionloss="));
 }
 
@@ -187,6 +179,68 @@ fn what_the_recording_does_not_determine_is_said_without_a_value() {
         "{said}"
     );
     assert!(!said.contains("damping ratio 0."), "{said}");
+}
+
+/// Of a servo that turns against its command, with an offset: who follows the header gets its position.
+#[test]
+fn what_is_to_be_applied_beside_a_file_is_said_with_its_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    let reversed = changed(folder.path(), |model| {
+        let places = model["coordinates"].as_array().unwrap().clone();
+        for (name, value) in [("gain", -0.8), ("offset", 12.0)] {
+            let place = places.iter().position(|at| *at == name).unwrap();
+            model["values"][place] = json!(value);
+        }
+    });
+    let of = |target| prose(&export(&reversed, 0, target, &[]).text);
+    let exported = export(&reversed, 0, "ardupilot", &[]);
+    let [at_zero, each] = exported.line();
+    // Six digits are written.
+    assert!((at_zero - exported.servo.resting_output(0.0)).abs() < 1e-4);
+    assert_eq!(each, -36.0);
+    let said = prose(&exported.text);
+    for part in [
+        "- 36 times the output of SITL's servo, in deg. The output is from -1 to 1, and 0 under the command 0 deg.",
+        "where your flight model takes the output",
+        "SERVOn_REVERSED, set opposite to that of the aircraft",
+        "deg of the position, ",
+        "deg of the command (the recording has",
+    ] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+    let said = of("mujoco");
+    let line = "position = 12 - 45.8366 times the joint's angle in rad, in deg";
+    assert!(said.contains(line), "{said}");
+    assert!(!prose(&export(&AIRCRAFT.file, 0, "ardupilot", &[]).text).contains("SERVOn_REVERSED"));
+    let args = ["export", arg(&reversed), "--to", "mujoco"];
+    let remarks = remarks(&args);
+    assert!(remarks.contains(line), "{remarks}");
+    // Others have both in the file.
+    for target in ["c", "python", "julia", "matlab", "jsbsim"] {
+        assert!(!of(target).contains("Apply beside"), "{target}");
+    }
+}
+
+#[test]
+fn a_limit_of_a_rate_is_said_beside_the_top_speed() {
+    let folder = tempfile::tempdir().unwrap();
+    for target in ["ardupilot", "jsbsim"] {
+        let text = SERVOS[1].export(target, folder.path(), &[]).text;
+        let said = prose(&text);
+        let limit = number_behind(&said, "the limit of theta is ");
+        let share = number_behind(&said, "deg/s, which is ");
+        let top = number_behind(&said, "% of the top speed of ");
+        // Four digits are written.
+        assert!((limit / top - share / 100.0).abs() < 1e-3, "{said}");
+        let written = match target {
+            "ardupilot" => 60.0 / number_behind(&text, "\nSIM_SERVO_SPEED "),
+            _ => {
+                let (_, rest) = text.split_once("sense=\"incr\">").unwrap();
+                rest.split('<').next().unwrap().parse().unwrap()
+            }
+        };
+        assert!((written / limit - 1.0).abs() < 1e-3, "{written} {said}");
+    }
 }
 
 /// A model of the aircraft's servo, changed by `change`, in a folder.

@@ -77,6 +77,21 @@ const fn servo(name: &'static str, terms: &'static [&'static str], load: &'stati
     }
 }
 
+/// The text of a file as one line, without the signs of comments.
+pub fn prose(text: &str) -> String {
+    let lines = text
+        .lines()
+        .map(|line| line.trim_start_matches(['#', '%', '*', ' ']));
+    lines.collect::<Vec<_>>().join(" ")
+}
+
+/// The number behind these words.
+pub fn number_behind(text: &str, words: &str) -> f64 {
+    let (_, rest) = text.split_once(words).unwrap();
+    let number = rest.split(char::is_whitespace).next().unwrap();
+    number.parse().unwrap()
+}
+
 /// An export, as `--json` describes it.
 pub struct Exported {
     pub text: String,
@@ -107,6 +122,18 @@ impl Exported {
             (found - rest).abs() <= tolerance * self.largest_stroke(),
             "{name}: {found}, at rest {rest}"
         );
+    }
+
+    /// What the header tells to do with what the program gives: the position where that is 0, and for each unit of it.
+    pub fn line(&self) -> [f64; 2] {
+        let said = prose(&self.text);
+        // The equation has one, too.
+        let (_, line) = said.rsplit_once("position = ").unwrap();
+        let words: Vec<&str> = line.split(' ').take(3).collect();
+        let [at_zero, sign, each] = words[..] else {
+            panic!("{line}");
+        };
+        [at_zero, &format!("{sign}{each}")].map(|number| number.parse().unwrap())
     }
 
     /// Of the position.
