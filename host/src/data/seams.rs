@@ -2,7 +2,8 @@
 //!
 //! At such a seam the command goes from the last one of a run to the first one of the next, and the output does so in the same row, because it
 //! rests at each. No servo does that: at the row of a command it is where it was. A recording whose every stroke looks so is of something that
-//! is faster than its rows, and has no seams.
+//! is faster than its rows, and has no seams. One whose command never rests has its columns exchanged, or shows no seams. A jump by a step of
+//! the sensor is none.
 
 use super::statistics::{mean, span};
 use servoid_identification::results::{Advice, Check};
@@ -16,6 +17,9 @@ const STILL: f64 = 0.15;
 
 /// Part of the travel that is a jump.
 const JUMP: f64 = 0.05;
+
+/// Steps of the sensor that are no jump yet: noise beside an edge makes two.
+const STEPS: f64 = 2.5;
 
 /// Part of the changes of the command, at most, that may be seams.
 const FEW: f64 = 0.1;
@@ -51,6 +55,7 @@ pub(super) fn advice(record: &Record) -> Option<Advice> {
 /// The first rows of what seem to be further runs.
 fn seams(run: &Run<'_>, travel: f64) -> Vec<usize> {
     let (input, output) = (run.input(), run.output());
+    let least = (JUMP * travel).max(STEPS * smallest_change(output));
     let pairs = input.iter().zip(input.iter().skip(1)).zip(1..);
     let changes: Vec<usize> = pairs
         .filter_map(|((before, command), row)| (before != command).then_some(row))
@@ -58,7 +63,7 @@ fn seams(run: &Run<'_>, travel: f64) -> Vec<usize> {
     let found: Vec<usize> = changes
         .iter()
         .copied()
-        .filter(|&row| is_seam(output, row, travel))
+        .filter(|&row| is_seam(input, output, row, least))
         .collect();
     match found.len() as f64 <= FEW * changes.len() as f64 {
         true => found,
@@ -66,18 +71,33 @@ fn seams(run: &Run<'_>, travel: f64) -> Vec<usize> {
     }
 }
 
-fn is_seam(output: &[f64], row: usize, travel: f64) -> bool {
-    let sides = row
-        .checked_sub(RESTS)
-        .and_then(|from| output.get(from..row))
-        .zip(output.get(row..row + RESTS));
+/// Of any two rows: of a coarse sensor, its step.
+fn smallest_change(output: &[f64]) -> f64 {
+    let changes = output.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    changes
+        .filter(|change| *change > 0.0)
+        .fold(f64::INFINITY, f64::min)
+}
+
+/// Whether the output jumps by more than `least` at a change of the command, and both rest before and after it.
+fn is_seam(input: &[f64], output: &[f64], row: usize, least: f64) -> bool {
+    let Some(from) = row.checked_sub(RESTS) else {
+        return false;
+    };
+    fn sides(values: &[f64], from: usize) -> Option<(&[f64], &[f64])> {
+        let row = from + RESTS;
+        values.get(from..row).zip(values.get(row..row + RESTS))
+    }
+    let is_held = |side: &[f64]| side.iter().all(|command| *command == side[0]);
+    let command_rests =
+        sides(input, from).is_some_and(|(before, after)| is_held(before) && is_held(after));
     let jumps = |(before, after): (&[f64], &[f64])| {
         let jump = (mean(after)? - mean(before)?).abs();
         let moved = |side: &[f64]| span(side.iter().copied()).unwrap_or(0.0);
         let rests = moved(before).max(moved(after)) < STILL * jump;
-        Some(rests && jump > JUMP * travel)
+        Some(rests && jump > least)
     };
-    sides.and_then(jumps).unwrap_or(false)
+    command_rests && sides(output, from).and_then(jumps).unwrap_or(false)
 }
 
 #[cfg(test)]
@@ -111,5 +131,16 @@ mod tests {
         );
         assert_eq!(advice(&joined(1, 5.0)), None);
         assert_eq!(advice(&joined(1, 1.0)), None);
+    }
+
+    #[test]
+    fn steps_of_a_sensor_and_exchanged_columns_are_no_seams() {
+        let record = joined(1, 5.0);
+        let run = &record.runs()[0];
+        let coarse = run.output().iter().map(|y| (y / 2.0).round() * 2.0);
+        let coarse = Record::of_run(0.01, run.input(), coarse.collect::<Vec<f64>>()).unwrap();
+        assert_eq!(advice(&coarse), None);
+        let exchanged = Record::of_run(0.01, run.output(), run.input()).unwrap();
+        assert_eq!(advice(&exchanged), None);
     }
 }
