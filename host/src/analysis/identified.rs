@@ -9,7 +9,7 @@ use crate::data::rounding::six_digits;
 use crate::data::sensor_preset::is_of_data_sheet;
 use crate::presentation::summary::percent;
 use anyhow::{Context, Result};
-use servoid_identification::results::{Advice, Check, Metrics, Model, Reason, pointwise_critical};
+use servoid_identification::results::{Advice, Check, Model, Reason, pointwise_critical};
 use servoid_identification::{Identification, Options, identify_explained};
 use servoid_protocol::hello::INTERNAL_CLOCK_ERROR;
 
@@ -66,7 +66,8 @@ pub fn identified(data: &Dataset, name: &str, options: &Options) -> Result<Ident
         let [slow, fast] = INTERNAL_CLOCK_ERROR;
         found.model.metrics = found.model.metrics.with_clock_error(slow, fast);
     }
-    found.model.metrics = with_sensor_delay(&found.model, data.about.sensor_delay_uncertainty_s);
+    let delay_error_s = data.about.sensor_delay_uncertainty_s;
+    found.model = found.model.with_delay_error(delay_error_s);
     Ok(found)
 }
 
@@ -77,17 +78,6 @@ fn explained_by_waits(model: &mut Model) {
         model.linear = true;
         model.advice.retain(|item| !item.is_of_errors_in_motion());
     }
-}
-
-/// The metrics, with intervals that allow for what is not known of the sensor's delay.
-fn with_sensor_delay(model: &Model, uncertainty_s: f64) -> Metrics {
-    if uncertainty_s == 0.0 {
-        return model.metrics;
-    }
-    let response = model.servo_response(&model.frequency.omega_rad_s);
-    // Without the servo's own response that of its samples says as well how fast the phase falls.
-    let response = response.as_ref().unwrap_or(&model.frequency);
-    model.metrics.with_delay_error(uncertainty_s, response)
 }
 
 /// Sample periods of recordings of a servo \[s\]: with a longer one its motion is over between two samples, and no converter for

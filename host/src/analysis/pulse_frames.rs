@@ -7,7 +7,7 @@
 //! w(t) = (t0 - t) mod T = T/2 + Σ_k T/(π k) sin(2π k (t - t0)/T)
 //! ```
 //!
-//! so the first harmonic of the times of the answers, where it is largest, tells T and t0, and w then has to explain the times.
+//! so the first harmonic of the times of the answers, where it is largest, shows T and t0, and w then has to explain the times.
 
 use std::f64::consts::TAU;
 

@@ -1,10 +1,9 @@
 //! What bounds allow for beside noise: frequencies that the bank leaves out, and the steps of the sensor.
 
-use super::estimate::Estimate;
 use super::fitted::Fitted;
 use super::responses::Responses;
 use super::task::Task;
-use crate::data::{Quantisation, Record};
+use crate::data::Quantisation;
 use crate::estimation::Truncation;
 use crate::results::Biases;
 
@@ -23,7 +22,7 @@ impl Allowances {
     pub(super) fn new(task: &Task<'_>, fitted: &Fitted, responses: &Responses) -> Self {
         let quantisation = task
             .record
-            .and_then(|record| steps_of_sensor(record, &fitted.estimate));
+            .and_then(|record| fitted.estimate.steps_of_sensor(record));
         let basis = fitted.candidate.plan.basis;
         let (truncation, mut frequency, bounded) = if basis.is_complete() {
             (0.0, Vec::new(), true)
@@ -49,11 +48,6 @@ impl Allowances {
             quantisation,
         }
     }
-}
-
-/// The steps of the sensor, where they are larger than the errors of the fit.
-pub(super) fn steps_of_sensor(record: &Record, estimate: &Estimate) -> Option<Quantisation> {
-    Quantisation::of(record, estimate.rmse())
 }
 
 /// Bounds of the effects of the frequencies that the bank leaves out; `None` where there is no bound.

@@ -1,7 +1,7 @@
 //! The fit by a plan.
 
 use super::plan::Plan;
-use crate::data::{Moments, Record};
+use crate::data::{Moments, Quantisation, Record};
 use crate::diagnostics::square;
 use crate::error::Error;
 use crate::estimation::{
@@ -35,6 +35,17 @@ impl Estimate {
     /// Root mean square of the errors of the simulation, over the rows \[output\].
     pub(super) fn rmse(&self) -> f64 {
         (square(&self.information, &self.fit) / self.information.rows() as f64).sqrt()
+    }
+
+    /// The steps of the sensor, where they are larger than these errors.
+    pub(super) fn steps_of_sensor(&self, record: &Record) -> Option<Quantisation> {
+        Quantisation::of(record, self.rmse())
+    }
+
+    /// The largest error of a level that they leave; 0 where noise is larger \[output\].
+    pub(super) fn level_error(&self, record: &Record) -> f64 {
+        let found = self.steps_of_sensor(record);
+        found.map_or(0.0, |found| found.level_error())
     }
 }
 

@@ -2,7 +2,6 @@
 
 use std::cell::OnceCell;
 
-use super::allowances::steps_of_sensor;
 use super::candidate::Candidate;
 use super::estimate::Estimate;
 use super::task::Task;
@@ -110,7 +109,7 @@ fn linearity(task: &Task<'_>, candidate: &Candidate, estimate: &Estimate) -> Opt
     let record = task.record?;
     let (information, fit) = (&estimate.information, &estimate.fit);
     let runs = simulated(record, &information.moments, fit);
-    let level_error = steps_of_sensor(record, estimate).map_or(0.0, |found| found.level_error());
+    let level_error = estimate.level_error(record);
     let found = test_linearity(&runs, information, fit, level_error)?;
     // A response that goes on beyond N leaves errors that are not at standstill either.
     let settled = candidate.plan.choice.as_ref().map(|choice| choice.settled);

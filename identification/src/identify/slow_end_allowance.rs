@@ -1,6 +1,5 @@
 //! A slow end beside the lags up to N, where the errors can say something of one.
 
-use super::allowances::steps_of_sensor;
 use super::fitted::Fitted;
 use super::task::Task;
 use crate::data::Record;
@@ -12,8 +11,7 @@ pub(super) fn slow_columns<'a>(task: &Task<'_>, fitted: &'a Fitted) -> Option<&'
     let estimate = &fitted.estimate;
     let (moments, fit) = (&estimate.information.moments, &estimate.fit);
     let found = || {
-        let level_error =
-            steps_of_sensor(record, estimate).map_or(0.0, |found| found.level_error());
+        let level_error = estimate.level_error(record);
         SlowColumns::new(
             &simulated_whole(record, moments, fit),
             moments,

@@ -17,7 +17,8 @@ use crate::data::Timing;
 use crate::estimation::{Coordinates, CurveVariance};
 use crate::numerics::pointwise_critical;
 use crate::options::LEVELS;
-use crate::results::usable_numbers::is_sized;
+use crate::results::step_response::is_zero;
+use crate::results::usable_numbers::{LARGEST, is_sized};
 use crate::results::validity::Bounds;
 
 /// Decibels that stand for a magnitude of zero.
@@ -66,6 +67,9 @@ pub struct FrequencyBounds {
     /// part of all bounds. Empty where there is none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub bias: Vec<f64>,
+    /// How much earlier or later than it is taken for the output may have been recorded \[s\]; it is part of the bounds of the phase.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub delay_error_s: f64,
 }
 
 /// Frequencies \[rad/sample\] for a document: evenly spaced on a logarithmic scale from a tenth of
@@ -172,6 +176,7 @@ impl FrequencyResponse {
                     .all(|values| sized(values))
                 && (bounds.bias.is_empty() || sized(&bounds.bias))
                 && bounds.bias.iter().all(|bias| *bias >= 0.0)
+                && (0.0..=LARGEST).contains(&bounds.delay_error_s)
         });
         bounds
             && [&self.omega_rad_s, &self.re, &self.im]
@@ -182,6 +187,18 @@ impl FrequencyResponse {
 }
 
 impl FrequencyBounds {
+    /// The same at `omega_rad_s` for output that may have been recorded up to `seconds` earlier or later.
+    #[must_use]
+    pub(crate) fn with_delay_error(mut self, omega_rad_s: &[f64], seconds: f64) -> Self {
+        for (k, omega) in omega_rad_s.iter().enumerate() {
+            let turned = (omega * seconds).to_degrees();
+            self.phase_deg_lower[k] -= turned;
+            self.phase_deg_upper[k] += turned;
+        }
+        self.delay_error_s += seconds;
+        self
+    }
+
     /// Draws the bounds around `values`, which alternate between Re G and Im G, as do the entries of `spread`.
     /// `bias` bounds the other errors of G; it is empty where there are none.
     #[must_use]
@@ -197,6 +214,7 @@ impl FrequencyBounds {
             phase_deg_lower: Vec::new(),
             phase_deg_upper: Vec::new(),
             bias,
+            delay_error_s: 0.0,
         };
         for (k, phase) in continuous_phase(values).into_iter().enumerate() {
             let region = Ellipse::new(

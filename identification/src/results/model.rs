@@ -189,6 +189,26 @@ impl Model {
         self.metrics = Metrics::withheld(gain, Withheld::TimeFault, bounds);
     }
 
+    /// The same with bounds that allow for output that was recorded up to `seconds` earlier or later than it is taken for: of both
+    /// responses, of the times from the edge, and of the frequency of a phase.
+    #[must_use]
+    pub fn with_delay_error(mut self, seconds: f64) -> Self {
+        if seconds == 0.0 {
+            return self;
+        }
+        let response = self.servo_response(&self.frequency.omega_rad_s);
+        // Without the servo's own response that of its samples says as well how fast the phase falls.
+        let response = response.as_ref().unwrap_or(&self.frequency);
+        self.metrics = self.metrics.with_delay_error(seconds, response);
+        if let Bounds::Valid(bounds) = &mut self.step.bounds {
+            bounds.allow_for_delay_error(seconds / self.sample_period_s);
+        }
+        let omegas = &self.frequency.omega_rad_s;
+        let bounds = self.frequency.bounds;
+        self.frequency.bounds = bounds.map(|bounds| bounds.with_delay_error(omegas, seconds));
+        self
+    }
+
     /// All that metrics are read from, where bounds hold.
     ///
     /// # Errors

@@ -33,6 +33,7 @@ fn bounds_of(measured: &Measured<'_>, omega_rad_s: &[f64], values: &[f64]) -> Fr
     };
     let bias = frequency_metrics::bias(measured, omega_rad_s);
     FrequencyBounds::new(values, &spread, measured.level(), bias)
+        .with_delay_error(omega_rad_s, measured.frequency_bounds.delay_error_s)
 }
 
 impl Model {

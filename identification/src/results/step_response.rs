@@ -189,6 +189,18 @@ impl StepBounds {
         }
     }
 
+    /// The same for a response that may be up to `samples` earlier or later than it is taken for: at each point the bands are those of
+    /// all points as near as that. The final value has no time.
+    pub(crate) fn allow_for_delay_error(&mut self, samples: f64) {
+        let (each, whole) = (&mut self.pointwise, &mut self.simultaneous);
+        for lower in [&mut each.lower, &mut whole.lower] {
+            *lower = farthest_within(samples, lower, f64::min);
+        }
+        for upper in [&mut each.upper, &mut whole.upper] {
+            *upper = farthest_within(samples, upper, f64::max);
+        }
+    }
+
     /// Mean half width of the pointwise and of the simultaneous band.
     #[must_use]
     pub fn mean_half_widths(&self) -> (f64, f64) {
@@ -208,6 +220,43 @@ impl StepBounds {
     }
 }
 
+/// For each point but the last the farthest of all points of the line through `values` that are up to `reach` samples away.
+fn farthest_within(reach: f64, values: &[f64], farther: fn(f64, f64) -> f64) -> Vec<f64> {
+    let Some((&last, line)) = values.split_last().filter(|(_, line)| !line.is_empty()) else {
+        return values.to_vec();
+    };
+    let end = line.len() - 1;
+    let at = |time: f64| {
+        let time = time.clamp(0.0, end as f64);
+        let before = (time as usize).min(end);
+        let after = (before + 1).min(end);
+        line[before] + (time - before as f64) * (line[after] - line[before])
+    };
+    let point = |m: usize| {
+        let (from, to) = (m as f64 - reach, m as f64 + reach);
+        let between = (from.ceil().max(0.0) as usize)..=(to.floor() as usize).min(end);
+        let between = line[between].iter().copied();
+        between.chain([at(from), at(to)]).fold(line[m], farther)
+    };
+    (0..line.len()).map(point).chain([last]).collect()
+}
+
 fn half_widths(lower: &[f64], upper: &[f64]) -> impl Iterator<Item = f64> {
     upper.iter().zip(lower).map(|(u, l)| (u - l) / 2.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_band_that_may_be_earlier_or_later_holds_all_of_its_line_within_reach() {
+        let band = [0.0, 0.0, 1.0, 3.0, 2.0, 9.0];
+        // Up to half a sample away: the line is half way to its neighbours there.
+        let upper = farthest_within(0.5, &band, f64::max);
+        assert_eq!(upper, [0.0, 0.5, 2.0, 3.0, 2.5, 9.0]);
+        let lower = farthest_within(1.5, &band, f64::min);
+        assert_eq!(lower, [0.0, 0.0, 0.0, 0.5, 2.0, 9.0]);
+        assert_eq!(farthest_within(0.0, &band, f64::max), band);
+    }
 }

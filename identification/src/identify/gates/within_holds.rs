@@ -11,7 +11,6 @@
 use crate::data::usual_hold;
 use crate::diagnostics::moves_again;
 use crate::error::Error;
-use crate::identify::allowances::steps_of_sensor;
 use crate::identify::candidate::Candidate;
 use crate::identify::fitted::Fitted;
 use crate::identify::task::Task;
@@ -27,7 +26,7 @@ pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
         return Ok(fitted);
     }
     let estimate = &fitted.estimate;
-    let rounding = steps_of_sensor(record, estimate).map_or(0.0, |found| found.allowance);
+    let rounding = (estimate.steps_of_sensor(record)).map_or(0.0, |found| found.allowance);
     let moves_again = moves_again(&estimate.information, &estimate.fit, hold, rounding);
     if moves_again.is_none() && !fitted.linearity.is_some_and(|found| found.is_rejected()) {
         return Ok(fitted);

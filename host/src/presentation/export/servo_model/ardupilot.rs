@@ -121,7 +121,7 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     let turned: Vec<f64> = (trial.command().iter())
         .map(|u| degrees * (u - zero))
         .collect();
-    // What the header tells to do with the output.
+    // What the header says of what is done with the output.
     let gain = export.parameters.gain;
     let positions = |deflections: &[f64], servo: &ServoParameters| -> Vec<f64> {
         let at_zero = servo.resting_output(zero);

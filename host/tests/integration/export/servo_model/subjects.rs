@@ -124,7 +124,7 @@ impl Exported {
         );
     }
 
-    /// What the header tells to do with what the program gives: the position where that is 0, and for each unit of it.
+    /// What the header says is done with what the program gives: the position where that is 0, and for each unit of it.
     pub fn line(&self) -> [f64; 2] {
         let said = prose(&self.text);
         // The equation has one, too.
