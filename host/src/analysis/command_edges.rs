@@ -371,4 +371,48 @@ mod tests {
         assert_eq!(scatter(0.0, 0.05), None);
         assert_eq!(scatter(0.0, 1.0), None);
     }
+
+    /// The same servo behind pulses every 3 rows, with which commands begin.
+    #[test]
+    fn a_servo_behind_pulses_is_linear_and_its_frame_is_named() {
+        let random = |k: u32| (f64::from(k) * f64::from(k) * 0.7548776662).fract();
+        let (mut input, mut output) = (Vec::new(), Vec::new());
+        let (mut angle, mut in_force) = (0.0, 0.0);
+        let mut part = 0u32;
+        for stroke in 0..100 {
+            let level = 10.0 * random(7 * stroke + 1) - 5.0;
+            for row in 0..20 + stroke % 21 {
+                input.push(level);
+                output.push(angle + 0.02 * (random(91 * stroke + row) - 0.5));
+                for _ in 0..100 {
+                    if part.is_multiple_of(300) {
+                        in_force = level;
+                    }
+                    part += 1;
+                    angle += (in_force - angle) / 300.0;
+                }
+            }
+        }
+        let mut data = of_arrays(Arrays {
+            period_s: 0.01,
+            runs: vec![ArrayRun {
+                input: input.into(),
+                output: output.into(),
+                at_rest: None,
+            }],
+            ..Arrays::default()
+        })
+        .unwrap();
+        data.about.commands_at_rows = true;
+        let found = identified(&data, "pulses", &Options::default()).unwrap();
+        let model = found.model;
+        assert!(
+            model.linear && model.bounds.valid().is_some(),
+            "{:?}",
+            model.advice
+        );
+        let mut advice = model.advice.iter();
+        let named = |item: &Advice| item.finding.contains("pulse of a frame of 30 ms");
+        assert!(advice.any(named), "{:?}", model.advice);
+    }
 }

@@ -4,6 +4,7 @@
 mod clocks;
 mod closed_loop;
 mod coarse_sampling;
+mod coarse_sensor;
 mod comparison;
 mod coverage;
 mod drift;
