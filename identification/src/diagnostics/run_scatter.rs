@@ -335,3 +335,28 @@ fn farthest(runs: &[Estimated]) -> Option<Deviation> {
         p: p.clamp(0.0, 1.0),
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use approx::assert_relative_eq;
+
+    use super::*;
+
+    #[test]
+    fn the_variance_of_the_mean_is_that_of_equal_runs_over_their_number() {
+        let values = |sd: f64| [1.0, 2.0, 3.0, 6.0].map(|value| RunQuantity { value, sd });
+        let spread = |values: &[RunQuantity]| Spread::of(values).unwrap().variance_of_mean();
+        // Of 1, 2, 3 and 6 the mean is 3 and the squares about it are 14.
+        let expected = 14.0 / 3.0 / 4.0;
+        for sd in [0.01, 1.0, 100.0] {
+            assert_relative_eq!(spread(&values(sd)), expected, max_relative = 1e-9);
+        }
+        // A run that says next to nothing has no share in the mean.
+        let dull = RunQuantity {
+            value: 40.0,
+            sd: 1e5,
+        };
+        let with_dull = [values(1.0).as_slice(), &[dull]].concat();
+        assert_relative_eq!(spread(&with_dull), expected, max_relative = 1e-6);
+    }
+}
