@@ -236,7 +236,8 @@ fn differences_of_three_runs_are_in_the_bounds_where_no_test_finds_them() {
         let mut random = random(seed);
         let runs = [0.995, 1.0, 1.005].map(|gain| {
             let output = simulate(Plant::A, Noise::Ar1, &staircase(), 5.0, &mut random);
-            Run::new(staircase(), output.iter().map(|y| gain * y).collect()).unwrap()
+            let output: Vec<f64> = output.iter().map(|y| gain * y).collect();
+            Run::new(staircase(), output).unwrap()
         });
         let record = Record::new(PERIOD, runs.to_vec()).unwrap();
         let found = identify_explained(&record, &options()).unwrap();
