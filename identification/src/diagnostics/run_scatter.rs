@@ -145,7 +145,7 @@ impl RunComparison {
             Some(RunQuantity { value, sd: sd? })
         };
         let values: Vec<RunQuantity> = self.runs.iter().map(quantity).collect::<Option<_>>()?;
-        Some(BetweenRuns::of(&values)?.variance_of_mean())
+        Some(RunSquares::of(&values)?.variance_of_mean())
     }
 }
 
@@ -233,7 +233,7 @@ impl Estimated {
 }
 
 /// How one quantity differs between runs, each with a weight of one over its variance from the noise.
-struct BetweenRuns {
+struct RunSquares {
     runs: usize,
     /// Sum of the weighted squares about the weighted mean.
     q: f64,
@@ -242,7 +242,7 @@ struct BetweenRuns {
     squared_weight: f64,
 }
 
-impl BetweenRuns {
+impl RunSquares {
     /// `None` without noise: then there is no scale to compare with.
     fn of(values: &[RunQuantity]) -> Option<Self> {
         let weights: Vec<f64> = values.iter().map(|v| v.sd.powi(-2)).collect();
@@ -285,7 +285,7 @@ impl BetweenRuns {
 /// Scatter of a quantity; none without noise.
 fn scatter(values: impl Iterator<Item = RunQuantity>) -> Scatter {
     let values: Vec<RunQuantity> = values.collect();
-    BetweenRuns::of(&values).map_or(Scatter { sd: 0.0, p: 1.0 }, |found| found.scatter())
+    RunSquares::of(&values).map_or(Scatter { sd: 0.0, p: 1.0 }, |found| found.scatter())
 }
 
 /// The run farthest from the others. Each quantity is compared with the spread of the others (at least
@@ -345,7 +345,7 @@ mod tests {
     #[test]
     fn the_variance_of_the_mean_is_that_of_equal_runs_over_their_number() {
         let values = |sd: f64| [1.0, 2.0, 3.0, 6.0].map(|value| RunQuantity { value, sd });
-        let spread = |values: &[RunQuantity]| BetweenRuns::of(values).unwrap().variance_of_mean();
+        let spread = |values: &[RunQuantity]| RunSquares::of(values).unwrap().variance_of_mean();
         // Of 1, 2, 3 and 6 the mean is 3 and the squares about it are 14.
         let expected = 14.0 / 3.0 / 4.0;
         for sd in [0.01, 1.0, 100.0] {
