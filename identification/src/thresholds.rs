@@ -228,10 +228,10 @@ pub const UNSETTLED_END: f64 = 1.5;
 /// recordings", scatter of gain.
 pub const RUNS_FOR_MEAN: usize = 3;
 
-/// Probability below which scatter between runs is part of the bounds.
+/// Probability below which runs differ, where it is asked whether a finding of their common fit is of that alone. The bounds do not
+/// ask: they contain how runs differ, whether that is beyond chance or not.
 ///
-/// Protects: bounds of the servo's mean from scatter that a stricter test would miss. Evidence: "Hard recordings", scatter
-/// of gain.
+/// Protects: records of runs that differ from being taken for a closed loop. Evidence: the tests of runs with different gains.
 pub const SCATTER_SIGNIFICANCE: f64 = 0.05;
 
 // Whether the errors are noise.

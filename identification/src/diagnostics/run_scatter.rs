@@ -9,8 +9,8 @@
 //! ```
 //!
 //! with ŷ_0 the output without offset. The noise gives each quantity a standard deviation. Further variance
-//! is the scatter between runs (method of moments, as for random effects). The model's bounds are those of
-//! the noise and do not contain that scatter.
+//! is the scatter between runs (method of moments, as for random effects). From three runs on the model's bounds contain how runs
+//! differ ([`servo_mean`](super::servo_mean)).
 
 use faer::Mat;
 use serde::{Deserialize, Serialize};
@@ -126,12 +126,26 @@ impl RunComparison {
 }
 
 impl RunComparison {
-    /// Whether runs differ by more than chance, in a way that bounds of the servo's mean contain.
+    /// Whether runs differ by more than chance.
     pub(crate) fn differ(&self) -> bool {
         let scatter = [self.gain_percent, self.delay_s, self.offset];
         scatter
             .iter()
             .any(|scatter| scatter.p < SCATTER_SIGNIFICANCE)
+    }
+
+    /// The variance of a quantity's mean over the runs, noise and scatter, from how runs differ; `None` where the model has no bounds
+    /// or the record no noise.
+    pub(crate) fn variance_of_mean(
+        &self,
+        of: impl Fn(&RunDifference) -> Difference,
+    ) -> Option<f64> {
+        let quantity = |run: &RunDifference| {
+            let Difference { value, sd } = of(run);
+            Some(RunQuantity { value, sd: sd? })
+        };
+        let values: Vec<RunQuantity> = self.runs.iter().map(quantity).collect::<Option<_>>()?;
+        Some(RunSquares::of(&values)?.variance_of_mean())
     }
 }
 
@@ -218,28 +232,60 @@ impl Estimated {
     }
 }
 
-/// Method of moments: the excess of the weighted squares over their expectation.
+/// How one quantity differs between runs, each with a weight of one over its variance from the noise.
+struct RunSquares {
+    runs: usize,
+    /// Sum of the weighted squares about the weighted mean.
+    q: f64,
+    /// Sums of the weights and of their squares.
+    weight: f64,
+    squared_weight: f64,
+}
+
+impl RunSquares {
+    /// `None` without noise: then there is no scale to compare with.
+    fn of(values: &[RunQuantity]) -> Option<Self> {
+        let weights: Vec<f64> = values.iter().map(|v| v.sd.powi(-2)).collect();
+        let weight: f64 = weights.iter().sum();
+        if !weight.is_finite() {
+            return None;
+        }
+        let numbers: Vec<f64> = values.iter().map(|v| v.value).collect();
+        let mean = dot(&weights, &numbers) / weight;
+        let squares = numbers.iter().map(|x| (x - mean).powi(2));
+        Some(Self {
+            runs: values.len(),
+            q: weights.iter().zip(squares).map(|(w, x)| w * x).sum(),
+            weight,
+            squared_weight: dot(&weights, &weights),
+        })
+    }
+
+    /// The expectation of q for a scatter of one without noise.
+    fn of_unit_scatter(&self) -> f64 {
+        self.weight - self.squared_weight / self.weight
+    }
+
+    /// Method of moments: the excess of the weighted squares over their expectation.
+    fn scatter(&self) -> Scatter {
+        let degrees = self.runs - 1;
+        let excess = (self.q - degrees as f64) / self.of_unit_scatter();
+        Scatter {
+            sd: excess.max(0.0).sqrt(),
+            p: chi_square_upper_tail(self.q, degrees),
+        }
+    }
+
+    /// The mean square of runs, of which their weighted mean has a share.
+    fn variance_of_mean(&self) -> f64 {
+        self.q / self.of_unit_scatter() * self.squared_weight / self.weight.powi(2)
+    }
+}
+
+/// Scatter of a quantity; none without noise.
 fn scatter(values: impl Iterator<Item = RunQuantity>) -> Scatter {
     let values: Vec<RunQuantity> = values.collect();
-    let weights: Vec<f64> = values.iter().map(|v| v.sd.powi(-2)).collect();
-    let total: f64 = weights.iter().sum();
-    if !total.is_finite() {
-        return Scatter { sd: 0.0, p: 1.0 }; // Without noise there is no scale to compare with.
-    }
-    let numbers: Vec<f64> = values.iter().map(|v| v.value).collect();
-    let mean = dot(&weights, &numbers) / total;
-    let q: f64 = weights
-        .iter()
-        .zip(&numbers)
-        .map(|(w, x)| w * (x - mean).powi(2))
-        .sum();
-    let degrees = (values.len() - 1) as f64;
-    let denominator = total - weights.iter().map(|w| w * w).sum::<f64>() / total;
-    let sd = ((q - degrees) / denominator).max(0.0).sqrt();
-    Scatter {
-        sd,
-        p: chi_square_upper_tail(q, values.len() - 1),
-    }
+    RunSquares::of(&values).map_or(Scatter { sd: 0.0, p: 1.0 }, |found| found.scatter())
 }
 
 /// The run farthest from the others. Each quantity is compared with the spread of the others (at least
@@ -288,4 +334,29 @@ fn farthest(runs: &[Estimated]) -> Option<Deviation> {
         threshold,
         p: p.clamp(0.0, 1.0),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use approx::assert_relative_eq;
+
+    use super::*;
+
+    #[test]
+    fn the_variance_of_the_mean_is_that_of_equal_runs_over_their_number() {
+        let values = |sd: f64| [1.0, 2.0, 3.0, 6.0].map(|value| RunQuantity { value, sd });
+        let spread = |values: &[RunQuantity]| RunSquares::of(values).unwrap().variance_of_mean();
+        // Of 1, 2, 3 and 6 the mean is 3 and the squares about it are 14.
+        let expected = 14.0 / 3.0 / 4.0;
+        for sd in [0.01, 1.0, 100.0] {
+            assert_relative_eq!(spread(&values(sd)), expected, max_relative = 1e-9);
+        }
+        // A run that says next to nothing has no share in the mean.
+        let dull = RunQuantity {
+            value: 40.0,
+            sd: 1e5,
+        };
+        let with_dull = [values(1.0).as_slice(), &[dull]].concat();
+        assert_relative_eq!(spread(&with_dull), expected, max_relative = 1e-6);
+    }
 }

@@ -1,54 +1,48 @@
 //! The bounds of the servo's mean, from three runs on.
 //!
-//! Gain, delay and offset change from run to run, with the supply and the clock of the servo. The model of R runs has their
-//! mean, whose covariance about that of the servo is
+//! Gain and delay change from run to run, with the supply and the clock of the servo. The model of R runs has their mean, and the
+//! covariance of its response x with the derivative x' is that of the noise, V, and
 //!
 //! ```text
-//! V + (s_g² x x' + s_t² x' x'')/R
+//! m_g x x' + m_t x' x''
 //! ```
 //!
-//! with V of the noise, the response x, its derivative x' and the scatter s_g, s_t between runs, at R - 1 degrees of freedom
-//! (a mixed model, by the method of moments). Two runs show that they differ, but not by how much runs do.
+//! at R - 1 degrees of freedom, with m_g and m_t the variances of the mean of R gains and delays, from how these differ. No test
+//! decides whether they scatter: one that finds nothing in strong noise leaves a scatter as large as the noise out. Nor is the noise
+//! subtracted from these variances: Student's t holds for the whole mean square of a few runs, and not for what is left of it. The
+//! price is that noise along x and x' counts twice, at once in V and in m. Two runs show that they differ, but not by how much runs do.
 
 use faer::Mat;
 
-use crate::diagnostics::run_scatter::{RunComparison, Scatter};
+use crate::diagnostics::run_scatter::RunComparison;
 use crate::estimation::{GlsFit, RunSpread};
 use crate::numerics::times;
-use crate::thresholds::{RUNS_FOR_MEAN, SCATTER_SIGNIFICANCE};
+use crate::thresholds::RUNS_FOR_MEAN;
 
-/// Adds the scatter of `runs` to the covariance of `fit`, where it is beyond chance; whether it is.
+/// Adds how `runs` differ to the covariance of `fit`; whether they are enough to say.
 pub(crate) fn allow_for_scatter(
     runs: &RunComparison,
     sample_period_s: f64,
     fit: &mut GlsFit,
 ) -> bool {
     let count = runs.runs.len();
-    let beyond_chance = |scatter: &Scatter| match scatter.p < SCATTER_SIGNIFICANCE {
-        true => scatter.sd,
-        false => 0.0,
-    };
-    let gain = beyond_chance(&runs.gain_percent) / 100.0;
-    let delay = beyond_chance(&runs.delay_s) / sample_period_s;
-    let offset = beyond_chance(&runs.offset);
-    if count < RUNS_FOR_MEAN || gain + delay + offset == 0.0 {
+    if count < RUNS_FOR_MEAN {
         return false;
     }
-    let response = fit.solution.response();
-    let p = response.len();
-    let late = derivative(fit);
-    let scale = (count as f64 * fit.variance).sqrt().recip();
-    let moved = |part: &[f64], size: f64, offset: f64| -> Vec<f64> {
-        let part = part.iter().map(|x| scale * size * x);
-        part.chain([scale * offset]).collect()
+    let gain = runs.variance_of_mean(|run| run.gain_percent);
+    let delay = runs.variance_of_mean(|run| run.delay_s);
+    let Some((gain, delay)) = gain.zip(delay) else {
+        return false;
     };
-    let all = [
-        (gain > 0.0).then(|| moved(response, gain, 0.0)),
-        (delay > 0.0).then(|| moved(&late, delay, 0.0)),
-        (offset > 0.0).then(|| moved(&vec![0.0; p], 0.0, offset)),
-    ];
-    let all: Vec<Vec<f64>> = all.into_iter().flatten().collect();
-    let directions = Mat::from_fn(p + 1, all.len(), |i, k| all[k][i]);
+    let response = fit.solution.response();
+    let late = derivative(fit);
+    let gain = gain.sqrt() / 100.0 / fit.variance.sqrt();
+    let delay = delay.sqrt() / sample_period_s / fit.variance.sqrt();
+    // What runs differ by moves no offset.
+    let directions = Mat::from_fn(response.len() + 1, 2, |i, k| match k {
+        0 => response.get(i).map_or(0.0, |x| gain * x),
+        _ => late.get(i).map_or(0.0, |x| delay * x),
+    });
     fit.further.runs = Some(RunSpread {
         directions,
         degrees: (count - 1) as f64,

@@ -137,11 +137,16 @@ impl CurveVariance {
     /// Noise and what differs from run to run have their own critical values (Howe, 1974). One for the sum of both, with
     /// degrees of freedom by Satterthwaite, is too small where few runs happen to differ by little: with three runs, intervals of 99 % held 97 %.
     pub fn critical(&self, normal: f64) -> Vec<f64> {
-        let of_noise = student_critical(normal, &self.degrees_of_freedom);
+        self.critical_of_parts(normal, normal)
+    }
+
+    /// The same where the critical values with endless degrees of freedom are `of_noise` and `of_runs`.
+    pub(crate) fn critical_of_parts(&self, of_noise: f64, of_runs: f64) -> Vec<f64> {
+        let of_noise = student_critical(of_noise, &self.degrees_of_freedom);
         let Some(runs) = &self.of_runs else {
             return of_noise;
         };
-        let of_runs = student_critical(normal, &[runs.degrees])[0];
+        let of_runs = student_critical(of_runs, &[runs.degrees])[0];
         let both = |(i, of_noise): (usize, f64)| match self.sd[i] > 0.0 {
             true => (of_noise * runs.noise_sd[i]).hypot(of_runs * runs.sd[i]) / self.sd[i],
             false => of_noise,

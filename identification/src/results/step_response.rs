@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::estimation::CurveVariance;
-use crate::numerics::{pointwise_critical, simultaneous_critical, student_critical};
+use crate::numerics::{pointwise_critical, simultaneous_critical};
 use crate::options::LEVELS;
 use crate::results::usable_numbers::{LARGEST, is_sized, is_usable};
 use crate::results::validity::Bounds;
@@ -137,29 +137,18 @@ impl StepBounds {
             };
             (at(-1.0), at(1.0))
         };
-        let student = |normal: f64, sd: &[f64], degrees: &[f64]| -> Vec<f64> {
-            let critical = student_critical(normal, degrees);
-            critical.iter().zip(sd).map(|(c, sd)| c * sd).collect()
-        };
-        let together = |normal: f64| -> Vec<f64> {
-            let critical = spread.critical(normal);
+        let half_widths = |critical: Vec<f64>| -> Vec<f64> {
             let each = critical.iter().zip(&spread.sd);
             each.map(|(c, sd)| c * sd).collect()
         };
-        let (lower, upper) = bounds(together(pointwise_critical(level)));
+        let (lower, upper) = bounds(half_widths(spread.critical(pointwise_critical(level))));
         let pointwise = PointwiseBand { lower, upper };
-        // What differs from run to run moves all points together, in a few directions: these and the noise each have
-        // their own critical value, which Bonferroni's correction makes those of all directions.
-        let (lower, upper) = bounds(match &spread.of_runs {
-            None => together(critical_value),
-            Some(runs) => {
-                let noise = student(critical_value, &runs.noise_sd, &spread.degrees_of_freedom);
-                let each = pointwise_critical(1.0 - (1.0 - level) / runs.directions.max(1) as f64);
-                let degrees = vec![runs.degrees; runs.sd.len()];
-                let of_runs = student(each, &runs.sd, &degrees);
-                noise.iter().zip(of_runs).map(|(a, b)| a + b).collect()
-            }
-        });
+        // What differs from run to run moves all points together, in a few directions: Bonferroni's correction is for these.
+        let directions = spread.of_runs.as_ref().map_or(1, |runs| runs.directions);
+        let of_runs = pointwise_critical(1.0 - (1.0 - level) / directions as f64);
+        let (lower, upper) = bounds(half_widths(
+            spread.critical_of_parts(critical_value, of_runs),
+        ));
         Self {
             level,
             sd: spread.sd.clone(),

@@ -225,6 +225,36 @@ fn scatter_of_three_runs_is_part_of_the_bounds() {
     assert!((0.09..0.15).contains(&scattered), "{scattered}");
 }
 
+/// Five times slow noise hides a scatter of its own size. So the interval of the gain holds Student's of the gains of the runs, whether
+/// a test finds that they differ or not.
+#[test]
+fn differences_of_three_runs_are_in_the_bounds_where_no_test_finds_them() {
+    /// Of two degrees of freedom, 99 % on both sides.
+    const STUDENT: f64 = 9.925;
+    let mut unseen = 0;
+    for seed in 0..3 {
+        let mut random = random(seed);
+        let runs = [0.995, 1.0, 1.005].map(|gain| {
+            let output = simulate(Plant::A, Noise::Ar1, &staircase(), 5.0, &mut random);
+            let output: Vec<f64> = output.iter().map(|y| gain * y).collect();
+            Run::new(staircase(), output).unwrap()
+        });
+        let record = Record::new(PERIOD, runs.to_vec()).unwrap();
+        let found = identify_explained(&record, &options()).unwrap();
+        let runs = found.explanation.runs.unwrap();
+        unseen += u32::from(runs.gain_percent.p > 0.05);
+        let gains = runs.runs.iter().map(|run| run.gain_percent.value / 100.0);
+        let mean = gains.clone().sum::<f64>() / 3.0;
+        let variance = gains.map(|gain| (gain - mean).powi(2)).sum::<f64>() / 2.0;
+        let gain = &found.model.metrics.dc_gain;
+        let half_width = (gain.upper.unwrap() - gain.lower.unwrap()) / 2.0;
+        // The runs are equally long, but the weights of the rows of each differ by a percent or so.
+        let least = 0.98 * gain.value.unwrap() * STUDENT * (variance / 3.0).sqrt();
+        assert!(half_width > least, "seed {seed}: {half_width} of {least}");
+    }
+    assert!(unseen > 0, "a test would have found them");
+}
+
 /// A limited servo leaves errors in motion, among which glitches hide: they are found by their shape, and without them none is.
 #[test]
 fn glitches_under_a_limited_servo_are_found_and_its_own_errors_are_none() {
