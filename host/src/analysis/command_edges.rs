@@ -372,7 +372,7 @@ mod tests {
         assert_eq!(scatter(0.0, 1.0), None);
     }
 
-    /// The same servo behind pulses every 3 rows, with which commands begin.
+    /// The same servo behind pulses every 23.7 ms, with which commands begin.
     #[test]
     fn a_servo_behind_pulses_is_linear_and_its_frame_is_named() {
         let random = |k: u32| (f64::from(k) * f64::from(k) * 0.7548776662).fract();
@@ -385,7 +385,7 @@ mod tests {
                 input.push(level);
                 output.push(angle + 0.02 * (random(91 * stroke + row) - 0.5));
                 for _ in 0..100 {
-                    if part.is_multiple_of(300) {
+                    if part.is_multiple_of(237) {
                         in_force = level;
                     }
                     part += 1;
@@ -412,7 +412,7 @@ mod tests {
             model.advice
         );
         let mut advice = model.advice.iter();
-        let named = |item: &Advice| item.finding.contains("pulse of a frame of 30 ms");
+        let named = |item: &Advice| item.finding.contains("pulse of a frame of 23.7 ms");
         assert!(advice.any(named), "{:?}", model.advice);
     }
 }

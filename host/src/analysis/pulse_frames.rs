@@ -7,7 +7,7 @@
 //! w(t) = (t0 - t) mod T = T/2 + Σ_k T/(π k) sin(2π k (t - t0)/T)
 //! ```
 //!
-//! so the first harmonic of the times of the answers, where it is largest, shows T and t0, and w then has to explain the times.
+//! so for each T the first harmonic of the times of the answers gives t0, and the w that explains the times best has to explain nearly all of them.
 
 use std::f64::consts::TAU;
 
@@ -38,36 +38,33 @@ pub(super) fn frame_length(answers: &[TimedAnswer], scatter_s: f64) -> Option<f6
     let [highest, lowest] = PARTS.map(|part| (part * scatter_s).recip());
     let step = (STEPS * (last - first)).recip();
     let tries = ((highest - lowest) / step).max(1.0);
-    let harmonic = |frequency: f64| {
-        let parts = answers.iter().map(|answer| {
-            let (sin, cos) = (TAU * frequency * (answer.at_s - first)).sin_cos();
-            ((answer.late_s - mean) * cos, (answer.late_s - mean) * sin)
-        });
-        parts.fold((0.0, 0.0), |(a, b), (cos, sin)| (a + cos, b + sin))
-    };
     let frequencies = (0..tries.ceil() as usize).map(|k| lowest + k as f64 * step);
-    let found = frequencies.map(|frequency| (frequency, harmonic(frequency)));
-    let power = |(_, (cos, sin)): &(f64, (f64, f64))| cos * cos + sin * sin;
-    let (frequency, (cos, sin)) = found.max_by(|a, b| power(a).total_cmp(&power(b)))?;
-    // cos : sin of the harmonic are those of sin(2π (t - t0)/T).
-    let pulse = f64::atan2(cos, sin) / TAU;
-    let wait = |answer: &TimedAnswer| {
-        let cycles = frequency * (answer.at_s - first) + pulse;
-        (1.0 - cycles.rem_euclid(1.0)) / frequency
-    };
-    let waits: Vec<f64> = answers.iter().map(wait).collect();
-    let mean_wait = waits.iter().sum::<f64>() / count;
-    let pairs = || answers.iter().zip(&waits);
-    let of = |part: &dyn Fn(f64, f64) -> f64| -> f64 {
-        let square = |(answer, wait): (&TimedAnswer, &f64)| {
-            part(answer.late_s - mean, wait - mean_wait).powi(2)
-        };
-        pairs().map(square).sum()
-    };
-    let left = of(&|late, wait| late - wait) / of(&|late, _| late);
+    let left = frequencies.map(|frequency| (frequency, left_by_wait(answers, mean, frequency)));
+    let (frequency, left) = left.min_by(|a, b| a.1.total_cmp(&b.1))?;
     // A length, a phase, and a mean are fitted.
     let chance = tries * left.powf(0.5 * (count - 3.0));
     (left < MOST_LEFT && chance < CHANCE).then(|| frequency.recip())
+}
+
+/// The share of the squared times about their `mean` that the wait for pulses of this `frequency` leaves. Commands at rows show it
+/// as that of other frequencies, too, whose waits are shorter or longer: so the harmonic gives the moment of the pulses alone.
+fn left_by_wait(answers: &[TimedAnswer], mean: f64, frequency: f64) -> f64 {
+    let first = answers[0].at_s;
+    let cycles = |answer: &TimedAnswer| frequency * (answer.at_s - first);
+    let harmonic = answers.iter().map(|answer| {
+        let (sin, cos) = (TAU * cycles(answer)).sin_cos();
+        ((answer.late_s - mean) * cos, (answer.late_s - mean) * sin)
+    });
+    let (cos, sin) = harmonic.fold((0.0, 0.0), |(a, b), (cos, sin)| (a + cos, b + sin));
+    // cos : sin of the harmonic are those of sin(2π (t - t0)/T).
+    let pulse = f64::atan2(cos, sin) / TAU;
+    let wait = |answer: &TimedAnswer| (1.0 - (cycles(answer) + pulse).rem_euclid(1.0)) / frequency;
+    let mean_wait = answers.iter().map(wait).sum::<f64>() / answers.len() as f64;
+    let of = |part: &dyn Fn(&TimedAnswer) -> f64| -> f64 {
+        answers.iter().map(|answer| part(answer).powi(2)).sum()
+    };
+    let of_times = of(&|answer| answer.late_s - mean);
+    of(&|answer| answer.late_s - mean - (wait(answer) - mean_wait)) / of_times
 }
 
 #[cfg(test)]
