@@ -49,8 +49,7 @@ pub(super) fn frame_length(answers: &[TimedAnswer], scatter_s: f64) -> Option<f6
 /// The share of the squared times about their `mean` that the wait for pulses of this `frequency` leaves. Commands at rows show it
 /// as that of other frequencies, too, whose waits are shorter or longer: so the harmonic gives the moment of the pulses alone.
 fn left_by_wait(answers: &[TimedAnswer], mean: f64, frequency: f64) -> f64 {
-    let first = answers[0].at_s;
-    let cycles = |answer: &TimedAnswer| frequency * (answer.at_s - first);
+    let cycles = |answer: &TimedAnswer| frequency * answer.at_s;
     let harmonic = answers.iter().map(|answer| {
         let (sin, cos) = (TAU * cycles(answer)).sin_cos();
         ((answer.late_s - mean) * cos, (answer.late_s - mean) * sin)

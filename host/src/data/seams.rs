@@ -73,7 +73,10 @@ fn seams(run: &Run<'_>, travel: f64) -> Vec<usize> {
 
 /// Of any two rows: of a coarse sensor, its step.
 fn smallest_change(output: &[f64]) -> f64 {
-    let changes = output.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    let changes = output
+        .iter()
+        .zip(output.iter().skip(1))
+        .map(|(a, b)| (b - a).abs());
     changes
         .filter(|change| *change > 0.0)
         .fold(f64::INFINITY, f64::min)
@@ -81,23 +84,24 @@ fn smallest_change(output: &[f64]) -> f64 {
 
 /// Whether the output jumps by more than `least` at a change of the command, and both rest before and after it.
 fn is_seam(input: &[f64], output: &[f64], row: usize, least: f64) -> bool {
-    let Some(from) = row.checked_sub(RESTS) else {
-        return false;
-    };
-    fn sides(values: &[f64], from: usize) -> Option<(&[f64], &[f64])> {
-        let row = from + RESTS;
-        values.get(from..row).zip(values.get(row..row + RESTS))
-    }
-    let is_held = |side: &[f64]| side.iter().all(|command| *command == side[0]);
-    let command_rests =
-        sides(input, from).is_some_and(|(before, after)| is_held(before) && is_held(after));
-    let jumps = |(before, after): (&[f64], &[f64])| {
+    let command_rests = sides(input, row).map(|sides| moved(sides) == 0.0);
+    let jumps = |(before, after)| {
         let jump = (mean(after)? - mean(before)?).abs();
-        let moved = |side: &[f64]| span(side.iter().copied()).unwrap_or(0.0);
-        let rests = moved(before).max(moved(after)) < STILL * jump;
-        Some(rests && jump > least)
+        Some(jump > least && moved((before, after)) < STILL * jump)
     };
-    command_rests && sides(output, from).and_then(jumps).unwrap_or(false)
+    command_rests.unwrap_or(false) && sides(output, row).and_then(jumps).unwrap_or(false)
+}
+
+/// The values before a row, and those from it on.
+fn sides(values: &[f64], row: usize) -> Option<(&[f64], &[f64])> {
+    let before = values.get(row.checked_sub(RESTS)?..row)?;
+    Some((before, values.get(row..row + RESTS)?))
+}
+
+/// By how much either side moves.
+fn moved((before, after): (&[f64], &[f64])) -> f64 {
+    let of = |side: &[f64]| span(side.iter().copied()).unwrap_or(0.0);
+    of(before).max(of(after))
 }
 
 #[cfg(test)]
