@@ -7,6 +7,7 @@
 //! - [`closed_loop`]: recordings whose input a controller computes from the output.
 //! - [`hard_lines`]: recordings with glitches, tails, jitter, hum and runs that differ, for [`coverage`].
 //! - [`drawn_lines`]: such recordings whose numbers are drawn.
+//! - [`scattering_runs`]: several runs of one servo that differ, or do not.
 //! - [`loggers`]: recordings of one servo by loggers with faults of time.
 //! - [`compared_ends`]: comparisons of servos whose responses have slow ends.
 //! - [`servo_means`]: comparisons of servos whose runs scatter.
@@ -34,6 +35,7 @@ pub mod loggers;
 pub mod metrics_coverage;
 pub mod oracle;
 pub mod plants;
+pub mod scattering_runs;
 pub mod servo_means;
 pub mod servos;
 #[cfg(feature = "board")]
