@@ -35,7 +35,8 @@ pub(super) fn validity(
         misfit: fitted.misfit.as_ref(),
         excitation: excitation(fitted, allowances),
         quantised: allowances.quantisation.is_some(),
-        unsettled: fitted.slow_end.is_some() || still_moves(fitted, responses),
+        unsettled: fitted.slow_end.is_some()
+            || still_moves(fitted, responses, allowances.step.rounding),
         stopped: task.recorded.and_then(ServoStopped::of),
         time_fault: (task.recorded.zip(task.record))
             .and_then(|(recorded, record)| TimeFault::of(recorded, record, moments, &estimate.fit)),
@@ -74,8 +75,8 @@ fn is_closed_loop(fitted: &Fitted) -> bool {
         .is_some_and(|found| found.is_evident() || (are_noise && found.is_found()))
 }
 
-/// Whether the response still moves when the longest N ends.
-fn still_moves(fitted: &Fitted, responses: &Responses) -> bool {
+/// Whether the response still moves when the longest N ends, by more than the steps of the sensor explain, up to `rounding`.
+fn still_moves(fitted: &Fitted, responses: &Responses, rounding: f64) -> bool {
     let choice = fitted.candidate.plan.choice.as_ref();
     let Some(choice) = choice.filter(|choice| !choice.settled && fitted.misfit.is_none()) else {
         return false;
@@ -86,7 +87,7 @@ fn still_moves(fitted: &Fitted, responses: &Responses) -> bool {
     let sd = before_end.iter().copied().fold(0.0, f64::max);
     let size = fitted.estimate.fit.theta()[0].abs();
     let seen = choice.longest as f64 / choice.detected as f64;
-    hidden_end(sd / size, seen) > UNSETTLED_END
+    hidden_end((sd - rounding).max(0.0) / size, seen) > UNSETTLED_END
 }
 
 fn excitation(fitted: &Fitted, allowances: &Allowances) -> Excitation {
