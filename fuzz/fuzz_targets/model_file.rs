@@ -6,7 +6,6 @@ use servoid::presentation::export::{Export, Target};
 use servoid::data::ModelMetadata;
 use servoid::presentation::report::{self, Page, Servo};
 use servoid::data::model_file::ModelFile;
-use servoid::data::units::Units;
 use servoid::presentation::{plots, summary};
 use servoid_identification::Record;
 use servoid_identification::comparison::{ComparisonOptions, compare_models};
@@ -53,7 +52,7 @@ fuzz_target!(|text: &str| {
         // A number that grew beyond all bounds has no form in JSON.
         let _ = page;
         if let Ok(found) = found {
-            let _ = summary::of_comparison("a", "b", &found, Units::default());
+            let _ = summary::of_comparison("a", "b", &found, metadata.units());
             let _ = plots::draw(&plots::difference("x", "x", "a", "b", &found));
         }
     }
