@@ -196,6 +196,13 @@ pub const ABOVE_NEIGHBOURS: f64 = 50.0;
 /// Protects: servos that are not linear under strokes of one length. Evidence: the tests of linearity.
 pub const LINE_OF_REFERENCE: f64 = 25.0;
 
+/// Gain at a frequency, relative to that at rest, from which on the servo follows it: a line of the errors at the rate of the changes of the
+/// reference may be the servo's.
+///
+/// Protects: servos with unequal speeds or a load, under equal holds, from passing for linear ones beside hum; and mains hum at the rate of
+/// frames of 20 ms, which servos hardly follow. Evidence: the tests of hum; "Hard recordings", hum.
+pub const HARDLY_FOLLOWED: f64 = 0.2;
+
 /// Amplitude of a line in the errors, relative to that of the motion at the same frequency, above which it is not an
 /// error of the model.
 ///

@@ -198,15 +198,21 @@ impl Scatter {
     }
 
     fn is_even(&self) -> bool {
+        self.kurtosis < EVEN_KURTOSIS && self.is_free_of_strokes()
+    }
+
+    fn is_free_of_strokes(&self) -> bool {
         let by_stroke: [fn(&CommandAnswer) -> f64; 2] =
             [|answer| answer.stroke, |answer| answer.stroke.abs()];
         let mut by_stroke = by_stroke.into_iter();
-        self.kurtosis < EVEN_KURTOSIS
-            && by_stroke.all(|of| squared_correlation(&self.answers, of) < MOST_BY_STROKE)
+        by_stroke.all(|of| squared_correlation(&self.answers, of) < MOST_BY_STROKE)
     }
 
     /// The length of a frame of pulses that commands wait for \[s\], by the run that has the most of them.
     fn frame_length(&self, period_s: f64) -> Option<f64> {
+        if !self.is_free_of_strokes() {
+            return None;
+        }
         let runs = self.answers.chunk_by(|a, b| a.at.0 == b.at.0);
         let run = runs.max_by_key(|answers| answers.len())?;
         let answers = run.iter().map(|answer| TimedAnswer {

@@ -8,6 +8,7 @@
 //! ```
 //!
 //! so for each T the first harmonic of the times of the answers gives t0, and the w that explains the times best has to explain nearly all of them.
+//! Under equal holds anything that alternates from stroke to stroke is such a w for some T, so they show no frame.
 
 use std::f64::consts::TAU;
 
@@ -30,8 +31,14 @@ const MOST_LEFT: f64 = 0.25;
 /// Probability of such a wait by chance.
 const CHANCE: f64 = 1e-4;
 
+/// Share of the times between commands that may be the same.
+const MOST_EQUAL: f64 = 0.3;
+
 /// The length of the frames \[s\], of answers that scatter over `scatter_s`; `None` where commands do not wait so.
 pub(super) fn frame_length(answers: &[TimedAnswer], scatter_s: f64) -> Option<f64> {
+    if share_of_usual_hold(answers) > MOST_EQUAL {
+        return None;
+    }
     let count = answers.len() as f64;
     let (first, last) = (answers.first()?.at_s, answers.last()?.at_s);
     let mean = answers.iter().map(|answer| answer.late_s).sum::<f64>() / count;
@@ -44,6 +51,17 @@ pub(super) fn frame_length(answers: &[TimedAnswer], scatter_s: f64) -> Option<f6
     // A length, a phase, and a mean are fitted.
     let chance = tries * left.powf(0.5 * (count - 3.0));
     (left < MOST_LEFT && chance < CHANCE).then(|| frequency.recip())
+}
+
+/// Share of the holds that are as long as the most frequent one, to a microsecond.
+fn share_of_usual_hold(answers: &[TimedAnswer]) -> f64 {
+    let pairs = answers.iter().zip(answers.iter().skip(1));
+    let mut holds: Vec<i64> = pairs
+        .map(|(a, b)| (1e6 * (b.at_s - a.at_s)).round() as i64)
+        .collect();
+    holds.sort_unstable();
+    let most = holds.chunk_by(|a, b| a == b).map(<[i64]>::len).max();
+    most.unwrap_or(0) as f64 / holds.len().max(1) as f64
 }
 
 /// The share of the squared times about their `mean` that the wait for pulses of this `frequency` leaves. Commands at rows show it

@@ -4,16 +4,19 @@
 //! periodogram of the errors (Hann's window), where it is [`ABOVE_NEIGHBOURS`] times the noise at the neighbouring
 //! frequencies, and fitted to each run with a phase of its own. What an error of the model leaves has the
 //! frequencies of the motion: a line counts only where the reference has none, and where it is not small beside the
-//! motion of the same frequency.
+//! motion of the same frequency. A servo with unequal speeds, or with a load, is off after each change of the reference, whatever its sign: under
+//! equal holds that makes lines at multiples of their rate, where the reference has none. So where the sizes of its changes have a line, and the
+//! servo follows it, none counts either.
 
 use std::cell::LazyCell;
-use std::f64::consts::{LN_2, TAU};
+use std::f64::consts::{LN_2, PI, TAU};
 use std::ops::Deref;
 
 use serde::{Deserialize, Serialize};
 
 use crate::diagnostics::simulation_error::Simulated;
-use crate::thresholds::{ABOVE_NEIGHBOURS, BESIDE_MOTION, LINE_OF_REFERENCE};
+use crate::estimation::GlsFit;
+use crate::thresholds::{ABOVE_NEIGHBOURS, BESIDE_MOTION, HARDLY_FOLLOWED, LINE_OF_REFERENCE};
 
 /// Lines that are taken out at most.
 const LINES: usize = 8;
@@ -68,13 +71,15 @@ impl HumLine {
 }
 
 /// The lines in the errors of `runs`.
-pub(crate) fn hum(runs: &[Simulated<'_>]) -> Vec<HumLine> {
+pub(crate) fn hum(runs: &[Simulated<'_>], fit: &GlsFit) -> Vec<HumLine> {
     let mut errors: Vec<Vec<f64>> = runs.iter().map(|run| centred(&run.errors)).collect();
     let Some(longest) = (0..errors.len()).max_by_key(|&run| errors[run].len()) else {
         return Vec::new();
     };
     let motion = LazyCell::new(|| centred(&runs[longest].output));
     let reference = LazyCell::new(|| power(&centred(runs[longest].run.input())));
+    let changes = LazyCell::new(|| power(&sizes_of_changes(runs[longest].run.input())));
+    let impulse = LazyCell::new(|| fit.impulse());
     let mut lines = Vec::new();
     while lines.len() < LINES
         && let Some(omega) = strongest(&errors[longest], &reference)
@@ -84,6 +89,9 @@ pub(crate) fn hum(runs: &[Simulated<'_>]) -> Vec<HumLine> {
             parts: errors.iter().map(|errors| parts(errors, omega)).collect(),
             longest,
         };
+        if share_followed(&impulse, omega) > HARDLY_FOLLOWED && has_line(&changes, omega) {
+            break;
+        }
         let (of_cos, of_sin) = parts(&motion, omega);
         if line.amplitude() < BESIDE_MOTION * of_cos.hypot(of_sin) {
             break;
@@ -96,6 +104,24 @@ pub(crate) fn hum(runs: &[Simulated<'_>]) -> Vec<HumLine> {
         lines.push(line);
     }
     lines
+}
+
+/// How much each value differs from the one before, about the mean.
+fn sizes_of_changes(input: &[f64]) -> Vec<f64> {
+    let pairs = input.iter().zip(input.iter().skip(1));
+    let sizes = pairs.map(|(before, after)| (after - before).abs());
+    centred(&sizes.chain([f64::NAN]).collect::<Vec<f64>>())
+}
+
+/// The gain at a frequency, relative to that at rest.
+fn share_followed(impulse: &[f64], omega: f64) -> f64 {
+    let part = |of: fn(f64) -> f64| -> f64 {
+        let terms = (0..)
+            .zip(impulse)
+            .map(|(k, h)| h * of(omega * f64::from(k)));
+        terms.sum()
+    };
+    part(f64::cos).hypot(part(f64::sin)) / impulse.iter().sum::<f64>().abs()
 }
 
 /// About their mean; 0 where missing.
@@ -160,11 +186,18 @@ fn strongest(errors: &[f64], reference: &impl Deref<Target = Vec<f64>>) -> Optio
         .filter(|(_, ratio)| *ratio > ABOVE_NEIGHBOURS)
         .max_by(|a, b| a.1.total_cmp(&b.1));
     let bin = line?.0;
-    let reference: &[f64] = reference;
-    let of_reference = (bin - OF_LINE..=bin + OF_LINE)
-        .filter(|j| (reach..reference.len() - reach).contains(j))
-        .any(|j| above_neighbours(reference, j) > LINE_OF_REFERENCE);
-    (!of_reference).then(|| refined(errors, TAU * bin as f64 / size as f64, TAU / size as f64))
+    let omega = TAU * bin as f64 / size as f64;
+    (!has_line(reference, omega)).then(|| refined(errors, omega, TAU / size as f64))
+}
+
+/// Whether a periodogram has a line at a frequency.
+fn has_line(power: &[f64], omega: f64) -> bool {
+    let reach = NEIGHBOURS + OF_LINE;
+    // From 0 up to half the rate of sampling.
+    let bin = (omega / PI * (power.len() - 1) as f64).round() as usize;
+    (bin.saturating_sub(OF_LINE)..=bin + OF_LINE)
+        .filter(|j| (reach..power.len().saturating_sub(reach)).contains(j))
+        .any(|j| above_neighbours(power, j) > LINE_OF_REFERENCE)
 }
 
 /// `values` times Hann's window.

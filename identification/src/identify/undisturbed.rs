@@ -108,8 +108,8 @@ impl<'a> Undisturbed<'a> {
         if Quantisation::of(complete, 0.0).is_none_or(|found| rmse > found.step) {
             let runs = next.removed_from(complete);
             next.hum = match next.is_of_runs() {
-                true => hum(&simulated_whole(&runs, moments, fit)),
-                false => hum(&simulated),
+                true => hum(&simulated_whole(&runs, moments, fit), fit),
+                false => hum(&simulated, fit),
             };
         }
         let as_simulated = next.is_empty();

@@ -2,10 +2,11 @@
 
 use rayon::prelude::*;
 use servoid_dynamics::{Friction, Grid, Load, ServoParameters, Start, simulate};
-use servoid_identification::results::{Model, Reason};
+use servoid_identification::results::{Advice, Check, Model, Reason};
 use servoid_identification::thresholds::MISFIT_SIGNIFICANCE;
 use servoid_identification::{Options, Record, identify};
 
+use servoid_test_support::plants::{normal, random};
 use servoid_test_support::servos::{
     Limit, Linear, PERIOD, limited, measured, sizes, staircase, stairs,
 };
@@ -179,5 +180,34 @@ fn play_under_equal_holds_is_no_late_part_of_the_response() {
             assert!(says, "{hold} {play}: {:?}", model.advice);
             assert!(model.structure.settling_samples <= hold);
         }
+    }
+}
+
+/// Strokes upwards take longer than downwards, and all holds are equal: the errors have the rate of the holds, where the reference has no
+/// line. They are the servo's, and no hum.
+#[test]
+fn errors_at_the_rate_of_equal_holds_are_no_hum() {
+    for seed in 0..3 {
+        let mut random = random(seed);
+        let levels = [0.0, 10.0, 20.0, 10.0, 0.0, -10.0, -20.0, -10.0];
+        let input: Vec<f64> = (0..4000).map(|k| levels[k / 80 % 8]).collect();
+        let mut angle = 0.0;
+        let output: Vec<f64> = input
+            .iter()
+            .map(|command| {
+                let seen = angle + 0.02 * normal(&mut random);
+                angle += (command - angle) / if *command > angle { 9.0 } else { 5.0 };
+                seen
+            })
+            .collect();
+        let record = Record::of_run(0.01, input, output).unwrap();
+        let model = identify(&record, &Options::default()).unwrap();
+        let is_hum = |item: &Advice| item.check == Check::Hum;
+        assert!(
+            !model.advice.iter().any(is_hum),
+            "seed {seed}: {:?}",
+            model.advice
+        );
+        assert!(!model.linear, "seed {seed}: {:?}", model.residuals);
     }
 }
