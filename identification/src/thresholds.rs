@@ -200,7 +200,7 @@ pub const LINE_OF_REFERENCE: f64 = 25.0;
 /// reference may be the servo's.
 ///
 /// Protects: servos with unequal speeds or a load, under equal holds, from passing for linear ones beside hum; and mains hum at the rate of
-/// frames of 20 ms, which servos hardly follow. Evidence: the tests of hum; "Hard recordings", hum.
+/// frames of 20 ms, which servos hardly follow. Evidence: the tests of linearity; "Hard recordings", hum.
 pub const HARDLY_FOLLOWED: f64 = 0.2;
 
 /// Amplitude of a line in the errors, relative to that of the motion at the same frequency, above which it is not an

@@ -120,32 +120,28 @@ fn between_rows(rows: f64, model: &Model) -> Advice {
 }
 
 fn in_frames(rows: f64, scatter_s: f64) -> Advice {
-    let mean_wait = in_words(0.5 * scatter_s);
-    Advice::new(
-        Check::CommandEdges,
-        format!(
-            "{}, as if each waited for a moment of its own: pulses in frames that the rows know nothing of do that, and controllers with \
-             such a cycle. All times contain the mean of this wait, {mean_wait}, and single answers are up to as much sooner or later.",
-            scatter_in_words(scatter_s)
-        ),
-        rows,
-        *ONE_ROW.start(),
-        format!(
-            "For a simulation that has such a frame, take {mean_wait} from the delay. Better, write each command at the pulse with which it \
-             begins."
-        ),
-    )
+    let finding = format!(
+        "{}, as if each waited for a moment of its own: pulses in frames that the rows know nothing of do that, and controllers with \
+         such a cycle. All times contain the mean of this wait",
+        scatter_in_words(scatter_s)
+    );
+    of_wait(rows, &finding, scatter_s)
 }
 
 fn with_pulses(rows: f64, frame_s: f64) -> Advice {
-    let mean_wait = in_words(0.5 * frame_s);
+    let finding = format!(
+        "Each command waits for the next pulse of a frame of {}, and errors that follow the motion are that wait. All times contain its mean",
+        in_words(frame_s)
+    );
+    of_wait(rows, &finding, frame_s)
+}
+
+/// A `finding` that goes on with the mean of a wait of up to `longest_s`.
+fn of_wait(rows: f64, finding: &str, longest_s: f64) -> Advice {
+    let mean_wait = in_words(0.5 * longest_s);
     Advice::new(
         Check::CommandEdges,
-        format!(
-            "Each command waits for the next pulse of a frame of {}, and errors that follow the motion are that wait. All times contain its mean, \
-             {mean_wait}, and single answers are up to as much sooner or later.",
-            in_words(frame_s)
-        ),
+        format!("{finding}, {mean_wait}, and single answers are up to as much sooner or later."),
         rows,
         *ONE_ROW.start(),
         format!(

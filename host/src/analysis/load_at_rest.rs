@@ -1,18 +1,16 @@
 //! Whether the load of a servo model is why the servo rests off its command.
 
 use crate::data::units::Units;
-use crate::presentation::summary::digits;
+use crate::presentation::summary::{digits, with_unit};
 use servoid_identification::servo_model::{Load, ServoModel, ServoParameters};
 
 /// What to do about a rest off the command, where the load of the servo model explains most of it; `None` elsewhere.
 pub(super) fn remedy(model: &ServoModel, units: Units<'_>) -> Option<String> {
     let by_load = of_load(&model.parameters(0), model.commands?.middle())?;
-    let unit = units.output.map(|unit| format!(" {unit}"));
     Some(format!(
-        "The servo model has a load as its cause, which moves the rest by {}{}: look for what pulls to one side. The step response does not \
+        "The servo model has a load as its cause, which moves the rest by {}: look for what pulls to one side. The step response does not \
          depend on it.",
-        digits(by_load, 3),
-        unit.unwrap_or_default()
+        with_unit(digits(by_load, 3), units.output.unwrap_or_default())
     ))
 }
 

@@ -6,7 +6,7 @@ use crate::data::dataset::Dataset;
 use crate::data::fingerprint;
 use crate::data::model_file::ModelFile;
 use crate::data::model_metadata::ModelMetadata;
-use crate::presentation::summary::four_digits;
+use crate::presentation::summary::{four_digits, with_unit};
 use anyhow::{Context, Result, anyhow};
 use serde::Serialize;
 use servoid_identification::Error;
@@ -119,11 +119,7 @@ fn larger_error(
     unit: &str,
 ) -> Option<Advice> {
     let times = found.rmse / own_rmse;
-    let in_unit = |error: f64| {
-        format!("{} {unit}", four_digits(error))
-            .trim_end()
-            .to_owned()
-    };
+    let in_unit = |error: f64| with_unit(four_digits(error), unit);
     let without_bias = (found.rmse.powi(2) - found.bias.powi(2)).max(0.0).sqrt();
     let is_all = |lag: &Lag| lag.left < (OF_A_LAG * without_bias).min(LARGER_ERROR * own_rmse);
     let lag = lag.filter(is_all);

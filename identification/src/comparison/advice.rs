@@ -5,6 +5,7 @@ use super::outcome::{Comparison, Levels, Sides, Subject};
 use super::pair::Identified;
 use super::verdict::Verdict;
 use crate::nonlinear::Limits;
+use crate::numerics::with_unit;
 use crate::results::{Advice, Bounds, Check, Model};
 use crate::thresholds::LEVELS_FOR_ENDS;
 
@@ -37,14 +38,13 @@ fn different_zeros(levels: &Sides<Levels>, margin_percent: f64, unit: &str) -> O
     let same_command =
         (commanded(&levels.a) - commanded(&levels.b)).abs() / 2.0 < margin_percent / 100.0 * stroke;
     let percent = 100.0 * apart.abs() / stroke;
-    let by = format!("{apart:+.3} {unit}");
     (same_command && percent > margin_percent).then(|| {
         Advice::new(
             Check::Zeros,
             format!(
                 "The second rests {} from the first, {percent:.0} % of the stroke, under the same commands. The verdict is on \
                  step responses, which are of changes alone; the over-prediction counts from zero and contains it.",
-                by.trim_end()
+                with_unit(format!("{apart:+.3}"), unit)
             ),
             percent,
             margin_percent,

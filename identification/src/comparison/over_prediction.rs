@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::data::{EXACTLY, Hold, Record, Run, holds, mean_output};
-use crate::numerics::four_digits;
+use crate::numerics::{four_digits, with_unit};
 use crate::results::{Interval, Model};
 
 /// Over-prediction of the second servo by the first.
@@ -106,11 +106,7 @@ pub(crate) fn over_prediction(
         + (sd_predicted * travel / (predicted * predicted)).powi(2);
     let degrees = plus.plateaus.min(minus.plateaus) - 1;
     let [input, output] = predictor.units;
-    let with = |number: f64, unit: &str| {
-        format!("{} {unit}", four_digits(number))
-            .trim_end()
-            .to_owned()
-    };
+    let with = |number: f64, unit: &str| with_unit(four_digits(number), unit);
     Some(OverPrediction {
         plus_percent: side(high, &plus, predictor.sd_at_rest[0]),
         minus_percent: side(low, &minus, predictor.sd_at_rest[1]),

@@ -48,24 +48,22 @@ impl Quantisation {
         if residual >= DITHERED {
             return None;
         }
-        let of_level = level_error(step, residual);
-        Some(Self {
+        let found = Self {
             step,
             residual,
-            allowance: of_level * leverage(record),
+            allowance: 0.0,
+        };
+        Some(Self {
+            allowance: found.level_error() * leverage(record),
+            ..found
         })
     }
 
     /// The largest error of a level of rest that the noise does not dither \[output\].
     pub(crate) fn level_error(&self) -> f64 {
-        level_error(self.step, self.residual)
+        let dither = (self.residual * self.residual - OF_ROUNDING).max(0.0);
+        0.5 * self.step * (-2.0 * std::f64::consts::PI.powi(2) * dither).exp()
     }
-}
-
-/// For residuals \[rms, in steps\].
-fn level_error(step: f64, residual: f64) -> f64 {
-    let dither = (residual * residual - OF_ROUNDING).max(0.0);
-    0.5 * step * (-2.0 * std::f64::consts::PI.powi(2) * dither).exp()
 }
 
 /// The step that the output is rounded to, if many samples equal the previous one.

@@ -79,7 +79,6 @@ pub(crate) fn hum(runs: &[Simulated<'_>], fit: &GlsFit) -> Vec<HumLine> {
     let motion = LazyCell::new(|| centred(&runs[longest].output));
     let reference = LazyCell::new(|| power(&centred(runs[longest].run.input())));
     let changes = LazyCell::new(|| power(&sizes_of_changes(runs[longest].run.input())));
-    let impulse = LazyCell::new(|| fit.impulse());
     let mut lines = Vec::new();
     while lines.len() < LINES
         && let Some(omega) = strongest(&errors[longest], &reference)
@@ -89,7 +88,7 @@ pub(crate) fn hum(runs: &[Simulated<'_>], fit: &GlsFit) -> Vec<HumLine> {
             parts: errors.iter().map(|errors| parts(errors, omega)).collect(),
             longest,
         };
-        if share_followed(&impulse, omega) > HARDLY_FOLLOWED && has_line(&changes, omega) {
+        if share_followed(fit, omega) > HARDLY_FOLLOWED && has_line(&changes, omega) {
             break;
         }
         let (of_cos, of_sin) = parts(&motion, omega);
@@ -114,14 +113,10 @@ fn sizes_of_changes(input: &[f64]) -> Vec<f64> {
 }
 
 /// The gain at a frequency, relative to that at rest.
-fn share_followed(impulse: &[f64], omega: f64) -> f64 {
-    let part = |of: fn(f64) -> f64| -> f64 {
-        let terms = (0..)
-            .zip(impulse)
-            .map(|(k, h)| h * of(omega * f64::from(k)));
-        terms.sum()
-    };
-    part(f64::cos).hypot(part(f64::sin)) / impulse.iter().sum::<f64>().abs()
+fn share_followed(fit: &GlsFit, omega: f64) -> f64 {
+    let theta = fit.theta();
+    let (re, im) = fit.coordinates.basis.frequency_response(&theta, omega);
+    re.hypot(im) / theta[0].abs()
 }
 
 /// About their mean; 0 where missing.

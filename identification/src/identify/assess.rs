@@ -4,7 +4,7 @@ use super::estimate::Estimate;
 use super::fitted::Fitted;
 use super::task::Task;
 use crate::diagnostics::{
-    WHITENESS_SAMPLES, beginnings, input_independence, one_step_errors, square, whiteness,
+    WHITENESS_SAMPLES, beginnings, input_independence, one_step_errors, whiteness,
 };
 use crate::results::{Fit, Model, Residuals, fit_percent};
 
@@ -12,12 +12,13 @@ use crate::results::{Fit, Model, Residuals, fit_percent};
 pub(super) fn figures_of_merit(fitted: &Fitted, taken_out: usize) -> Fit {
     let estimate = &fitted.estimate;
     let information = &estimate.information;
-    let error = square(information, &estimate.fit);
+    let rmse = estimate.rmse();
+    let error = rmse.powi(2) * information.rows() as f64;
     let spread = information.moments.output_spread();
     Fit {
         simulation_percent: fit_percent(error, spread),
         one_step_percent: fit_percent(estimate.fit.solution.rss, spread),
-        rmse: estimate.rmse(),
+        rmse,
         samples_used: information.rows(),
         samples_missing: fitted.candidate.moments.missing().saturating_sub(taken_out),
     }

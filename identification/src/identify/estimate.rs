@@ -1,7 +1,7 @@
 //! The fit by a plan.
 
 use super::plan::Plan;
-use crate::data::{Moments, Quantisation, Record};
+use crate::data::{Moments, Quantisation, Record, sensor_step};
 use crate::diagnostics::square;
 use crate::error::Error;
 use crate::estimation::{
@@ -39,6 +39,8 @@ impl Estimate {
 
     /// The steps of the sensor, where they are larger than these errors.
     pub(super) fn steps_of_sensor(&self, record: &Record) -> Option<Quantisation> {
+        // Most records have none, and the errors cost more than to see that.
+        sensor_step(record)?;
         Quantisation::of(record, self.rmse())
     }
 

@@ -8,7 +8,7 @@ use super::disturbances::Disturbances;
 use super::estimate::Estimate;
 use crate::data::{Quantisation, Record};
 use crate::diagnostics::{
-    Outliers, RunTrends, drift, hum, outliers, run_offsets, simulated_whole, slopes_left, square,
+    Outliers, RunTrends, drift, hum, outliers, run_offsets, simulated_whole, slopes_left,
 };
 use crate::error::Error;
 use crate::options::{Detrend, Options};
@@ -102,7 +102,7 @@ impl<'a> Undisturbed<'a> {
         if trends {
             next.trends = self.slopes();
         }
-        let rmse = (square(information, fit) / information.rows() as f64).sqrt();
+        let rmse = self.estimate.rmse();
         let step = Quantisation::of(complete, rmse).map_or(0.0, |found| found.step);
         // Rounding that noise hardly dithers repeats itself with the reference.
         if Quantisation::of(complete, 0.0).is_none_or(|found| rmse > found.step) {

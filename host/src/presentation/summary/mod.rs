@@ -35,7 +35,7 @@ pub(crate) use key_figures::{
 };
 pub(crate) use layout::{listed_words, wrapped};
 pub(crate) use metrics::{difference_rows, metric_rows, withheld_line};
-pub(crate) use numbers::{decimals, head_of_bounds, percent, probability};
+pub(crate) use numbers::{decimals, head_of_bounds, percent, probability, with_unit};
 pub(crate) use servo_model::{
     QuantityRow, advice_on_servo_model, digits, four_digits, quantities, quantity_rows,
     run_offsets_in_words, terms_in_words,
@@ -146,8 +146,7 @@ pub(crate) fn facts(model: &Model, unit: Option<&str>) -> [(&'static str, String
 }
 
 fn number_with_unit(number: f64, digits: usize, unit: Option<&str>) -> String {
-    let unit = unit.map(|unit| format!(" {unit}")).unwrap_or_default();
-    format!("{number:.digits$}{unit}")
+    with_unit(format!("{number:.digits$}"), unit.unwrap_or_default())
 }
 
 fn offset(model: &Model, unit: Option<&str>) -> String {

@@ -50,6 +50,14 @@ pub(super) fn with_bounds(
     }
 }
 
+/// A number with its unit; alone where that is empty, as it is not known.
+pub(crate) fn with_unit(number: impl std::fmt::Display, unit: &str) -> String {
+    match unit {
+        "" => number.to_string(),
+        unit => format!("{number} {unit}"),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

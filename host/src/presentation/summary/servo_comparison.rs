@@ -2,7 +2,7 @@
 
 use super::layout::wrapped;
 use super::metrics::TableRow;
-use super::numbers::percent;
+use super::numbers::{percent, with_unit};
 use super::servo_model::{digits_beside, four_digits, scale_and_unit, under_load};
 use crate::data::units::Units;
 use servoid_identification::comparison::{QuantityPair, ServoModelComparison};
@@ -55,11 +55,7 @@ pub fn sentence_on_servo_models(
 /// "delay 10.3 ms in A, 12.1 ms in B"
 fn in_words(a: &str, b: &str, pair: &QuantityPair, units: Units<'_>) -> Option<String> {
     let (scale, unit) = scale_and_unit(pair.unit, units);
-    let shown = |value: f64| {
-        format!("{} {unit}", four_digits(scale * value))
-            .trim_end()
-            .to_owned()
-    };
+    let shown = |value: f64| with_unit(four_digits(scale * value), &unit);
     let (of_a, of_b) = (shown(pair.a?), shown(pair.b?));
     Some(format!("{} {of_a} in {a}, {of_b} in {b}", pair.name))
 }
@@ -122,11 +118,9 @@ pub(crate) fn servo_model_rows(found: &ServoModelComparison, units: Units<'_>) -
             let digits = |v| digits_beside(scale * v, 4, width(interval));
             value.map_or("-".to_owned(), digits)
         };
-        let with_unit = |value: Option<f64>, interval: Option<Interval>| match value {
-            Some(_) => format!("{} {unit}", shown(value, interval))
-                .trim_end()
-                .to_owned(),
-            None => shown(value, interval),
+        let in_unit = |value: Option<f64>, interval: Option<Interval>| {
+            let unit = value.map_or("", |_| &unit);
+            with_unit(shown(value, interval), unit)
         };
         let ends = |interval: Option<Interval>, value: Option<f64>| match interval {
             // What a record leaves open has ends that nobody reads.
@@ -143,11 +137,11 @@ pub(crate) fn servo_model_rows(found: &ServoModelComparison, units: Units<'_>) -
             None => [None; 3],
         };
         let mut cells = vec![
-            (with_unit(pair.a, of_a), ends(of_a, pair.a)),
-            (with_unit(pair.b, of_b), ends(of_b, pair.b)),
+            (in_unit(pair.a, of_a), ends(of_a, pair.a)),
+            (in_unit(pair.b, of_b), ends(of_b, pair.b)),
         ];
         if bounds.is_some() {
-            let less = apart.map_or_else(String::new, |found| with_unit(found.value, apart));
+            let less = apart.map_or_else(String::new, |found| in_unit(found.value, apart));
             cells.push((less, ends(apart, apart.and_then(|found| found.value))));
         }
         TableRow {

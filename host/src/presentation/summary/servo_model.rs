@@ -1,7 +1,7 @@
 //! The servo as a machine, as text for a terminal.
 
 use super::layout::wrapped;
-use super::numbers::head_of_bounds;
+use super::numbers::{head_of_bounds, with_unit};
 use crate::data::model_file::ServoModelDocument;
 use crate::data::units::Units;
 use servoid_identification::results::{Bounds, Interval};
@@ -252,7 +252,6 @@ fn quantity_row(quantity: &Quantity, units: Units<'_>) -> QuantityRow {
         Some(_) => digits_beside(scale * value, 4, known.map(|(low, high)| width(low, high))),
         None => digits_beside(scale * value, 3, fits),
     };
-    let with_unit = |text: String| format!("{text} {unit}").trim_end().to_owned();
     let interval = quantity.interval.valid().map(|found: &Interval| {
         let end = |bound: Option<f64>| bound.map_or("-".to_owned(), shown);
         match (quantity.determined, found.lower, found.upper) {
@@ -260,13 +259,13 @@ fn quantity_row(quantity: &Quantity, units: Units<'_>) -> QuantityRow {
             (true, None, None) => String::new(),
             (true, lower, upper) => format!("{} .. {}", end(lower), end(upper)),
             (false, Some(lower), None) => {
-                let least = with_unit(shown(lower));
+                let least = with_unit(shown(lower), &unit);
                 format!("{NOT_DETERMINED}: {least} or more")
             }
             (false, lower, upper) => match lower.zip(upper) {
                 Some((lower, upper)) if upper < WORTH_PRINTING * lower => {
                     let range = format!("{} .. {}", shown(lower), shown(upper));
-                    format!("{NOT_DETERMINED}: {}", with_unit(range))
+                    format!("{NOT_DETERMINED}: {}", with_unit(range, &unit))
                 }
                 _ => NOT_DETERMINED.to_owned(),
             },

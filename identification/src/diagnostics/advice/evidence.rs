@@ -5,6 +5,7 @@ use crate::diagnostics::explanation::Explanation;
 use crate::diagnostics::linearity::Linearity;
 use crate::diagnostics::misfit::Misfit;
 use crate::diagnostics::validity::Validity;
+use crate::numerics::with_unit;
 use crate::options::Options;
 use crate::results::{Model, Reason};
 
@@ -44,7 +45,7 @@ impl<'a> Evidence<'a> {
 
     fn with_unit(&self, column: usize, number: impl std::fmt::Display) -> String {
         let unit = self.recorded.map_or("", |record| record.units()[column]);
-        format!("{number} {unit}").trim_end().to_owned()
+        with_unit(number, unit)
     }
 
     /// Whether the model has bounds, of which advice may speak.
