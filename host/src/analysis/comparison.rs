@@ -1,6 +1,6 @@
 //! The comparison of two sides, with what the commands add to that of the library: servo models, and advice on the files.
 
-use super::servo_fit;
+use super::{delay_errors, servo_fit};
 use crate::data::dataset::Dataset;
 use crate::data::fingerprint;
 use crate::data::mixed_units::advice_on_units;
@@ -14,7 +14,7 @@ use servoid_identification::comparison::{
     Comparison, ComparisonOptions, SCHEMA, ServoModelComparison, Subject, Verdict, compare,
     compare_models, compare_servo_models,
 };
-use servoid_identification::results::Advice;
+use servoid_identification::results::{Advice, Model};
 use servoid_identification::servo_model::Watch;
 
 /// Compares the data of two sides. The most important advice comes first: that both have the same samples.
@@ -31,7 +31,7 @@ pub fn compared(
     let options = ComparisonOptions {
         input_unit: a.about.input_unit_with(&b.about),
         output_unit: a.about.output_unit_with(&b.about),
-        ..options
+        ..delay_errors::allowed_for([&metadata[0], &metadata[1]], options)
     };
     let found = compare(&a.record, &b.record, &options);
     let mut found = found
@@ -46,7 +46,9 @@ pub fn compared(
         found.advice.splice(0..0, advice);
     }
     found.advice.extend(a.about.other_calibration(&b.about));
-    found.advice.extend(a.about.other_sensor_delay(&b.about));
+    found
+        .advice
+        .extend(delay_errors::advice([&metadata[0], &metadata[1]]));
     Ok(found)
 }
 
@@ -161,16 +163,29 @@ fn say_same_data(found: &mut Comparison, finding: Option<Advice>) {
     found.advice.splice(0..0, finding);
 }
 
-/// The options of a comparison of two models, with what their files say of the recordings.
-#[must_use]
-pub fn with_strokes([a, b]: [&ModelMetadata; 2], options: &ComparisonOptions) -> ComparisonOptions {
+/// Compares two models by their step responses, with what their files say of the recordings.
+///
+/// # Errors
+/// Different units, or that of the comparison, behind the names.
+pub fn compared_models(
+    models: [&Model; 2],
+    metadata: [&ModelMetadata; 2],
+    names: [&str; 2],
+    options: ComparisonOptions,
+) -> Result<Comparison> {
+    let [a, b] = metadata;
+    a.same_units(names[0], b, names[1])?;
     let strokes = a.only_stroke.zip(b.only_stroke);
     let unit = a.units().input.filter(|unit| b.units().input == Some(unit));
-    ComparisonOptions {
+    let options = ComparisonOptions {
         strokes_of_models: strokes.map(<[f64; 2]>::from),
         input_unit: unit.unwrap_or_default().to_owned(),
-        ..options.clone()
-    }
+        ..delay_errors::allowed_for(metadata, options)
+    };
+    let found = compare_models(models[0], models[1], &options).map_err(with_machines);
+    let mut found = found.with_context(|| names.join(" against "))?;
+    found.advice.extend(delay_errors::advice(metadata));
+    Ok(found)
 }
 
 /// The comparison as its document has it.
@@ -235,10 +250,8 @@ impl Compared {
         options: &ComparisonOptions,
         servo_model: bool,
     ) -> Result<Self> {
-        a.metadata.same_units(names[0], &b.metadata, names[1])?;
-        let options = &with_strokes([&a.metadata, &b.metadata], options);
-        let found = compare_models(&a.model, &b.model, options).map_err(with_machines);
-        let found = found.with_context(|| names.join(" against "));
+        let metadata = [&a.metadata, &b.metadata];
+        let found = compared_models([&a.model, &b.model], metadata, names, options.clone());
         let servos = [a.servo_model()?, b.servo_model()?];
         for (name, servo) in names.iter().zip(&servos) {
             if servo_model && servo.is_none() {

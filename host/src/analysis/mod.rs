@@ -4,6 +4,7 @@
 mod angle_units;
 mod command_edges;
 mod comparison;
+mod delay_errors;
 mod duration_in_words;
 mod identification;
 mod identified;
@@ -16,7 +17,7 @@ mod simulation;
 mod travel;
 mod validation;
 
-pub use comparison::{Compared, compared, with_strokes};
+pub use comparison::{Compared, compared, compared_models};
 pub use identification::{Identified, IdentifiedDocument, IdentifyRequest};
 pub use identified::identified;
 pub use json::to_json;

@@ -4,15 +4,15 @@ use super::compare::warn_of_small_margin;
 use super::input::{TableArgs, name_of};
 use super::output::{Output, Talk, stem, wrong_usage};
 use super::servo_search::ServoSearch;
-use crate::analysis::{compared, identified, servo_fit, with_strokes};
+use crate::analysis::{compared, compared_models, identified, servo_fit};
 use crate::data::dataset::{Dataset, listed};
 use crate::data::model_file::{ModelFile, is_model};
 use crate::presentation::report::{self, Page, Servo};
-use anyhow::{Context, Result};
+use anyhow::Result;
 use clap::Args;
 use servoid_identification::Options;
 use servoid_identification::comparison::{
-    Comparison, ComparisonOptions, ServoModelComparison, compare_models, compare_servo_models,
+    Comparison, ComparisonOptions, ServoModelComparison, compare_servo_models,
 };
 use std::path::PathBuf;
 
@@ -176,10 +176,8 @@ fn comparison(a: &Servo, b: &Servo, margin: f64, talk: Talk) -> Result<Option<Co
             compared([data_a, data_b], [&a.name, &b.name], options).map(Some)
         }
         (None, None) => {
-            let options = with_strokes([&a.metadata, &b.metadata], &options);
-            compare_models(&a.model, &b.model, &options)
-                .map(Some)
-                .with_context(|| format!("{} against {}", a.name, b.name))
+            let (models, metadata) = ([&a.model, &b.model], [&a.metadata, &b.metadata]);
+            compared_models(models, metadata, [&a.name, &b.name], options).map(Some)
         }
         _ => {
             talk.say("no verdict on a recording beside a model: the page shows both; a verdict needs two recordings or two models");

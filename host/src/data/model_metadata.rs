@@ -36,7 +36,10 @@ pub struct ModelMetadata {
     /// Whether that frame was stated by hand where the model does not say that its commands were written at their pulses.
     #[serde(skip)]
     pub frame_is_stated: bool,
-    /// The delay of the sensor that was taken out is at most this far from the true one \[s\].
+    /// The delay of the sensor that was taken out, where all recordings state one and agree \[s\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sensor_delay_s: Option<f64>,
+    /// It is at most this far from the true one \[s\].
     #[serde(default, skip_serializing_if = "is_zero")]
     pub sensor_delay_uncertainty_s: f64,
     /// The size of the strokes in the recording, where all have one (unit of the command).
@@ -51,6 +54,7 @@ impl ModelMetadata {
             units: UnitNames { input, output },
             pulse_frame_s,
             frame_is_stated: false,
+            sensor_delay_s: None,
             sensor_delay_uncertainty_s: 0.0,
             only_stroke: None,
         }
@@ -77,13 +81,12 @@ impl ModelMetadata {
     /// ```
     pub fn in_document(document: &Value) -> Self {
         let found = Self::deserialize(document).unwrap_or_default();
-        let delay_s = found.sensor_delay_uncertainty_s;
+        // What is no time of a sensor is passed over, as other fields are.
+        let of_sensor = |delay_s: &f64| (0.0..=1e-3 * LONGEST_DELAY_MS).contains(delay_s);
+        let uncertainty_s = Some(found.sensor_delay_uncertainty_s).filter(of_sensor);
         Self {
-            // What is no time of a sensor is passed over, as other fields are.
-            sensor_delay_uncertainty_s: match (0.0..=1e-3 * LONGEST_DELAY_MS).contains(&delay_s) {
-                true => delay_s,
-                false => 0.0,
-            },
+            sensor_delay_s: found.sensor_delay_s.filter(of_sensor),
+            sensor_delay_uncertainty_s: uncertainty_s.unwrap_or_default(),
             only_stroke: found.only_stroke.filter(|size| *size > 0.0),
             pulse_frame_s: found
                 .pulse_frame_s

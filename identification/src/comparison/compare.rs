@@ -2,7 +2,7 @@
 
 use super::difference::{Curves, Differences};
 use super::difference_curves::difference_curves;
-use super::metric_differences::metric_differences;
+use super::metric_differences::{MetricsOfSide, metric_differences};
 use super::motion::Motion;
 use super::options::ComparisonOptions;
 use super::outcome::{Comparison, ComparisonBounds, DifferencePercent, SCHEMA, Sides, Subject};
@@ -42,7 +42,7 @@ use crate::thresholds::MARGIN;
 /// # Errors
 /// A side cannot be identified, or the two differ in sample period.
 pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Comparison, Error> {
-    let (a, b) = identified(a, b, &options.identification)?;
+    let (mut a, mut b) = identified(a, b, &options.identification)?;
     let level = options.identification.level;
     let both = a.split.as_ref().zip(b.split.as_ref());
     let split = both.filter(|_| a.asymmetric() || b.asymmetric());
@@ -55,13 +55,15 @@ pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Co
         ],
     };
     let runs = RunMeans::of([&a, &b], split.is_some(), level);
-    let mut metrics = [a.model.metrics, b.model.metrics];
-    if let Some((a, b)) = split {
+    if let Some([gain_a, gain_b]) = split.map(|(a, b)| [a.gain(), b.gain()]) {
         // The errors of a plain model hide a slow end of such a servo.
-        [metrics[0].dc_gain, metrics[1].dc_gain] = [a.gain(), b.gain()];
+        [a.model.metrics.dc_gain, b.model.metrics.dc_gain] = [gain_a, gain_b];
     }
+    let [error_a, error_b] = options.delay_errors_s;
+    a.model = a.model.with_delay_error(error_a);
+    b.model = b.model.with_delay_error(error_b);
     let models = [&a.model, &b.model];
-    let mut comparison = of_curves(models, metrics, &curves, runs.as_ref(), options);
+    let mut comparison = of_curves(models, &curves, runs.as_ref(), options);
     comparison.runs = [a.record.runs().len(), b.record.runs().len()];
     comparison.p_value = match scatter::p_value(&a, &b) {
         // A single run may be too short for a model of its own, or one step from rest, which is constant; then there is no test.
@@ -128,7 +130,7 @@ pub fn compare_models(
         .settling_samples
         .max(b.structure.settling_samples);
     let curves = [Curves::of_model(a, points)?, Curves::of_model(b, points)?];
-    let mut comparison = of_curves([a, b], [a.metrics, b.metrics], &curves, None, options);
+    let mut comparison = of_curves([a, b], &curves, None, options);
     let of_strokes =
         |strokes| different_motions::strokes_of_models_may_explain(&comparison, strokes);
     if options.strokes_of_models.is_some_and(of_strokes) {
@@ -142,20 +144,26 @@ pub fn compare_models(
 }
 
 fn of_curves(
-    [a, b]: [&Model; 2],
-    metrics: [Metrics; 2],
+    models: [&Model; 2],
     curves: &[Curves; 2],
     runs: Option<&RunMeans>,
     options: &ComparisonOptions,
 ) -> Comparison {
     let level = options.identification.level;
+    let [a, b] = models;
+    let timing = a.timing();
+    let apart_s = match options.one_delay_error {
+        true => 0.0,
+        false => a.delay_error_s() + b.delay_error_s(),
+    };
+    let apart = apart_s / timing.sample_period_s;
     let of_recordings = Differences::of(&curves[0], &curves[1], level);
     let differences = match runs.map(RunMeans::difference) {
         Some((value, half)) => of_recordings.of_servos(&value, &half),
         None => of_recordings,
     };
+    let differences = differences.with_delay_error([&curves[0], &curves[1]], apart);
     let largest = differences.largest();
-    let timing = a.timing();
     let shift_of = |which: std::ops::Range<usize>| {
         let mut found = shift::shift(&curves[0], &curves[1], which.clone(), level);
         if let Some(runs) = runs {
@@ -165,7 +173,7 @@ fn of_curves(
         let later = b.sample_phase_s - a.sample_phase_s;
         let seconds = |samples: f64| samples * timing.sample_period_s + later;
         (
-            found.samples.map(seconds),
+            found.samples.reaching(apart, apart).map(seconds),
             found.remains.map(|remains| 100.0 * remains),
         )
     };
@@ -177,9 +185,13 @@ fn of_curves(
             options.margin_percent / 100.0,
         )
     });
-    let [metrics_a, metrics_b] = metrics.map(|metrics| match largest {
+    let known = |metrics: Metrics| match largest {
         Bounds::Valid(_) => metrics,
         Bounds::Withdrawn(reason) => metrics.withdrawn(reason),
+    };
+    let sides = models.map(|model| MetricsOfSide {
+        metrics: known(model.metrics),
+        at_stated_delay: known(model.metrics_at_stated_delay()),
     });
     Comparison {
         schema: SCHEMA,
@@ -210,7 +222,7 @@ fn of_curves(
         over_prediction: None,
         levels: None,
         asymmetry: None,
-        differences: metric_differences(&metrics_a, &metrics_b, runs),
+        differences: metric_differences(&sides, runs, apart_s > 0.0),
         curves: difference_curves,
         summary: String::new(),
         advice: Vec::new(),

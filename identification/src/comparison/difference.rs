@@ -5,7 +5,7 @@ use faer::Mat;
 use crate::error::Error;
 use crate::nonlinear::DirectionModel;
 use crate::numerics::{dot, simultaneous_critical, student_critical, times};
-use crate::results::{Bounds, Model};
+use crate::results::{Bounds, Model, farthest_within};
 
 /// One or more response curves, one after the other.
 #[derive(Debug, Clone)]
@@ -165,6 +165,32 @@ impl Differences {
             half: self
                 .half
                 .map(|half| half.into_iter().zip(of_runs).map(wider).collect()),
+            ..self
+        }
+    }
+
+    /// The same for sides whose times may be off from each other by up to `samples`: each half width contains how far either curve goes
+    /// within that time.
+    pub(super) fn with_delay_error(self, [a, b]: [&Curves; 2], samples: f64) -> Self {
+        if samples == 0.0 {
+            return self;
+        }
+        let (points, gain) = (self.points, self.gain);
+        let reach = |curves: &Curves| {
+            let each = curves.value.chunks(points);
+            each.flat_map(|curve| {
+                let highest = farthest_within(samples, curve, f64::max);
+                let lowest = farthest_within(samples, curve, f64::min);
+                let ends = highest.into_iter().zip(lowest).zip(curve);
+                let reach = ends.map(|((high, low), at)| (high - at).max(at - low) / gain);
+                reach.collect::<Vec<f64>>()
+            })
+            .collect::<Vec<f64>>()
+        };
+        let (of_a, of_b) = (reach(a), reach(b));
+        let further = |(m, half): (usize, f64)| half + of_a[m].max(of_b[m]);
+        Self {
+            half: (self.half).map(|half| half.into_iter().enumerate().map(further).collect()),
             ..self
         }
     }

@@ -4,54 +4,64 @@ use super::outcome::MetricDifference;
 use super::run_means::RunMeans;
 use crate::results::{Interval, Metrics};
 
-/// Metric by metric. The interval of a difference contains the scatter of the `runs`, where these serve for that.
+/// The metrics of one side.
+pub(super) struct MetricsOfSide {
+    /// Their intervals allow for output that was recorded earlier or later than it is taken for.
+    pub(super) metrics: Metrics,
+    /// These do not: an error that both sides share is in no difference.
+    pub(super) at_stated_delay: Metrics,
+}
+
+/// Metric by metric. The interval of a difference contains the scatter of the `runs`, where these serve for that, and the errors of
+/// both delays where they are `two_delay_errors`: each is a limit, so that they add up.
 pub(super) fn metric_differences(
-    a: &Metrics,
-    b: &Metrics,
+    [a, b]: &[MetricsOfSide; 2],
     runs: Option<&RunMeans>,
+    two_delay_errors: bool,
 ) -> Vec<MetricDifference> {
-    let both = a.named().into_iter().zip(b.named()).enumerate();
-    both.map(|(place, ((metric, a), (_, b)))| {
-        let of_noise = of_metric(metric, &a, &b);
-        match runs {
-            Some(runs) => of_servos(of_noise, runs.metric_half(place)),
-            None => of_noise,
+    let stated = [a, b].map(|side| side.at_stated_delay.named());
+    let shown = [a, b].map(|side| side.metrics.named());
+    let of_place = |place: usize| {
+        let [(metric, stated_a), (_, stated_b)] = stated.map(|side| side[place]);
+        let [(_, shown_a), (_, shown_b)] = shown.map(|side| side[place]);
+        let mut between = difference(&stated_a, &stated_b);
+        if let Some(runs) = runs {
+            between = between.at_least_as_wide(runs.metric_half(place));
         }
-    })
-    .collect()
-}
-
-/// The same with an interval of the difference that reaches `half` to each side at least.
-fn of_servos(found: MetricDifference, half: Option<f64>) -> MetricDifference {
-    let difference = Interval {
-        value: found.difference,
-        lower: found.lower,
-        upper: found.upper,
+        if two_delay_errors {
+            let [(below_a, above_a), (below_b, above_b)] =
+                [(shown_a, stated_a), (shown_b, stated_b)].map(|(shown, stated)| {
+                    let by = |a: Option<f64>, b: Option<f64>| a.zip(b).map_or(0.0, |(a, b)| a - b);
+                    (by(stated.lower, shown.lower), by(shown.upper, stated.upper))
+                });
+            between = between.reaching(below_b + above_a, above_b + below_a);
+        }
+        let bounds = |of: &Interval| of.lower.zip(of.upper).map(<[f64; 2]>::from);
+        MetricDifference {
+            metric: metric.to_owned(),
+            a: shown_a.value,
+            a_bounds: bounds(&shown_a),
+            b: shown_b.value,
+            b_bounds: bounds(&shown_b),
+            difference: between.value,
+            lower: between.lower,
+            upper: between.upper,
+        }
     };
-    let difference = difference.at_least_as_wide(half);
-    MetricDifference {
-        lower: difference.lower,
-        upper: difference.upper,
-        ..found
-    }
+    (0..stated[0].len()).map(of_place).collect()
 }
 
-fn of_metric(metric: &str, a: &Interval, b: &Interval) -> MetricDifference {
-    let bounds = |of: &Interval| of.lower.zip(of.upper).map(<[f64; 2]>::from);
-    let difference = b.value.zip(a.value).map(|(b, a)| b - a);
+/// Second less first, from the intervals of both.
+fn difference(a: &Interval, b: &Interval) -> Interval {
+    let value = b.value.zip(a.value).map(|(b, a)| b - a);
     let reach = |b_from: Option<f64>, b_to: Option<f64>, a_from: Option<f64>, a_to: Option<f64>| {
         Some((b_to? - b_from?).hypot(a_to? - a_from?))
     };
     let below = reach(b.lower, b.value, a.value, a.upper);
     let above = reach(b.value, b.upper, a.lower, a.value);
-    MetricDifference {
-        metric: metric.to_owned(),
-        a: a.value,
-        a_bounds: bounds(a),
-        b: b.value,
-        b_bounds: bounds(b),
-        difference,
-        lower: difference.zip(below).map(|(d, below)| d - below),
-        upper: difference.zip(above).map(|(d, above)| d + above),
+    Interval {
+        value,
+        lower: value.zip(below).map(|(d, below)| d - below),
+        upper: value.zip(above).map(|(d, above)| d + above),
     }
 }

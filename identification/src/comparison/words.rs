@@ -135,11 +135,12 @@ fn behind(found: &Comparison) -> String {
             return "cannot be called earlier or later than the first".to_owned();
         };
         if shift.lower.is_some() && shift.contains(0.0) {
-            return "is as fast as the first, as far as these recordings show".to_owned();
+            return "is neither ahead of the first nor behind it, as far as these recordings show"
+                .to_owned();
         }
         if seconds.abs() < NOTABLE_SHIFT_S {
             return format!(
-                "is as fast as the first to within {:.2} ms",
+                "is neither ahead of the first nor behind it by more than {:.2} ms",
                 1e3 * NOTABLE_SHIFT_S
             );
         }

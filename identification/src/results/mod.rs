@@ -20,7 +20,7 @@ pub(crate) use metrics::measured::Measured;
 pub use metrics::{Interval, MetricBounds, Metrics, Withheld};
 pub use model::{Fit, MODEL_SCHEMA, Model, ParameterBounds, SelectedBy, Structure};
 pub use residuals::Residuals;
-pub(crate) use step_response::Biases;
+pub(crate) use step_response::{Biases, farthest_within};
 pub use step_response::{PointwiseBand, SimultaneousBand, StepBounds, StepResponse};
 pub(crate) use usable_numbers::is_sized;
 pub use validation::Validation;

@@ -196,10 +196,8 @@ impl Model {
         if seconds == 0.0 {
             return self;
         }
-        let response = self.servo_response(&self.frequency.omega_rad_s);
-        // Without the servo's own response that of its samples says as well how fast the phase falls.
-        let response = response.as_ref().unwrap_or(&self.frequency);
-        self.metrics = self.metrics.with_delay_error(seconds, response);
+        let response = self.response_of_phase();
+        self.metrics = self.metrics.with_delay_error(seconds, &response);
         if let Bounds::Valid(bounds) = &mut self.step.bounds {
             bounds.allow_for_delay_error(seconds / self.sample_period_s);
         }
@@ -207,6 +205,33 @@ impl Model {
         let bounds = self.frequency.bounds;
         self.frequency.bounds = bounds.map(|bounds| bounds.with_delay_error(omegas, seconds));
         self
+    }
+
+    /// By how much the output may have been recorded earlier or later than it is taken for, where bounds hold that allow for it \[s\].
+    pub(crate) fn delay_error_s(&self) -> f64 {
+        self.frequency
+            .bounds
+            .valid()
+            .map_or(0.0, |bounds| bounds.delay_error_s)
+    }
+
+    /// The metrics with intervals that do not allow for that.
+    pub(crate) fn metrics_at_stated_delay(&self) -> Metrics {
+        match self.delay_error_s() {
+            0.0 => self.metrics,
+            seconds => {
+                let response = self.response_of_phase();
+                self.metrics.without_delay_error(seconds, &response)
+            }
+        }
+    }
+
+    /// A response that says how fast the phase falls: without the servo's own, that of its samples says it as well.
+    fn response_of_phase(&self) -> std::borrow::Cow<'_, FrequencyResponse> {
+        match self.servo_response(&self.frequency.omega_rad_s) {
+            Ok(response) => std::borrow::Cow::Owned(response),
+            Err(_) => std::borrow::Cow::Borrowed(&self.frequency),
+        }
     }
 
     /// All that metrics are read from, where bounds hold.

@@ -210,7 +210,11 @@ impl StepBounds {
 }
 
 /// For each point but the last the farthest of all points of the line through `values` that are up to `reach` samples away.
-fn farthest_within(reach: f64, values: &[f64], farther: fn(f64, f64) -> f64) -> Vec<f64> {
+pub(crate) fn farthest_within(
+    reach: f64,
+    values: &[f64],
+    farther: fn(f64, f64) -> f64,
+) -> Vec<f64> {
     let Some((&last, line)) = values.split_last().filter(|(_, line)| !line.is_empty()) else {
         return values.to_vec();
     };

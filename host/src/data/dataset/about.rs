@@ -1,6 +1,5 @@
 //! Where data come from, as far as the files state it.
 
-use super::sensor_delay::in_ms;
 use crate::data::model_metadata::ModelMetadata;
 use crate::data::units::Units;
 use servoid_identification::results::{Advice, Check};
@@ -78,26 +77,6 @@ impl About {
         ))
     }
 
-    /// That the recordings of two sides were made by sensors of different delays.
-    pub(crate) fn other_sensor_delay(&self, other: &Self) -> Option<Advice> {
-        let with_others = |a| other.sensor_delays_s.iter().map(move |b| (a, b));
-        let mut pairs = self.sensor_delays_s.iter().flat_map(with_others);
-        let (a, b) = pairs.find(|(a, b)| a != b)?;
-        let known = in_ms(self.sensor_delay_uncertainty_s + other.sensor_delay_uncertainty_s);
-        Some(Advice::new(
-            Check::SensorDelay,
-            format!(
-                "The sides were recorded by sensors of different delays, {} and {} ms: both were taken out, and their difference is known to {known} ms. \
-                 The delay shift and the differences of times do not allow for that.",
-                in_ms(*a),
-                in_ms(*b)
-            ),
-            known,
-            0.0,
-            "Record both sides with one sensor.",
-        ))
-    }
-
     /// The unit of the input of both, empty where they do not have one in common.
     pub(crate) fn input_unit_with(&self, other: &Self) -> String {
         in_common(&self.input_unit, &other.input_unit)
@@ -167,6 +146,8 @@ impl From<&About> for ModelMetadata {
     fn from(about: &About) -> Self {
         let (input, output) = (about.input_unit.clone(), about.output_unit.clone());
         let mut metadata = Self::new(input, output, about.pulse_frame_s);
+        let mut delays_s = about.sensor_delays_s.iter().copied();
+        metadata.sensor_delay_s = (delays_s.next()).filter(|first| delays_s.all(|s| s == *first));
         metadata.sensor_delay_uncertainty_s = about.sensor_delay_uncertainty_s;
         metadata.only_stroke = about.only_stroke;
         metadata

@@ -196,10 +196,10 @@ pub(super) fn advice(page: &Page<'_>) -> String {
         advice.map(|item| (part.subject.name, item))
     });
     let checks = Advice::by_check(of_parts);
-    // The comparison repeats what it finds of a side, whose model has said it.
+    // The comparison repeats what bears on it of a side, whose model has said it.
     let said = |item: &Advice| {
         let mut all = checks.iter().flatten();
-        all.any(|(_, own)| own.is_of_same_check(item))
+        item.bears_on_comparison() && all.any(|(_, own)| own.is_of_same_check(item))
     };
     let of_comparison = page.comparison.into_iter().flat_map(|found| &found.advice);
     let further = of_comparison.filter(|item| !said(item));

@@ -47,6 +47,16 @@ impl Interval {
         }
     }
 
+    /// The interval with its lower bound `below` further out, and its upper bound `above`.
+    #[must_use]
+    pub(crate) fn reaching(self, below: f64, above: f64) -> Self {
+        Self {
+            lower: self.lower.map(|lower| lower - below),
+            upper: self.upper.map(|upper| upper + above),
+            ..self
+        }
+    }
+
     /// The interval with its bounds `by` further out; one that is not negative stays so.
     #[must_use]
     pub(crate) fn widened(self, by: f64) -> Self {

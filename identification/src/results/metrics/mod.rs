@@ -243,28 +243,41 @@ impl Metrics {
     /// times from the edge, and of the frequency of a phase. `response` is that of the servo.
     #[must_use]
     pub fn with_delay_error(mut self, seconds: f64, response: &FrequencyResponse) -> Self {
-        for time in [
+        for time in self.times_from_edge() {
+            *time = time.widened(seconds);
+        }
+        let [least, most] = quarter_turn_within(response, seconds);
+        let frequency = &mut self.phase_minus_90_rad_s;
+        frequency.lower = frequency.lower.zip(least).map(|(lower, by)| lower * by);
+        frequency.upper = frequency.upper.zip(most).map(|(upper, by)| upper * by);
+        self
+    }
+
+    /// What [`Metrics::with_delay_error`] has made wider, without it. A time whose lower bound is zero keeps that.
+    pub(crate) fn without_delay_error(
+        mut self,
+        seconds: f64,
+        response: &FrequencyResponse,
+    ) -> Self {
+        for time in self.times_from_edge() {
+            let value = time.value.unwrap_or(f64::INFINITY);
+            let nearer = |lower: f64| (lower + seconds).min(value);
+            time.lower = (time.lower).map(|lower| if lower > 0.0 { nearer(lower) } else { lower });
+            time.upper = time.upper.map(|upper| upper - seconds);
+        }
+        let [least, most] = quarter_turn_within(response, seconds);
+        let frequency = &mut self.phase_minus_90_rad_s;
+        frequency.lower = frequency.lower.zip(least).map(|(lower, by)| lower / by);
+        frequency.upper = frequency.upper.zip(most).map(|(upper, by)| upper / by);
+        self
+    }
+
+    fn times_from_edge(&mut self) -> [&mut Interval; 3] {
+        [
             &mut self.settling_time_s,
             &mut self.delay_s,
             &mut self.t50_s,
-        ] {
-            *time = time.widened(seconds);
-        }
-        let at = |later_s: f64| quarter_turn(response, later_s);
-        let frequency = &mut self.phase_minus_90_rad_s;
-        // Without a crossing in the response nothing says by how much it moves.
-        let moved = |to: Option<f64>| Some((to? / at(0.0)?).abs());
-        (frequency.lower, frequency.upper) = (
-            frequency
-                .lower
-                .zip(moved(at(seconds)))
-                .map(|(lower, by)| lower * by.min(1.0)),
-            frequency
-                .upper
-                .zip(moved(at(-seconds)))
-                .map(|(upper, by)| upper * by.max(1.0)),
-        );
-        self
+        ]
     }
 
     /// The values without their bounds.
@@ -310,6 +323,19 @@ fn quarter_turn(response: &FrequencyResponse, later_s: f64) -> Option<f64> {
     })
 }
 
+/// The shares by which that frequency is lower for a response `seconds` later, and higher for one as much earlier. Without a crossing in the
+/// response nothing says by how much it moves.
+fn quarter_turn_within(response: &FrequencyResponse, seconds: f64) -> [Option<f64>; 2] {
+    let moved = |later_s: f64| {
+        let (to, from) = quarter_turn(response, later_s).zip(quarter_turn(response, 0.0))?;
+        Some((to / from).abs())
+    };
+    [
+        moved(seconds).map(|by| by.min(1.0)),
+        moved(-seconds).map(|by| by.max(1.0)),
+    ]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -353,6 +379,13 @@ mod tests {
         let moved = widened.phase_minus_90_rad_s;
         assert!(close(moved.lower, lower * later / quarter), "{moved:?}");
         assert!(moved.upper.unwrap() > upper);
+        let back = widened.without_delay_error(0.001, &response);
+        let (found, given) = (back.phase_minus_90_rad_s, metrics.phase_minus_90_rad_s);
+        assert!(
+            close(found.lower, given.lower.unwrap()) && close(found.upper, given.upper.unwrap())
+        );
+        assert!(close(back.delay_s.lower, 0.029) && close(back.delay_s.upper, 0.031));
+        assert!(close(back.t50_s.lower, 0.0) && close(back.t50_s.upper, 0.0015));
     }
 
     /// A clock that is 2.5 % fast makes 2 ms last 1.951 ms; one that is 2 % slow, 2.041 ms.
