@@ -10,7 +10,7 @@ mod identification;
 mod identified;
 mod json;
 mod load_at_rest;
-mod model_lag;
+mod misfit;
 mod pulse_frames;
 pub mod servo_fit;
 mod simulation;

@@ -1,7 +1,7 @@
 //! A model against recordings that it was not identified from.
 
 use super::load_at_rest;
-use super::model_lag::Lag;
+use super::misfit::Misfit;
 use crate::data::dataset::Dataset;
 use crate::data::fingerprint;
 use crate::data::model_file::ModelFile;
@@ -49,14 +49,14 @@ impl Validated {
         let of_load = servo
             .as_ref()
             .and_then(|servo| load_at_rest::remedy(&servo.model, metadata.units()));
-        // What is slower in larger strokes is later there, and no delay.
         let is_linear =
             file.model.linear && servo.as_ref().is_none_or(|servo| servo.model.is_linear());
-        let lag = |simulated: &[Vec<f64>]| Lag::of(runs, simulated, data.record.sample_period_s());
-        let mut lag_of_servo = None;
+        let period_s = data.record.sample_period_s();
+        let misfit = |simulated: &[Vec<f64>]| Misfit::of(runs, simulated, period_s);
+        let mut of_servo = None;
         let servo = servo.map(|servo| -> Result<Validation> {
             let controllers = data.controllers.among(&servo.controller_names)?;
-            lag_of_servo = lag(&servo.model.simulate(&data.record, &controllers));
+            of_servo = Some(misfit(&servo.model.simulate(&data.record, &controllers)));
             Ok(servo.model.validate(&data.record, &controllers)?)
         });
         let servo_model = servo.transpose()?;
@@ -71,12 +71,15 @@ impl Validated {
         let own_rmse = file.model.fit.rmse;
         let of_linear = validation.as_ref().and_then(|found| {
             let simulated: Vec<_> = runs.iter().map(|run| file.model.simulate(run)).collect();
-            let lag = lag(&simulated).filter(|_| is_linear);
-            larger_error("linear", found, lag, own_rmse, unit)
+            let mut misfit = misfit(&simulated);
+            // What is slower in larger strokes is later there, and no delay.
+            misfit.lag = misfit.lag.filter(|_| is_linear);
+            larger_error("linear", found.rmse, &misfit, own_rmse, unit)
         });
-        let of_servo = servo_model.as_ref().zip(own_rmse_of_servo);
-        let of_servo =
-            of_servo.and_then(|(found, own)| larger_error("servo", found, lag_of_servo, own, unit));
+        let of_servo = of_servo.zip(servo_model.zip(own_rmse_of_servo));
+        let of_servo = of_servo.and_then(|(misfit, (found, own))| {
+            larger_error("servo", found.rmse, &misfit, own, unit)
+        });
         let own = only_servo
             .into_iter()
             .chain(own)
@@ -106,53 +109,71 @@ impl Validated {
 /// recording of a sensor to the next.
 const LARGER_ERROR: f64 = 2.0;
 
-/// A shift in time is the cause where it leaves less than this share of the error, and hardly more than the model has on its own recording: a
-/// servo that is slower in larger strokes is later, too, and a shift leaves the rest of that.
-const OF_A_LAG: f64 = 0.5;
+/// An offset, a scale or a shift in time is the cause where it leaves less than this share of the error, and hardly more than the model has on
+/// its own recording: a servo that is slower in larger strokes is later, too, and a shift leaves the rest of that.
+const OF_A_CAUSE: f64 = 0.5;
 
-/// That a model does not hold for a recording as it did for its own.
+/// That a model does not hold for a recording, with an error of `rmse`, as it did for its own.
 fn larger_error(
     kind: &str,
-    found: &Validation,
-    lag: Option<Lag>,
+    rmse: f64,
+    misfit: &Misfit,
     own_rmse: f64,
     unit: &str,
 ) -> Option<Advice> {
-    let times = found.rmse / own_rmse;
-    let in_unit = |error: f64| with_unit(four_digits(error), unit);
-    let without_bias = (found.rmse.powi(2) - found.bias.powi(2)).max(0.0).sqrt();
-    let is_all = |lag: &Lag| lag.left < (OF_A_LAG * without_bias).min(LARGER_ERROR * own_rmse);
-    let lag = lag.filter(is_all);
-    let remedy = match (without_bias < LARGER_ERROR * own_rmse, lag) {
-        (true, _) => format!(
+    let times = rmse / own_rmse;
+    (times > LARGER_ERROR).then(|| {
+        let in_unit = |error: f64| with_unit(four_digits(error), unit);
+        Advice::new(
+            Check::Prediction,
+            format!(
+                "The {kind} model does not hold here as it does for its own recording: its error is {} rms, {times:.1} times the {} there.",
+                in_unit(rmse),
+                in_unit(own_rmse)
+            ),
+            times,
+            LARGER_ERROR,
+            cause(rmse, misfit, own_rmse, in_unit),
+        )
+    })
+}
+
+/// What the error is, the simplest first, and what to do.
+fn cause(rmse: f64, misfit: &Misfit, own_rmse: f64, in_unit: impl Fn(f64) -> String) -> String {
+    let is_all = |left: f64| left < LARGER_ERROR * own_rmse;
+    let is_most = |left: f64| is_all(left) && left < OF_A_CAUSE * misfit.left_of_offset;
+    if is_all(misfit.left_of_offset) && misfit.left_of_offset < rmse {
+        return format!(
             "It is an offset of {}, without which the error is {}: the zero of the sensor has moved, or that of the command, or a load.",
-            in_unit(found.bias),
-            in_unit(without_bias)
-        ),
-        (false, Some(lag)) => format!(
+            in_unit(misfit.offset),
+            in_unit(misfit.left_of_offset)
+        );
+    }
+    if misfit.scale < 0.0 && misfit.left_of_scale < OF_A_CAUSE * misfit.left_of_offset {
+        return "This recording turns the other way: look at the sign of command and position, and at the direction that a transmitter or \
+             controller is set to."
+            .to_owned();
+    }
+    if is_most(misfit.left_of_scale) {
+        return format!(
+            "It is the gain: this recording moves {:.3} times as far as the model, and scaled by that it leaves an error of {}. If the servo is \
+             the same, look at the units of both columns, at the calibration of the sensor and at the travel that a transmitter or controller is set to.",
+            misfit.scale,
+            in_unit(misfit.left_of_scale)
+        );
+    }
+    match misfit.lag.as_ref().filter(|lag| is_most(lag.left)) {
+        Some(lag) => format!(
             "It is a delay: this recording is {:.1} ms {} than the model, and shifted by that it leaves an error of {}. If the servo is the same, look at \
              how the command is written (at the moment at which it is sent, by the clock of the position), and at the logger.",
             1e3 * lag.seconds.abs(),
             if lag.seconds > 0.0 { "later" } else { "earlier" },
             in_unit(lag.left)
         ),
-        (false, None) => "Where the servo is the same, the motion is not: identify from recordings of both kinds of motion (strokes as large, as small and as \
+        None => "Where servo and noise are the same, the motion is not: identify from recordings of both kinds of motion (strokes as large, as small and as \
              quick as these), and take the servo model where the servo is not linear."
             .to_owned(),
-    };
-    (times > LARGER_ERROR).then(|| {
-        Advice::new(
-            Check::Prediction,
-            format!(
-                "The {kind} model does not hold here as it does for its own recording: its error is {} rms, {times:.1} times the {} there.",
-                in_unit(found.rmse),
-                in_unit(own_rmse)
-            ),
-            times,
-            LARGER_ERROR,
-            remedy,
-        )
-    })
+    }
 }
 
 /// Why the servo model alone is validated: it is continuous in time and begins with the first samples.
@@ -184,23 +205,34 @@ fn of_its_own_period(error: Error) -> anyhow::Error {
 mod tests {
     use super::*;
 
+    use super::super::misfit::Lag;
+
+    fn misfit() -> Misfit {
+        Misfit {
+            offset: 0.0,
+            left_of_offset: 0.8,
+            scale: 1.0,
+            left_of_scale: 0.8,
+            lag: None,
+        }
+    }
+
+    fn remedy(misfit: &Misfit) -> String {
+        larger_error("linear", 0.8, misfit, 0.05, "deg")
+            .unwrap()
+            .remedy
+    }
+
     #[test]
     fn a_delay_is_named_where_it_is_most_of_the_error() {
-        let found = Validation {
-            fit_percent: 80.0,
-            rmse: 0.8,
-            bias: 0.0,
-            samples_used: 1000,
-            runs_from_rest: 0,
+        let delayed = |left: f64| {
+            let seconds = -0.02;
+            remedy(&Misfit {
+                lag: Some(Lag { seconds, left }),
+                ..misfit()
+            })
         };
-        let remedy = |left: f64| {
-            let lag = Some(Lag {
-                seconds: -0.02,
-                left,
-            });
-            larger_error("linear", &found, lag, 0.05, "deg").map(|advice| advice.remedy)
-        };
-        let delay = remedy(0.06).unwrap();
+        let delay = delayed(0.06);
         assert!(
             delay.starts_with(
                 "It is a delay: this recording is 20.0 ms earlier than the model, and shifted by that it leaves an error of 0.06000 deg."
@@ -209,11 +241,35 @@ mod tests {
         );
         // A shift that leaves six times the error of the model's own recording is not all, though it leaves less than half of this one.
         for left in [0.6, 0.3] {
-            let motion = remedy(left).unwrap();
-            assert!(
-                motion.starts_with("Where the servo is the same"),
-                "{motion}"
-            );
+            let motion = delayed(left);
+            assert!(motion.starts_with("Where servo and noise"), "{motion}");
         }
+    }
+
+    #[test]
+    fn an_offset_a_gain_and_the_other_direction_are_named() {
+        let offset = remedy(&Misfit {
+            offset: 0.79,
+            left_of_offset: 0.06,
+            // A shift leaves no less where there is no shift.
+            lag: Some(Lag {
+                seconds: 0.0,
+                left: 0.06,
+            }),
+            ..misfit()
+        });
+        assert!(
+            offset.starts_with("It is an offset of 0.7900 deg"),
+            "{offset}"
+        );
+        let scaled = |scale: f64| {
+            remedy(&Misfit {
+                scale,
+                left_of_scale: 0.06,
+                ..misfit()
+            })
+        };
+        assert!(scaled(0.9).starts_with("It is the gain: this recording moves 0.900 times"));
+        assert!(scaled(-1.0).starts_with("This recording turns the other way"));
     }
 }

@@ -5,7 +5,7 @@ use super::outcome::{Comparison, Levels, Sides, Subject};
 use super::pair::Identified;
 use super::verdict::Verdict;
 use crate::nonlinear::Limits;
-use crate::numerics::with_unit;
+use crate::numerics::{pointwise_critical, student_critical, with_unit};
 use crate::results::{Advice, Bounds, Check, Model};
 use crate::thresholds::LEVELS_FOR_ENDS;
 
@@ -53,6 +53,20 @@ fn different_zeros(levels: &Sides<Levels>, margin_percent: f64, unit: &str) -> O
     })
 }
 
+/// That the sides turn in different directions under the same command.
+fn other_way(comparison: &Comparison) -> Option<Advice> {
+    comparison.turns_the_other_way().then(|| {
+        Advice::new(
+            Check::Direction,
+            "The second turns the other way under the same command: its gain has the other sign.",
+            -1.0,
+            0.0,
+            "Where the servo is the same, change the sign of command or position of one side: of a column, of a direction that a transmitter or \
+             controller is set to, or in the rig file.",
+        )
+    })
+}
+
 /// The limit of a comparison of two models, whatever servos they are of.
 pub(super) fn one_response() -> Advice {
     Advice::new(
@@ -62,6 +76,19 @@ pub(super) fn one_response() -> Advice {
         1.0,
         2.0,
         "Compare the recordings: that separates up and down strokes, with one structure for both sides.",
+    )
+}
+
+/// What twice as many runs as `runs` on each side leave of the width that their scatter makes.
+fn more_runs(runs: usize, level: f64) -> String {
+    let width = |runs: usize| {
+        let degrees = 2.0 * (runs as f64 - 1.0);
+        student_critical(pointwise_critical(level), &[degrees])[0] / (runs as f64).sqrt()
+    };
+    let left = 100.0 * width(2 * runs) / width(runs);
+    format!(
+        "Record more runs a side: where they scatter alike, {} leave about {left:.0} % of that open.",
+        2 * runs
     )
 }
 
@@ -80,6 +107,7 @@ pub(super) fn gather(
             ..found.clone()
         }));
     }
+    advice.extend(other_way(comparison));
     advice.extend(
         comparison
             .levels
@@ -118,7 +146,7 @@ pub(super) fn gather(
             format!("The runs, {fewest} a side, scatter so much that {most:.1} % of the step is possible."),
             most,
             comparison.margin_percent,
-            "Record more runs a side: five leave less than half as much open as three.",
+            more_runs(fewest, bounds.level),
         ));
     }
     let rested = |side: &&Identified<'_>| {

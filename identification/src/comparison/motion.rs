@@ -6,10 +6,10 @@
 use serde::{Deserialize, Serialize};
 
 use crate::data::{HELD, Record, Run, usual_hold};
-use crate::thresholds::{EQUALLY_LARGE, EQUALLY_LONG, HELD_WITHIN};
+use crate::thresholds::{EQUALLY_LARGE, EQUALLY_LONG, HELD_WITHIN, RANDOM_ENDS};
 
 /// More levels than this are many.
-const MOST_LEVELS: usize = 25;
+const MOST_LEVELS: usize = 12;
 
 /// The reference of one side.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -66,13 +66,28 @@ impl Motion {
     #[must_use]
     pub fn is_like(&self, other: &Self) -> bool {
         let range = (self.highest - self.lowest).max(other.highest - other.lowest);
-        let near = |a: f64, b: f64| (a - b).abs() <= EQUALLY_LARGE * range;
+        // The ends of random levels are random.
+        let equally_large = match self.has_random_levels() {
+            true => RANDOM_ENDS,
+            false => EQUALLY_LARGE,
+        };
+        let near = |a: f64, b: f64| (a - b).abs() <= equally_large * range;
         let longer = self.hold_s.max(other.hold_s);
         let as_long = longer <= EQUALLY_LONG * self.hold_s.min(other.hold_s);
         near(self.lowest, other.lowest)
             && near(self.highest, other.highest)
             && self.levels == other.levels
+            && self.held == other.held
             && (self.levels.is_none() || as_long)
+    }
+
+    fn has_random_levels(&self) -> bool {
+        self.held && self.levels.is_none()
+    }
+
+    /// Whether both are random levels, and not the same ones.
+    pub(super) fn is_another_draw(&self, other: &Self) -> bool {
+        self.has_random_levels() && [self.lowest, self.highest] != [other.lowest, other.highest]
     }
 
     /// By which fraction the larger of the two ranges exceeds the smaller.
@@ -189,5 +204,23 @@ mod tests {
             .collect());
         assert_eq!(stairs.levels, Some(5));
         assert!(!small.is_like(&stairs));
+    }
+
+    #[test]
+    fn random_levels_of_other_draws_are_one_motion() {
+        // 40 levels within ±10, from a multiplicative sequence; the draws reach ±9.9 and ±8.9.
+        let random = |factor: u64, size: f64| {
+            let level = move |k: u64| size * ((k + 1) * factor % 9973) as f64 / 4986.5 - size;
+            of((0..800).map(|k| level(k / 20)).collect())
+        };
+        let (one, another) = (random(3001, 10.0), random(4096, 10.0));
+        assert!(one.held && one.levels.is_none(), "{one:?}");
+        assert!(one.is_like(&another), "{one:?} {another:?}");
+        assert!(one.is_another_draw(&another) && !one.is_another_draw(&one));
+        assert!(!one.is_like(&random(4096, 5.0)));
+        let smooth = of((0..800)
+            .map(|k| 10.0 * (f64::from(k) * 0.05).sin())
+            .collect());
+        assert!(!one.is_like(&smooth) && smooth.levels.is_none());
     }
 }

@@ -204,4 +204,15 @@ impl Comparison {
     pub fn has_verdict(&self) -> bool {
         self.bounds.valid().is_some() && !self.descriptions_of_different_motions
     }
+
+    /// Whether the gains surely have different signs.
+    #[must_use]
+    pub fn turns_the_other_way(&self) -> bool {
+        let mut rows = self.differences.iter();
+        let gain = rows.find(|row| row.metric == "dc_gain");
+        let both = gain.and_then(|row| row.a_bounds.zip(row.b_bounds));
+        both.is_some_and(|([low_a, high_a], [low_b, high_b])| {
+            (low_a > 0.0 && high_b < 0.0) || (high_a < 0.0 && low_b > 0.0)
+        })
+    }
 }

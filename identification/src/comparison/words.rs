@@ -85,6 +85,9 @@ fn answer(found: &Comparison, bounds: &ComparisonBounds) -> String {
     let margin = found.margin_percent;
     let subject = subject(found);
     match found.verdict {
+        Verdict::Different if found.turns_the_other_way() => format!(
+            "{subject} are different: under the same command the second turns the other way, and {apart}."
+        ),
         Verdict::Different => format!(
             "{subject} are different: {apart}, and {margin} % would still have counted as the same."
         ),

@@ -92,6 +92,8 @@ pub enum Check {
     Levels,
     /// Whether both sides rest at the same angles.
     Zeros,
+    /// Whether both sides turn the same way.
+    Direction,
     /// Whether both sides were measured by the same calibration.
     Calibration,
     /// Whether the sample period can be that of a recording of a servo.

@@ -327,6 +327,23 @@ fn runs_that_scatter_are_not_called_the_same() {
 
 /// Two sides of one servo whose delay scatters by milliseconds, on average 0.4 ms apart: no interval may say that the sides differ.
 #[test]
+fn a_servo_that_turns_the_other_way_is_named() {
+    let (a, b) = (plain(&servo(), 1), plain(&servo(), 2));
+    let other_way = b.runs().iter().map(|run| {
+        let turned: Vec<f64> = run.output().iter().map(|y| -y).collect();
+        Run::new(run.input().to_vec(), turned).unwrap()
+    });
+    let b = Record::new(PERIOD, other_way.collect()).unwrap();
+    let found = compare(&a, &b, &options()).unwrap();
+    assert!(
+        found.summary.contains("the second turns the other way"),
+        "{}",
+        found.summary
+    );
+    assert_eq!(found.advice[0].check, Check::Direction);
+}
+
+#[test]
 fn differences_of_metrics_contain_the_scatter_of_the_runs() {
     let side = |later_ms: [f64; 3], first: u64| {
         let runs = later_ms.iter().zip(first..).flat_map(|(later, seed)| {
