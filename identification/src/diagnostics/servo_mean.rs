@@ -1,16 +1,19 @@
 //! The bounds of the servo's mean, from three runs on.
 //!
 //! Gain and delay change from run to run, with the supply and the clock of the servo. The model of R runs has their mean, and the
-//! covariance of its response x with the derivative x' is that of the noise, V, and
+//! covariance of its response x is that of the noise, V, and
 //!
 //! ```text
-//! m_g x x' + m_t x' x''
+//! m_g x xᵀ + m_t (s sᵀ + b bᵀ),    s_k = (x_{k-1} - x_{k+1})/2,    b_k = (x_{k-1} - 2 x_k + x_{k+1})/2
 //! ```
 //!
-//! at R - 1 degrees of freedom, with m_g and m_t the variances of the mean of R gains and delays, from how these differ. No test
+//! at R - 1 degrees of freedom, with m_g and m_t the variances of the mean of R gains and delays, from how these differ. s is the change for a
+//! delay of one sample. The model's slope is itself that of a response which came too late or too early, and at a kink another one holds a
+//! sample later: with b, whose effect on a step response is half the difference of the slopes before and after a sample, the larger of the two
+//! counts. No test
 //! decides whether they scatter: one that finds nothing in strong noise leaves a scatter as large as the noise out. Nor is the noise
 //! subtracted from these variances: Student's t holds for the whole mean square of a few runs, and not for what is left of it. The
-//! price is that noise along x and x' counts twice, at once in V and in m. Two runs show that they differ, but not by how much runs do.
+//! price is that noise along x and s counts twice, at once in V and in m. Two runs show that they differ, but not by how much runs do.
 
 use faer::Mat;
 
@@ -35,30 +38,43 @@ pub(crate) fn allow_for_scatter(
         return false;
     };
     let response = fit.solution.response();
-    let late = derivative(fit);
+    let [slope, bend] = slope_and_bend(fit);
     let gain = gain.sqrt() / 100.0 / fit.variance.sqrt();
     let delay = delay.sqrt() / sample_period_s / fit.variance.sqrt();
     // What runs differ by moves no offset.
-    let directions = Mat::from_fn(response.len() + 1, 2, |i, k| match k {
-        0 => response.get(i).map_or(0.0, |x| gain * x),
-        _ => late.get(i).map_or(0.0, |x| delay * x),
+    let columns = [(gain, response), (delay, &slope[..]), (delay, &bend[..])];
+    let directions = Mat::from_fn(response.len() + 1, columns.len(), |i, k| {
+        let (scale, column) = columns[k];
+        column.get(i).map_or(0.0, |x| scale * x)
     });
     fit.further.runs = Some(RunSpread {
         directions,
+        quantities: SCATTERING,
         degrees: (count - 1) as f64,
     });
     true
 }
 
-/// The change of the response for a delay of one sample, in the coordinates of the fit.
-fn derivative(fit: &GlsFit) -> Vec<f64> {
+/// Gain and delay.
+const SCATTERING: usize = 2;
+
+/// The change of the response for a delay of one sample, and half of what this changes from one sample to the next, in the coordinates of
+/// the fit.
+fn slope_and_bend(fit: &GlsFit) -> [Vec<f64>; 2] {
     let impulse = fit.impulse();
     let at = |k: usize| impulse.get(k).copied().unwrap_or(0.0);
-    let slope: Vec<f64> = (0..impulse.len())
-        .map(|k| (at(k.wrapping_sub(1)) - at(k + 1)) / 2.0)
-        .collect();
-    match fit.coordinates.impulse_map() {
-        None => slope,
-        Some(_) => times(&fit.coordinates.basis.analysis_map(), &slope),
-    }
+    let each = |of: &dyn Fn(f64, f64, f64) -> f64| -> Vec<f64> {
+        let samples = 0..impulse.len();
+        let values: Vec<f64> = samples
+            .map(|k| of(at(k.wrapping_sub(1)), at(k), at(k + 1)))
+            .collect();
+        match fit.coordinates.impulse_map() {
+            None => values,
+            Some(_) => times(&fit.coordinates.basis.analysis_map(), &values),
+        }
+    };
+    [
+        each(&|before, _, after| (before - after) / 2.0),
+        each(&|before, at, after| (before - 2.0 * at + after) / 2.0),
+    ]
 }

@@ -78,6 +78,8 @@ pub struct NoiseInMotion {
 pub struct RunSpread {
     /// Directions of the coordinates and the offset, one in each column, of which each has one standard deviation of ε.
     pub directions: Mat<f64>,
+    /// Quantities that scatter, each along one or more of these.
+    pub quantities: usize,
     /// Degrees of freedom: runs less one.
     pub degrees: f64,
 }

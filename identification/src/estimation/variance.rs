@@ -43,8 +43,8 @@ pub struct RunPart {
     pub noise_correlation: Vec<f64>,
     /// Degrees of freedom: runs less one.
     pub degrees: f64,
-    /// Number of directions.
-    pub directions: usize,
+    /// Number of quantities that scatter.
+    pub quantities: usize,
 }
 
 impl CurveVariance {
@@ -127,7 +127,7 @@ impl CurveVariance {
                 noise_sd,
                 noise_correlation,
                 degrees: spread.degrees,
-                directions: along.nrows(),
+                quantities: spread.quantities,
             }),
         }
     }

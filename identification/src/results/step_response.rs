@@ -143,9 +143,9 @@ impl StepBounds {
         };
         let (lower, upper) = bounds(half_widths(spread.critical(pointwise_critical(level))));
         let pointwise = PointwiseBand { lower, upper };
-        // What differs from run to run moves all points together, in a few directions: Bonferroni's correction is for these.
-        let directions = spread.of_runs.as_ref().map_or(1, |runs| runs.directions);
-        let of_runs = pointwise_critical(1.0 - (1.0 - level) / directions as f64);
+        // What differs from run to run moves all points together, by a few quantities: Bonferroni's correction is for these.
+        let quantities = spread.of_runs.as_ref().map_or(1, |runs| runs.quantities);
+        let of_runs = pointwise_critical(1.0 - (1.0 - level) / quantities as f64);
         let (lower, upper) = bounds(half_widths(
             spread.critical_of_parts(critical_value, of_runs),
         ));
