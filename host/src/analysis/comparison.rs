@@ -218,13 +218,13 @@ impl Compared {
         servo_model: bool,
         watch: impl FnOnce() -> W,
     ) -> Result<Self> {
-        let level = options.identification.level;
+        let identification = options.identification;
         let margin_percent = options.margin_percent;
         let found = compared([a, b], names, options);
         let mut found = StepResponses::of(found, servo_model, margin_percent)?;
         let wanted = |found| servo_fit::are_compared(servo_model, found);
         let servos = (found.compared().is_none_or(wanted))
-            .then(|| servo_fit::find_both([a, b], level, &watch()));
+            .then(|| servo_fit::find_both([a, b], names, &identification, &watch()));
         let (servo_model, no_servo_model) = match servos {
             Some(Ok([a, b])) => (Some(compare_servo_models(&a.model, &b.model)), None),
             Some(Err(reason)) => (None, Some(reason)),

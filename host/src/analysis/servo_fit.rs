@@ -1,5 +1,6 @@
 //! The servo model beside the linear one: when it is wanted, its fit, and its prediction of a stretch that it has not seen.
 
+use super::identified::identified;
 use crate::data::dataset::Dataset;
 use crate::data::held_out::{HeldOut, HeldOutPrediction};
 use crate::data::model_file::ServoModelDocument;
@@ -47,16 +48,13 @@ pub fn find(
     held_out: bool,
     search: &dyn Watch,
 ) -> FoundServo {
-    let data = &Dataset {
-        record: TakenOut::without_spikes(&linear.explanation.taken_out, &data.record),
-        controllers: data.controllers.clone(),
-        about: data.about.clone(),
-    };
+    let data = &without_spikes(data, linear);
     let linear = &mut linear.model;
     let found = std::thread::scope(|threads| {
         let predicting =
             held_out.then(|| threads.spawn(|| predict(&HeldOut::of(data)?, options, search)));
-        let model = fit(data, Some(&*linear), options.level, search);
+        let against = linear.level().withdrawn();
+        let model = fit(data, Some(&*linear), against, options.level, search);
         let predicted = predicting.and_then(|thread| thread.join().ok().flatten());
         FoundServo {
             held_out: predicted.filter(|_| model.is_ok()),
@@ -75,24 +73,43 @@ pub fn find(
     found
 }
 
-/// Finds the servos of two sides at the same time, or the reason why one of them is not found.
+/// Data without the glitches that were taken out of them for the linear model.
+fn without_spikes<'a>(data: &Dataset<'a>, linear: &Identification) -> Dataset<'a> {
+    Dataset {
+        record: TakenOut::without_spikes(&linear.explanation.taken_out, &data.record),
+        controllers: data.controllers.clone(),
+        about: data.about.clone(),
+    }
+}
+
+/// Finds the servos of two sides at the same time, each as [`find`] does for one, or the reason why one of them is not found.
 pub fn find_both(
-    [a, b]: [&Dataset; 2],
-    level: f64,
+    sides: [&Dataset; 2],
+    names: [&str; 2],
+    options: &Options,
     search: &dyn Watch,
 ) -> Result<[ServoModelDocument; 2], String> {
+    let of = |side: usize| {
+        let (data, name) = (sides[side], names[side]);
+        let linear = identified(data, name, options).map_err(|error| format!("{error:#}"))?;
+        let data = without_spikes(data, &linear);
+        let against = linear.model.level().withdrawn();
+        fit(&data, None, against, options.level, search)
+    };
     std::thread::scope(|threads| {
-        let first = threads.spawn(|| fit(a, None, level, search));
-        let second = fit(b, None, level, search);
+        let first = threads.spawn(|| of(0));
+        let second = of(1);
         let stopped = |_| Err("the search was stopped".to_owned());
         Ok([first.join().unwrap_or_else(stopped)?, second?])
     })
 }
 
-/// The servo model, beside a linear one if that is wanted, or the reason why there is none.
+/// The servo model, beside a linear one if that is wanted, or the reason why there is none. Where the reason why a linear model has no bounds
+/// is `against` the record, the servo model has none either.
 fn fit(
     data: &Dataset,
     linear: Option<&Model>,
+    against: Option<Reason>,
     level: f64,
     search: &dyn Watch,
 ) -> Result<ServoModelDocument, String> {
@@ -109,9 +126,7 @@ fn fit(
             .map_err(|error| error.to_string())?,
         level,
         radians_per_command: radians,
-        against: linear
-            .and_then(|linear| linear.level().withdrawn())
-            .filter(|reason| reason.is_of_the_record()),
+        against: against.filter(|reason| reason.is_of_the_record()),
     };
     let model = match linear {
         Some(linear) => servo_model::fit_beside(&data.record, linear, &options, search),
@@ -141,7 +156,7 @@ fn from_rest<'a>(run: &Run<'a>, linear: &Model) -> Run<'a> {
 /// Both models of the rest, on the stretch. They are simulated over the whole run from its input, so the stretch begins as
 /// they arrive there.
 fn predict(held_out: &HeldOut, options: &Options, search: &dyn Watch) -> Option<HeldOutPrediction> {
-    let servo = fit(&held_out.rest, None, options.level, search).ok()?;
+    let servo = fit(&held_out.rest, None, None, options.level, search).ok()?;
     let linear = identify(&held_out.rest.record, options).ok()?;
     let record = &held_out.rest.record;
     let whole = Record::new(record.sample_period_s(), vec![held_out.run.clone()]).ok()?;

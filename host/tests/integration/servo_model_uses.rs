@@ -370,6 +370,41 @@ fn servos_that_no_step_response_compares_are_compared_as_machines_and_that_is_sa
 }
 
 #[test]
+fn what_speaks_against_a_recording_takes_the_intervals_of_its_machine_in_a_comparison_too() {
+    let dir = tempfile::tempdir().unwrap();
+    let sides = ["a.csv", "b.csv"].map(|name| dir.path().join(name));
+    for (side, seed) in sides.iter().zip(["5", "6"]) {
+        let stairs = [
+            "--reference",
+            "stairs",
+            "--amplitude",
+            "20",
+            "--length",
+            "16",
+        ];
+        let servo = [
+            "simulate",
+            "--servo",
+            "bench?stops-deg=-30:4",
+            "--seed",
+            seed,
+        ];
+        run(&[&servo[..], &stairs, &["-o", arg(side)]].concat());
+    }
+    let text = run(&[
+        "compare",
+        "--servo-model",
+        "--json",
+        arg(&sides[0]),
+        arg(&sides[1]),
+    ]);
+    let document: Value = serde_json::from_str(&text).unwrap();
+    let machines = &document["servo_model"];
+    assert_eq!(machines["withdrawn"]["reason"], "travel_end", "{machines}");
+    assert_eq!(machines["bounds"], Value::Null);
+}
+
+#[test]
 fn sides_with_different_times_between_samples_are_compared_as_machines_alone() {
     let dir = tempfile::tempdir().unwrap();
     let table = rate_limited(dir.path(), "10.csv", 1, 300.0);
