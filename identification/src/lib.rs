@@ -38,7 +38,7 @@ mod identify;
 #[cfg(test)]
 mod tests;
 
-pub use data::{MomentStream, Moments, Quantisation, Record, Run, Timing, only_stroke};
+pub use data::{MomentStream, Moments, Quantisation, Record, Run, Timing, column, only_stroke};
 pub use error::Error;
 pub use identify::{
     Identification, expected_model, identify, identify_explained, identify_moments,

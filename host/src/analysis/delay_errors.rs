@@ -1,8 +1,8 @@
 //! The delays that were taken out of two sides: how far their times may be off from each other.
 
 use crate::data::model_metadata::ModelMetadata;
-use crate::data::rounding::six_digits;
 use servoid_identification::comparison::ComparisonOptions;
+use servoid_identification::results::six_digits;
 use servoid_identification::results::{Advice, Check};
 
 /// The options of a comparison that allows for what the files of both sides say of their delays.

@@ -1,7 +1,7 @@
 //! Recordings of one servo that seem to be in different units, where no column names its own.
 
-use super::statistics::span;
 use servoid_identification::Run;
+use servoid_identification::column::span;
 use servoid_identification::results::{Advice, Check};
 
 /// Ratio of travels from which on recordings of one servo are hardly in one unit: degrees are 57 times as large as radians, and few

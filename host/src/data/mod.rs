@@ -18,9 +18,7 @@ pub(crate) mod input_file;
 pub(crate) mod model_metadata;
 pub(crate) mod numbered_path;
 mod rest_error;
-pub(crate) mod rounding;
 mod servo_moved;
-mod statistics;
 mod unlike_runs;
 
 pub(crate) mod mixed_units;

@@ -9,7 +9,7 @@
 //!
 //! With m the middle of the commands, the servo rests c - m from its command there. Under two levels every stroke upwards ends at the same command, and g and f are one.
 
-use super::statistics::{mean, span};
+use servoid_identification::column::{mean, span};
 use servoid_identification::results::{Advice, Check};
 use servoid_identification::{Record, Run};
 

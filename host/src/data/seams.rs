@@ -5,7 +5,7 @@
 //! is faster than its rows, and has no seams. One whose command never rests has its columns exchanged, or shows no seams. A jump by a step of
 //! the sensor is none.
 
-use super::statistics::{mean, span};
+use servoid_identification::column::{mean, span};
 use servoid_identification::results::{Advice, Check};
 use servoid_identification::{Record, Run};
 

@@ -1,5 +1,6 @@
 //! The recorded data, and the moments that all estimates are made from.
 
+pub mod column;
 mod holds;
 mod moments;
 mod quantisation;

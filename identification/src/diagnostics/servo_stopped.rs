@@ -6,6 +6,7 @@
 //!
 //! A model of such a record is one of two servos, of which one does not move: it has no bounds.
 
+use crate::data::column::{mean, span};
 use crate::data::{Record, Run};
 use crate::thresholds::{
     STANDSTILL_AS_LONG, STANDSTILL_FOLLOWED, STANDSTILL_PART, STANDSTILL_STROKE,
@@ -109,22 +110,6 @@ fn strokes(input: &[f64]) -> Option<Vec<usize>> {
         })
     };
     Some(input.iter().enumerate().filter_map(has_moved).collect())
-}
-
-/// The mean of what is not missing; `None` where all of it is.
-fn mean(values: &[f64]) -> Option<f64> {
-    let present = values.iter().filter(|value| !value.is_nan());
-    let count = present.clone().count();
-    (count > 0).then(|| present.sum::<f64>() / count as f64)
-}
-
-/// From the lowest to the highest value; `None` where these are one, or all is missing.
-fn span(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let known = values.filter(|value| !value.is_nan());
-    let (low, high) = known.fold((f64::MAX, f64::MIN), |(low, high), value| {
-        (low.min(value), high.max(value))
-    });
-    (high > low).then_some(high - low)
 }
 
 #[cfg(test)]

@@ -16,7 +16,8 @@ pub(crate) use critical_values::{
 pub use critical_values::{pointwise_critical, student_critical};
 pub(crate) use lagged_sums::LaggedSums;
 pub(crate) use order_statistics::median;
-pub(crate) use rounding::{four_digits, six_digits, with_unit};
+pub(crate) use rounding::four_digits;
+pub use rounding::{six_digits, with_unit};
 pub(crate) use servoid_linear_algebra::{
     add_outer_product, backward_solve, cholesky, condition, factorised, forward_solve,
     inverse_of_lower, inverse_of_square, lower_inverse_of_square, mirror, outer_square,

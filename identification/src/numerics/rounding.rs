@@ -6,7 +6,7 @@ pub(crate) fn four_digits(number: f64) -> f64 {
 }
 
 /// A number with its unit; alone where that is empty, as it is not known.
-pub(crate) fn with_unit(number: impl std::fmt::Display, unit: &str) -> String {
+pub fn with_unit(number: impl std::fmt::Display, unit: &str) -> String {
     match unit {
         "" => number.to_string(),
         unit => format!("{number} {unit}"),
@@ -14,6 +14,7 @@ pub(crate) fn with_unit(number: impl std::fmt::Display, unit: &str) -> String {
 }
 
 /// A number with six digits: 99 rather than 99.00000000000001.
-pub(crate) fn six_digits(number: f64) -> f64 {
+#[must_use]
+pub fn six_digits(number: f64) -> f64 {
     format!("{number:.5e}").parse().unwrap_or(number)
 }

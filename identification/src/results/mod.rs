@@ -12,7 +12,7 @@ mod validation;
 mod validity;
 
 pub use crate::estimation::Noise;
-pub use crate::numerics::{pointwise_critical, student_critical};
+pub use crate::numerics::{pointwise_critical, six_digits, student_critical, with_unit};
 pub use advice::{Advice, Check, Precedence, Setting};
 pub use frequency_response::{FrequencyBounds, FrequencyResponse};
 pub(crate) use frequency_response::{frequency_grid, frequency_map};

@@ -6,10 +6,10 @@ use super::loaded::{Loaded, run};
 use super::options::DatasetOptions;
 use super::time_column::{self, TimeUnit};
 use super::{sentinel_values, suggested_columns, wrapped_angle};
-use crate::data::rounding::six_digits;
 use crate::data::table::{Table, TableFault, unit_of};
 use crate::data::timeline::{self, Stretch, TimeColumn};
 use clap::ValueEnum;
+use servoid_identification::results::six_digits;
 use servoid_identification::results::{Advice, Check};
 use std::path::Path;
 

@@ -3,9 +3,9 @@
 //! Colours are names here ("ink-model", "area-model"): the page gives them a value for light, dark
 //! and paper.
 
-use crate::data::rounding::six_digits;
 use crate::presentation::plots::{Band, Curve, Figure, Ink, Mark, Marks, Panel};
 use serde_json::{Value, json};
+use servoid_identification::results::six_digits;
 
 /// The plotting library itself, as a `<script>` element: it travels inside the report, so that the
 /// report needs no network. It is the basic bundle, which has scatter plots.

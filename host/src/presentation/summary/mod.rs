@@ -35,15 +35,16 @@ pub(crate) use key_figures::{
 };
 pub(crate) use layout::{listed_words, wrapped};
 pub(crate) use metrics::{difference_rows, metric_rows, withheld_line};
-pub(crate) use numbers::{decimals, head_of_bounds, percent, probability, with_unit};
+pub(crate) use numbers::{decimals, head_of_bounds, percent, probability};
 pub(crate) use servo_model::{
     QuantityRow, advice_on_servo_model, digits, four_digits, quantities, quantity_rows,
     run_offsets_in_words, terms_in_words,
 };
+pub(crate) use servoid_identification::results::with_unit;
 
 use crate::data::model_metadata::ModelMetadata;
-use crate::data::rounding::six_digits;
 use layout::findings;
+use servoid_identification::results::six_digits;
 use servoid_identification::results::{Advice, Bounds, Model, Precedence, SelectedBy, Validation};
 
 /// The level of a model's bounds, as text.

@@ -1,6 +1,6 @@
 //! Numbers with the digits that mean something, and no others.
 
-use crate::data::rounding::six_digits;
+use servoid_identification::results::six_digits;
 use servoid_identification::results::{Bounds, Interval};
 
 /// "p = 0.021"; a test that could not be made has none.
@@ -47,14 +47,6 @@ pub(super) fn with_bounds(
     match interval.lower.zip(interval.upper) {
         Some((low, high)) => format!("{value}{unit} ({} .. {})", number(low), number(high)),
         None => format!("{value}{unit} (no bounds)"),
-    }
-}
-
-/// A number with its unit; alone where that is empty, as it is not known.
-pub(crate) fn with_unit(number: impl std::fmt::Display, unit: &str) -> String {
-    match unit {
-        "" => number.to_string(),
-        unit => format!("{number} {unit}"),
     }
 }
 

@@ -2,10 +2,11 @@
 
 use super::layout::wrapped;
 use super::metrics::TableRow;
-use super::numbers::{percent, with_unit};
+use super::numbers::percent;
 use super::servo_model::{digits_beside, four_digits, scale_and_unit, under_load};
 use crate::data::units::Units;
 use servoid_identification::comparison::{QuantityPair, ServoModelComparison};
+use servoid_identification::results::with_unit;
 use servoid_identification::results::{Bounds, Interval};
 
 /// Quantities that a sentence names at the most; the table has them all.

@@ -1,9 +1,10 @@
 //! The servo as a machine, as text for a terminal.
 
 use super::layout::wrapped;
-use super::numbers::{head_of_bounds, with_unit};
+use super::numbers::head_of_bounds;
 use crate::data::model_file::ServoModelDocument;
 use crate::data::units::Units;
+use servoid_identification::results::with_unit;
 use servoid_identification::results::{Bounds, Interval};
 use servoid_identification::servo_model::{
     LadderRung, LinearKind, LinearModelFit, LinearModels, LoadKind, Quantity, QuantityKind,

@@ -1,7 +1,7 @@
 //! The strokes that times hold for, where a recording has strokes of one size.
 
 use crate::data::model_metadata::ModelMetadata;
-use crate::data::rounding::six_digits;
+use servoid_identification::results::six_digits;
 
 /// " of 10 deg, the only size recorded,": a servo that is limited in speed or torque answers steps of other sizes differently, and nothing
 /// in such a recording shows whether this one is.

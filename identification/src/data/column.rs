@@ -1,14 +1,21 @@
 //! Figures of a column, whose missing values are NaN.
+//!
+//! ```
+//! use servoid_identification::column::{mean, span};
+//! assert_eq!(mean(&[1.0, f64::NAN, 4.0]), Some(2.5));
+//! assert_eq!(span([3.0, f64::NAN, -1.0].into_iter()), Some(4.0));
+//! ```
 
 /// The mean of what is not missing; `None` where all of it is.
-pub(crate) fn mean(values: &[f64]) -> Option<f64> {
+#[must_use]
+pub fn mean(values: &[f64]) -> Option<f64> {
     let present = values.iter().filter(|value| !value.is_nan());
     let count = present.clone().count();
     (count > 0).then(|| present.sum::<f64>() / count as f64)
 }
 
 /// From the lowest to the highest value; `None` where these are one, or all is missing.
-pub(crate) fn span(values: impl Iterator<Item = f64>) -> Option<f64> {
+pub fn span(values: impl Iterator<Item = f64>) -> Option<f64> {
     let (low, high) = values
         .filter(|value| !value.is_nan())
         .fold((f64::MAX, f64::MIN), |(low, high), value| {
