@@ -84,21 +84,20 @@ fn without_spikes<'a>(data: &Dataset<'a>, linear: &Identification) -> Dataset<'a
 
 /// Finds the servos of two sides at the same time, each as [`find`] does for one, or the reason why one of them is not found.
 pub fn find_both(
-    sides: [&Dataset; 2],
-    names: [&str; 2],
+    [a, b]: [&Dataset; 2],
+    [name_a, name_b]: [&str; 2],
     options: &Options,
     search: &dyn Watch,
 ) -> Result<[ServoModelDocument; 2], String> {
-    let of = |side: usize| {
-        let (data, name) = (sides[side], names[side]);
+    let of = |data: &Dataset, name: &str| {
         let linear = identified(data, name, options).map_err(|error| format!("{error:#}"))?;
         let data = without_spikes(data, &linear);
         let against = linear.model.level().withdrawn();
         fit(&data, None, against, options.level, search)
     };
     std::thread::scope(|threads| {
-        let first = threads.spawn(|| of(0));
-        let second = of(1);
+        let first = threads.spawn(|| of(a, name_a));
+        let second = of(b, name_b);
         let stopped = |_| Err("the search was stopped".to_owned());
         Ok([first.join().unwrap_or_else(stopped)?, second?])
     })
