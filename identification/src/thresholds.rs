@@ -251,7 +251,7 @@ pub const SCATTER_SIGNIFICANCE: f64 = 0.05;
 /// the tests of linearity.
 pub const MISFIT_SIGNIFICANCE: f64 = 1e-4;
 
-/// Percent of the motion (rms) that such a finding must explain.
+/// Percent of the motion (rms) that such a finding must explain; of functions of the motion, where they explain most.
 ///
 /// Protects: users from findings of no consequence; in a long record anything is significant. Less is within
 /// the changes of one servo from day to day. Evidence: table of the simulated servos in "When the errors are not noise".

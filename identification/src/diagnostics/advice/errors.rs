@@ -139,8 +139,9 @@ fn excess(found: &Linearity) -> (f64, String) {
         None => (
             found.misfit_percent,
             format!(
-                "follows the motion in a way that neither noise nor a linear servo can ({})",
-                probability(found.p)
+                "follows the motion in a way that neither noise nor a linear servo can ({}), {:.1} % where it is largest",
+                probability(found.p),
+                found.local_percent
             ),
         ),
     }
@@ -150,6 +151,10 @@ pub(super) fn not_linear(evidence: &Evidence<'_>) -> Option<Advice> {
     let linearity = evidence.explanation.linearity;
     let found = linearity.filter(|found| found.is_rejected() && evidence.misfit().is_none())?;
     let (percent, shown_by) = excess(&found);
+    let material = match found.by_functions() {
+        true => found.local_percent,
+        false => percent,
+    };
     let settling = evidence.explanation.settling.as_ref();
     let unsettled = settling.filter(|choice| !choice.settled && !evidence.has_bounds());
     let what = match unsettled {
@@ -172,7 +177,7 @@ pub(super) fn not_linear(evidence: &Evidence<'_>) -> Option<Advice> {
     Some(Advice::new(
         Check::Linearity,
         format!("{what}: {percent:.1} % of the motion (rms) {shown_by}. {consequence}"),
-        percent,
+        material,
         MATERIAL_MISFIT_PERCENT,
         "Compare only what was recorded with the same reference; look at strokes up and down and at the \
          limits of speed and travel apart.",

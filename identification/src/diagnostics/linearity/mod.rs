@@ -15,6 +15,9 @@
 //! through the fitted response alone, which is independent of the residuals, the usual F statistic of γ = 0 has
 //! its F distribution for any z (Milliken & Graybill 1970), given D.
 //!
+//! Noise that grows with the motion makes large errors where the z_j are large. So a small p must also be that of the combination that was found in noise of which
+//! each error has its own variance (White, 1980).
+//!
 //! Runs of one servo differ, because its supply and its clock do. A gain, a delay and an offset of each run are no
 //! evidence of a servo that is not linear. So where there are several runs, D(z) s, D(z) v and D(z) 1 of each run
 //! are regressors as well.
@@ -24,7 +27,8 @@
 //! ([`Linearity::complete`]).
 //!
 //! Significance is not size: in a long record anything is significant. [`Linearity::misfit_percent`]
-//! is the part of the motion that γ explains and no linear model of this settling time could.
+//! is the part of the motion that γ explains and no linear model of this settling time could, over all of the record;
+//! [`Linearity::local_percent`] is how large that is where it is, which is what a band of the step response may miss.
 
 mod reset_test;
 
@@ -46,6 +50,10 @@ pub struct Linearity {
     /// Root mean square of the part that these functions explain and no linear model does, relative to that of
     /// the output about its mean \[%\]. Noise alone makes it about sqrt(6/rows) times the noise.
     pub misfit_percent: f64,
+    /// The same root mean square over the rows weighted by the square of that part: how large it is where it is. A stroke may be wrong by
+    /// several percent for a tenth of the time.
+    #[serde(default)]
+    pub local_percent: f64,
     /// Whether the model has all frequencies, so that residuals that follow the motion cannot come from those
     /// left out.
     pub complete: bool,
@@ -83,7 +91,7 @@ impl Linearity {
     #[must_use]
     pub fn by_functions(&self) -> bool {
         self.p < MISFIT_SIGNIFICANCE
-            && self.misfit_percent > MATERIAL_MISFIT_PERCENT + self.of_steps_percent
+            && self.local_percent > MATERIAL_MISFIT_PERCENT + self.of_steps_percent
     }
 
     /// How much larger errors are in motion than at standstill, if that is shown, by an amount that matters.
@@ -139,13 +147,19 @@ pub(crate) fn test_linearity(
         p,
         misfit_percent: 100.0 * explained_by_runs(runs) / motion,
     };
+    let mut p = upper_tail(found.reduction, k)?;
+    if p < MISFIT_SIGNIFICANCE {
+        let statistic = test.statistic_in_uneven_noise(fit, &found);
+        p = p.max(upper_tail(statistic * noise, k)?);
+    }
     Some(Linearity {
-        p: upper_tail(found.reduction, k)?,
+        p,
         runs: (found.of_runs > 0)
             .then(|| upper_tail(found.reduction_of_runs, found.of_runs as f64))
             .flatten()
             .map(between_runs),
-        misfit_percent: 100.0 * misfit / motion,
+        misfit_percent: 100.0 * misfit.rms / motion,
+        local_percent: 100.0 * misfit.local / motion,
         complete: fit.coordinates.basis.has_all_frequencies(),
         of_steps_percent: 100.0 * level_error / motion,
         rest: None,

@@ -170,11 +170,38 @@ impl ResetTest {
         (own, score)
     }
 
-    /// Root mean square over the rows of the combination found, less what the model explains of it.
-    pub(super) fn misfit(&self, fit: &GlsFit, found: &Found) -> f64 {
+    /// The square of the combination's product with the errors over the variance of that product, each error having its own: what chance exceeds
+    /// no more often than χ² with [`Found::degrees`], because the best of all combinations has that in noise of any evenness.
+    pub(super) fn statistic_in_uneven_noise(&self, fit: &GlsFit, found: &Found) -> f64 {
         let (offset, coordinates) = found.response.split_last().unwrap_or((&0.0, &[]));
         let impulse = fit.coordinates.impulse(coordinates);
-        let (mut square, mut count) = (0.0, 0usize);
+        let d = noise_filter(&fit.ar);
+        let offset = offset * d.iter().sum::<f64>();
+        let (mut product, mut variance) = (0.0, 0.0);
+        for run in &self.runs {
+            let explained = causal_filter(&impulse, &filtered(&run.input, &d), None);
+            let explained = &explained[run.history..];
+            for k in run.rows.iter().cloned().flatten() {
+                let combined: f64 = (run.filtered.iter().zip(&run.columns))
+                    .map(|(z, &column)| found.coefficients.get(column).unwrap_or(&0.0) * z[k])
+                    .sum();
+                let beyond = combined - explained[k] - offset;
+                product += beyond * run.errors[k];
+                variance += (beyond * (run.errors[k] - beyond)).powi(2);
+            }
+        }
+        if variance > 0.0 {
+            product * product / variance
+        } else {
+            0.0
+        }
+    }
+
+    /// The combination found, less what the model explains of it, over the rows.
+    pub(super) fn misfit(&self, fit: &GlsFit, found: &Found) -> MisfitSize {
+        let (offset, coordinates) = found.response.split_last().unwrap_or((&0.0, &[]));
+        let impulse = fit.coordinates.impulse(coordinates);
+        let (mut square, mut fourth, mut count) = (0.0, 0.0, 0usize);
         for run in &self.runs {
             let explained = causal_filter(&impulse, &run.input, None);
             let explained = &explained[run.history..];
@@ -190,11 +217,27 @@ impl ResetTest {
                     }
                 }
                 square += dot(&beyond, &beyond);
+                fourth += beyond.iter().map(|x| x.powi(4)).sum::<f64>();
                 count += beyond.len();
             }
         }
-        (square / count.max(1) as f64).sqrt()
+        MisfitSize {
+            rms: (square / count.max(1) as f64).sqrt(),
+            local: if square > 0.0 {
+                (fourth / square).sqrt()
+            } else {
+                0.0
+            },
+        }
     }
+}
+
+/// How large a misfit is \[output\].
+pub(super) struct MisfitSize {
+    /// Root mean square over all rows.
+    pub(super) rms: f64,
+    /// The same over the rows weighted by its own square: how large it is where it is.
+    pub(super) local: f64,
 }
 
 /// What brings position and speed to a size of one.
