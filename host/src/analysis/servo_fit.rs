@@ -112,6 +112,7 @@ fn fit(
         against: linear
             .and_then(|linear| linear.level().withdrawn())
             .filter(|reason| reason.is_of_the_record()),
+        stops_at: linear.map(Model::stops).unwrap_or_default(),
     };
     let model = match linear {
         Some(linear) => servo_model::fit_beside(&data.record, linear, &options, search),
