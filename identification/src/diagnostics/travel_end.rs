@@ -134,8 +134,7 @@ impl<'a> Touched<'a> {
         if !self.is_beyond_chance(fit) {
             return None;
         }
-        self.strokes
-            .sort_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
+        self.strokes.sort_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
         let (first, last) = (self.strokes.first()?, self.strokes.last()?);
         let rests = self.strokes.iter().map(|(_, rest)| rest);
         Some(TravelEnd {

@@ -9,9 +9,7 @@ use super::covariance::Uncertainty;
 use super::descent::Descent;
 use super::ladder::{Climbed, Ladder, Rung, misses};
 use super::limit_at_work::LimitsAtWork;
-use super::model::{
-    Alternative, Covariance, LadderRung, MOST_CONTROLLERS, ServoFit, ServoModel,
-};
+use super::model::{Alternative, Covariance, LadderRung, MOST_CONTROLLERS, ServoFit, ServoModel};
 use super::motion::largest_error;
 use super::possible_servo::PossibleServo;
 use super::quantities::quantities;

@@ -26,8 +26,14 @@ pub(super) fn possible(record: &Record, known: &[f64]) -> Vec<Stops> {
         upper: shown.upper.or(ends.upper),
     };
     let other = match (shown.lower, shown.upper) {
-        (Some(_), None) => Stops { lower: None, ..both },
-        (None, Some(_)) => Stops { upper: None, ..both },
+        (Some(_), None) => Stops {
+            lower: None,
+            ..both
+        },
+        (None, Some(_)) => Stops {
+            upper: None,
+            ..both
+        },
         _ => Stops::default(),
     };
     let mut all = vec![shown, both, other];

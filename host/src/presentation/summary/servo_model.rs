@@ -7,7 +7,7 @@ use crate::data::units::Units;
 use servoid_identification::results::{Bounds, Interval};
 use servoid_identification::servo_model::{
     LadderRung, LinearKind, LinearModelFit, LinearModels, LoadKind, Quantity, QuantityKind,
-    ServoFit, ServoModel, Spread, Terms, Unit,
+    ServoFit, ServoModel, Spread, Stops, Terms, Unit,
 };
 
 /// Parameters with their intervals; with `explain`, the terms that were tried.
@@ -33,6 +33,9 @@ pub fn of_servo_model(document: &ServoModelDocument, units: Units<'_>, explain: 
     }
     if let Some(sentence) = run_offsets_in_words(model, units) {
         text += &format!("  {}\n", wrapped(&sentence, 2));
+    }
+    if let Some(sentence) = stops_in_words(model.stops, units) {
+        text += &format!("  {sentence}\n");
     }
     text += &quantities(&model.quantities, level, units);
     if let Some(sentence) = whose_controller(document) {
@@ -68,6 +71,17 @@ fn whose_controller(document: &ServoModelDocument) -> Option<String> {
         "Bandwidth, damping ratio, error of full drive and what is left at rest are those with the controller {first}; {}.",
         others.join(", ")
     ))
+}
+
+/// Where the servo stops.
+fn stops_in_words(stops: Stops, units: Units<'_>) -> Option<String> {
+    let unit = units.output.map(|unit| format!(" {unit}"));
+    let at = |end: f64| four_digits(end) + unit.as_deref().unwrap_or_default();
+    match [stops.lower, stops.upper].map(|end| end.map(at)) {
+        [None, None] => None,
+        [Some(lower), Some(upper)] => Some(format!("stops at {lower} and {upper}")),
+        [end, None] | [None, end] => Some(format!("a stop at {}", end.unwrap_or_default())),
+    }
 }
 
 /// That each run has an offset of its own, and how far these lie from their mean.

@@ -249,18 +249,26 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     let hold = held.then(|| fill(include_str!("../templates/hold.xml"), &frame));
     let input = if held { "held" } else { "cmd" };
     let within = clip(actuator.commands).map(|clip| {
-        let values = [("id", id.clone()), ("input", input.to_owned()), ("clip", clip)];
-        fill(
-            include_str!("../templates/servo_model/within.xml"),
-            &values,
-        )
+        let values = [
+            ("id", id.clone()),
+            ("input", input.to_owned()),
+            ("clip", clip),
+        ];
+        fill(include_str!("../templates/servo_model/within.xml"), &values)
     });
     let input = if within.is_some() { "within" } else { input };
     let (parts, moved) = actuator.parts(&id, input);
     let values = [
         ("about", XML_STYLE.comment(&about)),
         ("first", number(first)),
-        ("hold", [hold, within].into_iter().flatten().collect::<Vec<_>>().join("\n")),
+        (
+            "hold",
+            [hold, within]
+                .into_iter()
+                .flatten()
+                .collect::<Vec<_>>()
+                .join("\n"),
+        ),
         ("clip", clip(actuator.positions).unwrap_or_default()),
         ("parts", parts),
         ("moved", moved),

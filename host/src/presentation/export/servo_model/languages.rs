@@ -165,8 +165,16 @@ impl ServoExport<'_> {
             ("friction_speed", at_rest.map_or(1.0, |a| a.speed), "ws"),
             ("gain", p.gain, "position for each unit of theta"),
             ("offset", p.offset, "position at theta = 0"),
-            ("lowest_angle", self.stops()[0], "theta of a stop; -1e30: none"),
-            ("highest_angle", self.stops()[1], "theta of a stop; 1e30: none"),
+            (
+                "lowest_angle",
+                self.stops()[0],
+                "theta of a stop; -1e30: none",
+            ),
+            (
+                "highest_angle",
+                self.stops()[1],
+                "theta of a stop; 1e30: none",
+            ),
         ];
         lines.extend(load_parameters(&p.load));
         let line = |(name, value, meaning): &(&str, f64, &str)| {
