@@ -60,7 +60,7 @@ impl Simulate {
             address: &address,
             reference: self
                 .reference
-                .resolve(rig.servo.us_per_degree, rig.train(), talk)?,
+                .resolve(&rig, talk)?,
             rig,
             condition: &servo.condition(),
             notes: "",

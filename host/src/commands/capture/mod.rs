@@ -95,7 +95,7 @@ impl CaptureArgs {
         } = self.rig.require(source.file)?;
         let reference = self
             .reference
-            .resolve(rig.servo.us_per_degree, rig.train(), talk)?;
+            .resolve(&rig, talk)?;
         ctrl_c::listen_in_a_run()?;
         let monitor = self.monitor.start(rig.train(), talk);
         let job = CaptureJob {

@@ -143,7 +143,8 @@ impl Line {
     }
 
     /// The neighbouring offsets on a side between which the servo stops moving (µs): the outermost two between which it moves by more than
-    /// `share` of what it does between the knees, or the next two if it moves there by more than readings of one level differ.
+    /// `share` of what it does between the knees, or the next two if it moves there by more than readings of one level differ. Both are wider
+    /// by that difference, which hides as much motion.
     pub(super) fn last_motion(
         &self,
         points: &[(f64, f64)],
@@ -170,11 +171,14 @@ impl Line {
         };
         let last = levels.windows(2).rposition(|pair| moves(&pair))?;
         let (inner, outer) = (levels[last], levels[last + 1]);
-        let goes_on = |next: &&(f64, f64)| (next.1 - outer.1).abs() > scatter + COUNT;
-        Some(match levels.get(last + 2).filter(goes_on) {
+        let hidden = scatter + COUNT;
+        let goes_on = |next: &&(f64, f64)| (next.1 - outer.1).abs() > hidden;
+        let [from, to] = match levels.get(last + 2).filter(goes_on) {
             Some(next) => [outer.0, next.0],
             None => [inner.0, outer.0],
-        })
+        };
+        let wider = (to - from).signum() * hidden / self.slope.abs();
+        Some([from - wider, to + wider])
     }
 
     /// Counts at an offset between the knees (µs).
@@ -207,7 +211,11 @@ impl Line {
             let Some(fit) = fit(place).filter(|fit| fit.squares <= bound) else {
                 continue;
             };
-            interval = [interval[0].min(place), interval[1].max(place)];
+            // The bound lies between this place and the next.
+            interval = [
+                interval[0].min(place - GRID_US),
+                interval[1].max(place + GRID_US),
+            ];
             let slope = fit.coefficients[SLOPE];
             let ratio = fit.coefficients[side.column()] / slope;
             let half = t * self.sigma * fit.variances[side.column()].sqrt() / slope.abs();
