@@ -35,7 +35,7 @@ const PERIODS_S: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
 pub enum SelectedBy {
     /// The measured procedure.
     Auto,
-    /// The measured procedure, with the narrow number of frequencies.
+    /// The measured procedure, with the frequencies of [`Frequencies::Narrow`](crate::Frequencies::Narrow).
     Narrow,
     /// The caller fixed the settling time or the frequencies.
     User,
