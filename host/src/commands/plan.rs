@@ -129,8 +129,9 @@ impl PlanArgs {
             let name = format!("plan-{}", request.reference.name());
             output.draw(folder, &[figure(&plan, &name)])?;
         }
-        let said =
-            beyond.as_ref().map(|beyond| format!("  ! 'servoid capture' will not run this: {beyond}\n\n"));
+        let said = beyond
+            .as_ref()
+            .map(|beyond| format!("  ! 'servoid capture' will not run this: {beyond}\n\n"));
         talk.result(said.unwrap_or_default() + &of_plan(&plan), &document)
     }
 

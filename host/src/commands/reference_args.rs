@@ -52,11 +52,7 @@ impl ReferenceArgs {
     }
 
     /// The reference; options that do not fit its kind are wrong usage.
-    pub(super) fn resolve(
-        self,
-        rig: &RigFile,
-        talk: Talk,
-    ) -> Result<Reference> {
+    pub(super) fn resolve(self, rig: &RigFile, talk: Talk) -> Result<Reference> {
         let spec = ReferenceSpec {
             amplitude_deg: self.amplitude.or_else(|| self.within_limits(rig, talk)),
             kind: self.reference,

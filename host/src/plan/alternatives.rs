@@ -130,5 +130,8 @@ fn in_a_minute(request: &PlanRequest) -> Option<f64> {
     };
     let found = Expectation::of_simulations(&request, SIMULATIONS).ok()?;
     let band = found.band.into_valid()?;
-    Some(band.narrowing().widest_after(MINUTE_S / (runs * request.run_s())))
+    Some(
+        band.narrowing()
+            .widest_after(MINUTE_S / (runs * request.run_s())),
+    )
 }

@@ -92,7 +92,9 @@ impl Plan {
         let reference = &request.reference;
         let band = expected.band;
         let Model { noise, .. } = &request.assumed.model;
-        let needed = band.valid().and_then(|band| request.runs_needed(band, EFFORT));
+        let needed = band
+            .valid()
+            .and_then(|band| request.runs_needed(band, EFFORT));
         Ok(Self {
             reference: as_toml(reference),
             description: describe(reference, request.us_per_degree, request.assumed.train),

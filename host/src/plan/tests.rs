@@ -1,9 +1,9 @@
 use super::alternatives::alternatives;
-use super::needed_runs::Effort;
 use super::answerable_questions;
 use super::assumed_servo::noise_rms;
 use super::band_width::Reach;
 use super::expectation::Expectation;
+use super::needed_runs::Effort;
 use super::simulated_runs::simulated;
 use super::*;
 use crate::instrument::reference::{Kind, ReferenceSpec};
@@ -172,7 +172,11 @@ fn runs_that_do_not_reach_a_band_are_not_promised() {
         assumed: assumed.unwrap(),
         ..question("staircase", white())
     };
-    let band = Expectation::of(&request).unwrap().band.into_valid().unwrap();
+    let band = Expectation::of(&request)
+        .unwrap()
+        .band
+        .into_valid()
+        .unwrap();
     assert_eq!(band.narrowing().reach(0.3, 1), Reach::Runs(5));
     let effort = Effort {
         simulations: 3,

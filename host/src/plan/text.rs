@@ -207,7 +207,7 @@ fn servo_model(plan: &Plan) -> String {
     };
     let samples = match found.every {
         1 => "all samples".to_owned(),
-        every => format!("every {every}th sample: all of them give narrower intervals"),
+        every => format!("every {every}th sample, which takes less time"),
     };
     let tried = match (found.tried, found.level.withdrawn()) {
         (1, _) => String::new(),
@@ -240,13 +240,15 @@ fn alternatives(plan: &Plan) -> String {
     );
     for alternative in &plan.alternatives {
         let percent = |p: Option<f64>| p.map_or_else(|| "-".to_owned(), |p| format!("{p:.2}"));
-        let needed = plan.wanted_percent.map(|wanted| match (&alternative.needed, &alternative.closest) {
-            (Some(needed), _) => format!("; ±{wanted} % needs {}", time_of(needed)),
-            (None, closest) => format!(
-                "; ±{wanted} % needs more than {} runs or another reference",
-                closest.map_or(MOST_RUNS, |closest| closest.runs)
-            ),
-        });
+        let needed =
+            plan.wanted_percent
+                .map(|wanted| match (&alternative.needed, &alternative.closest) {
+                    (Some(needed), _) => format!("; ±{wanted} % needs {}", time_of(needed)),
+                    (None, closest) => format!(
+                        "; ±{wanted} % needs more than {} runs or another reference",
+                        closest.map_or(MOST_RUNS, |closest| closest.runs)
+                    ),
+                });
         let linear = match alternative.only_if_linear {
             true => " (for a linear servo only)",
             false => "",

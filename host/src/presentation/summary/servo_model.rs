@@ -398,8 +398,8 @@ pub(crate) fn terms_in_words(terms: Terms) -> String {
     }
 }
 
-/// Powers of ten that are written out.
-const POWERS: std::ops::Range<f64> = -7.0..9.0;
+/// Powers of ten that are written out: of 0.00004347 nobody counts the zeros.
+const POWERS: std::ops::Range<f64> = -4.0..9.0;
 
 /// A number with four digits; one that nobody reads as digits, as a power of ten.
 pub(crate) fn four_digits(value: f64) -> String {
