@@ -12,7 +12,7 @@ use crate::error::Error;
 use crate::estimation::{FsfBasis, Noise};
 use crate::numerics::causal_filter;
 use crate::options::{LONGEST_SETTLING_BY_HAND, MAX_NOISE_ORDER};
-use crate::results::advice::{Advice, Check};
+use crate::results::advice::Advice;
 use crate::results::frequency_response::FrequencyResponse;
 use crate::results::metrics::measured::Measured;
 use crate::results::metrics::{Metrics, Withheld};
@@ -173,11 +173,7 @@ impl Model {
     /// The outputs at which the servo stops within the range of its commands \[output\], one or two; empty where it does nowhere.
     #[must_use]
     pub fn stops(&self) -> Vec<f64> {
-        let found = self.advice.iter();
-        found
-            .filter(|item| item.check == Check::TravelEnd)
-            .map(|item| item.value)
-            .collect()
+        self.advice.iter().filter_map(Advice::stop).collect()
     }
 
     /// Takes all bounds away.
