@@ -463,6 +463,14 @@ mod tests {
     }
 
     #[test]
+    fn a_ratio_of_friction_that_may_be_anything_is_not_determined() {
+        let kind = QuantityKind::FrictionAtRest;
+        let ratio = DEFINITIONS.iter().find(|found| found.kind == kind).unwrap();
+        assert!(!ratio.is_determined(&Interval::new(196.0, 1.0, 78_627.0)));
+        assert!(ratio.is_determined(&Interval::new(1.5, 1.0, 2.1)));
+    }
+
+    #[test]
     fn a_bound_that_excludes_nothing_is_none() {
         let kind = QuantityKind::DampingRatio;
         let damping = DEFINITIONS.iter().find(|found| found.kind == kind).unwrap();
