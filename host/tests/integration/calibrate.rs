@@ -141,7 +141,7 @@ fn a_servo_that_turns_the_other_way_is_no_doubt_and_signs_that_are_all_wrong_are
     assert!((file.servo.us_per_degree + 10.0).abs() < 0.1);
     // From here on sensor and servo both contradict such angles.
     let said = refusal(&[&calibrate[..], &["--angles=-16,-8,0,8,16"]].concat());
-    assert!(said.contains("signs of the angles"), "{said}");
+    assert!(said.contains("is doubtful"), "{said}");
 }
 
 /// Where no angles were read, none were read wrong; and what a calibration leaves of the travel, the default reference keeps to.
