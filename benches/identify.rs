@@ -6,7 +6,7 @@ use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_mai
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use servoid_dynamics::{DriveLimit, Friction, Grid, Load, ServoParameters, Start, simulate};
+use servoid_dynamics::{DriveLimit, Friction, Grid, Load, ServoParameters, Start, Stops, simulate};
 use servoid_identification::servo_model::{ServoModelOptions, fit};
 use servoid_identification::{
     Frequencies, MomentStream, Moments, NoiseOrder, Options, Prior, Record, Run, Settling,
@@ -246,6 +246,7 @@ fn loaded_runs() -> Record<'static> {
             from: 40.0,
             radians: 1f64.to_radians(),
         },
+        stops: Stops::default(),
     };
     let grid = Grid::for_stiffness(RUN_PERIOD, 0.0, servo.stiffness);
     let mut random = ChaCha8Rng::seed_from_u64(33);

@@ -19,7 +19,7 @@
 //! both are larger at rest: (C + μ |drive + load|) (1 + s/(1 + (ω/ωs)²)) (D. P. Hess and A. Soom, "Friction at a
 //! lubricated line contact operating at oscillating sliding velocities", Journal of Tribology, 1990). It holds the
 //! shaft at rest while less than that acts on it, so the resting error depends on the direction of approach, without load and
-//! gears by (1 + s) C/k to each side.
+//! gears by (1 + s) C/k to each side. A stop takes all speed, and holds the shaft until that is driven back.
 
 use crate::dual::Scalar;
 
@@ -172,6 +172,31 @@ pub struct DriveLimit<S> {
     pub motor_damping: S,
 }
 
+/// The outputs at which the shaft meets a stop: it takes all speed, and holds the shaft until that is driven back. They are not estimated with
+/// the other numbers: a record shows them by itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Stops {
+    /// The least output, where there is a stop \[output\].
+    pub lower: Option<f64>,
+    /// The largest output, where there is a stop \[output\].
+    pub upper: Option<f64>,
+}
+
+impl Stops {
+    /// Whether there is none.
+    #[must_use]
+    pub fn are_none(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// Whether the shaft can move between them.
+    #[must_use]
+    pub fn have_travel(&self) -> bool {
+        let both = self.lower.zip(self.upper);
+        both.is_none_or(|(lower, upper)| lower < upper)
+    }
+}
+
 /// A servo, as numbers or with derivatives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ServoParameters<S = f64> {
@@ -193,6 +218,8 @@ pub struct ServoParameters<S = f64> {
     pub friction: Option<Friction<S>>,
     /// The load.
     pub load: Load<S>,
+    /// The stops.
+    pub stops: Stops,
 }
 
 impl ServoParameters<f64> {
@@ -331,6 +358,23 @@ impl<S: Scalar> ServoParameters<S> {
                     from: load(2, from),
                 },
             },
+            stops: self.stops,
         }
+    }
+
+    /// The least and the largest θ that the stops leave; infinite where there is none.
+    #[must_use]
+    pub fn range(&self) -> [S; 2] {
+        let ends = [self.stops.lower, self.stops.upper];
+        let [low, high] = ends.map(|end| Some((S::constant(end?) - self.offset) / self.gain));
+        let [first, last] = match self.gain.value() < 0.0 {
+            true => [high, low],
+            false => [low, high],
+        };
+        let open = |end: f64| move || S::constant(end);
+        [
+            first.unwrap_or_else(open(f64::NEG_INFINITY)),
+            last.unwrap_or_else(open(f64::INFINITY)),
+        ]
     }
 }

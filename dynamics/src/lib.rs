@@ -5,7 +5,7 @@
 //! parameters.
 //!
 //! ```
-//! use servoid_dynamics::{Grid, Load, ServoParameters, Start, simulate};
+//! use servoid_dynamics::{Grid, Load, ServoParameters, Start, Stops, simulate};
 //! // 30 rad/s, well damped, 10 ms late, linear.
 //! let servo = ServoParameters {
 //!     delay_s: 0.01,
@@ -17,6 +17,7 @@
 //!     dead_band: None,
 //!     friction: None,
 //!     load: Load::None,
+//!     stops: Stops::default(),
 //! };
 //! let grid = Grid::for_stiffness(0.002, 0.0, servo.stiffness);
 //! let mut output = Vec::new();
@@ -34,6 +35,8 @@ mod sloped_stepper;
 mod stepper;
 
 pub use dual::{Dual, Scalar};
-pub use equation::{AtRest, DriveLimit, Friction, Load, PARAMETERS, ServoParameters, Slopes};
+pub use equation::{
+    AtRest, DriveLimit, Friction, Load, PARAMETERS, ServoParameters, Slopes, Stops,
+};
 pub use simulation::{Grid, Start, simulate, simulate_with_slopes};
 pub use stepper::{State, Stepper};

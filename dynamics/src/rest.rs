@@ -39,7 +39,13 @@ impl<S: Scalar> ServoParameters<S> {
     #[must_use]
     pub fn resting_angle(&self, command: S) -> S {
         let [upper, lower] = [End::Upper, End::Lower].map(|end| self.end(command, end));
-        (upper + lower) * 0.5
+        let [low, high] = self.range();
+        let within = |angle: S| match angle.value() {
+            angle if angle < low.value() => low,
+            angle if angle > high.value() => high,
+            _ => angle,
+        };
+        (within(upper) + within(lower)) * 0.5
     }
 
     /// The output at rest under `command`.
@@ -178,7 +184,7 @@ impl<S: Scalar> Friction<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::equation::{AtRest, DriveLimit, Load};
+    use crate::equation::{AtRest, DriveLimit, Load, Stops};
     use crate::{State, Stepper};
 
     /// 50 rad/s, with full drive beyond 3 units upwards.
@@ -197,6 +203,7 @@ mod tests {
             dead_band: None,
             friction: None,
             load: Load::None,
+            stops: Stops::default(),
         }
     }
 
@@ -333,6 +340,28 @@ mod tests {
                     slopes[place]
                 );
             }
+        }
+    }
+
+    /// Outputs of -1 and 4 are angles of -0.75 and 1.75.
+    #[test]
+    fn the_shaft_rests_at_a_stop_before_its_command_and_leaves_it_again() {
+        let stops = Stops {
+            lower: Some(-1.0),
+            upper: Some(4.0),
+        };
+        let stopped = ServoParameters { stops, ..servo() };
+        let turned = ServoParameters {
+            gain: -2.0,
+            ..stopped
+        };
+        for (servo, ends) in [(stopped, [-0.75, 1.75]), (turned, [-1.75, 0.75])] {
+            for (command, end) in [(-10.0, ends[0]), (10.0, ends[1])] {
+                assert_eq!(servo.resting_angle(command), end);
+                assert_eq!(left_alone(&servo, command, 0.0), end);
+                assert!(left_alone(&servo, 0.2, end).abs() < 0.21);
+            }
+            assert_eq!(servo.resting_angle(0.5), 0.5);
         }
     }
 

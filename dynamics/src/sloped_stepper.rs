@@ -19,10 +19,14 @@ impl SlopedState {
     /// Where the output is `output`, and changes by `rate` in a second.
     pub(crate) fn new(physics: &ServoParameters<f64>, output: f64, rate: f64) -> Self {
         let per_output = 1.0 / physics.gain;
-        let plain = State {
-            angle: (output - physics.offset) * per_output,
-            speed: rate * per_output,
-        };
+        let angle = (output - physics.offset) * per_output;
+        Self::at(physics, angle, rate * per_output)
+    }
+
+    /// At an angle and a speed that follow from an output and its rate.
+    fn at(physics: &ServoParameters<f64>, angle: f64, speed: f64) -> Self {
+        let per_output = 1.0 / physics.gain;
+        let plain = State { angle, speed };
         let (mut angle, mut speed) = (Slopes::default(), Slopes::default());
         angle[place::OFFSET] = -per_output;
         angle[place::GAIN] = -plain.angle * per_output;
@@ -314,5 +318,8 @@ impl<'a> Advance for SlopedStepper<'a> {
             angle: middle + after * half_s,
             speed: after,
         };
+        if let Some(end) = self.plain.stop_before(state.plain.angle) {
+            *state = SlopedState::at(self.physics, end, 0.0);
+        }
     }
 }

@@ -74,6 +74,8 @@ pub struct Stepper<S> {
     pub(crate) dead_band: Option<S>,
     pub(crate) friction: Option<Friction<S>>,
     pub(crate) load: Load<S>,
+    /// The least and the largest angle, infinite without stops.
+    pub(crate) range: [S; 2],
 }
 
 impl<S: Scalar> Stepper<S> {
@@ -105,6 +107,7 @@ impl<S: Scalar> Stepper<S> {
             dead_band: physics.dead_band,
             friction: physics.friction,
             load: physics.load,
+            range: physics.range(),
         }
     }
 
@@ -147,6 +150,25 @@ impl<S: Scalar> Stepper<S> {
             }
         };
         state.angle = middle + state.speed * half_s;
+        if let Some(end) = self.stop_before(state.angle.value()) {
+            *state = State {
+                angle: end,
+                speed: S::constant(0.0),
+            };
+        }
+    }
+
+    /// The stop that the angle `angle` lies beyond.
+    #[inline(always)]
+    pub(crate) fn stop_before(&self, angle: f64) -> Option<S> {
+        let [low, high] = self.range;
+        if angle < low.value() {
+            Some(low)
+        } else if angle > high.value() {
+            Some(high)
+        } else {
+            None
+        }
     }
 
     /// The error as the controller sees it.

@@ -35,8 +35,8 @@ pub enum Frequencies {
     /// as make the honest band narrowest.
     #[default]
     Auto,
-    /// About twice what predicts best: a smoother and narrower picture that holds only if the
-    /// response falls at 40 dB/decade above the highest frequency.
+    /// About twice what predicts best, a narrow part of the spectrum as in the paper. The bounds contain what is left out, hold only if the
+    /// response falls at 40 dB/decade above the highest frequency, and are no narrower than those of `Auto`.
     Narrow,
     /// Fixed, odd.
     Count(usize),

@@ -53,7 +53,8 @@ def identify(
     settling : int or "auto"
         Settling time N (samples).
     frequencies : int, "auto" or "narrow"
-        Number n of frequencies, odd and at most N.
+        Number n of frequencies, odd and at most N. "auto" takes all that the input excites and has the narrowest bounds;
+        "narrow" leaves high frequencies out, as the paper does, and has wider ones.
     noise_order : int or "auto"
         Order d of the noise model; 0 is white noise.
     level : float

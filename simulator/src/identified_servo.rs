@@ -134,7 +134,7 @@ impl Servo for MachineServo {
 mod tests {
     use super::*;
     use crate::linear::{LinearParameters, LinearServo};
-    use servoid_dynamics::{AtRest, DriveLimit, Friction, Load};
+    use servoid_dynamics::{AtRest, DriveLimit, Friction, Load, Stops};
 
     fn ms(t: u64) -> Duration {
         Duration::from_millis(t)
@@ -160,6 +160,7 @@ mod tests {
             dead_band: None,
             friction: None,
             load: Load::None,
+            stops: Stops::default(),
         }
     }
 

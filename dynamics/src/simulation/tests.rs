@@ -1,7 +1,7 @@
 //! The derivatives by hand against dual numbers, and speeds against their formula.
 
 use super::*;
-use crate::{AtRest, DriveLimit, Dual, Friction, Load, PARAMETERS};
+use crate::{AtRest, DriveLimit, Dual, Friction, Load, PARAMETERS, Stops};
 
 type Number = Dual<PARAMETERS>;
 
@@ -42,6 +42,7 @@ fn variables(servo: &ServoParameters<f64>) -> ServoParameters<Number> {
                 from: number(15),
             },
         },
+        stops: servo.stops,
     }
 }
 
@@ -79,7 +80,9 @@ fn servos() -> Vec<ServoParameters<f64>> {
     for limit in limits {
         for dead_band in [None, Some(0.3)] {
             for friction in frictions {
-                for load in loads {
+                for (n, load) in loads.into_iter().enumerate() {
+                    // A stop with every other load.
+                    let lower = (n % 2 == 1).then_some(-3.0);
                     servos.push(ServoParameters {
                         delay_s: 0.0123,
                         stiffness: 1600.0,
@@ -94,6 +97,7 @@ fn servos() -> Vec<ServoParameters<f64>> {
                             at_rest: at_rest.map(|(excess, speed)| AtRest { excess, speed }),
                         }),
                         load,
+                        stops: Stops { lower, upper: None },
                     });
                 }
             }
@@ -135,6 +139,7 @@ fn a_long_stroke_reaches_the_top_speed_under_its_load() {
             at_rest: None,
         }),
         load: Load::Constant(load),
+        stops: Stops::default(),
     };
     let grid = Grid::new(0.01, 0.0, 1e-3);
     let reached = |command: f64| {

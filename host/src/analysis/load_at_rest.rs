@@ -29,6 +29,7 @@ fn of_load(servo: &ServoParameters, command: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use servoid_identification::servo_model::Stops;
 
     #[test]
     fn a_load_is_the_cause_where_the_zero_is_not() {
@@ -42,6 +43,7 @@ mod tests {
             dead_band: None,
             friction: None,
             load,
+            stops: Stops::default(),
         };
         let found = of_load(&servo(0.02, Load::Constant(2000.0)), 5.0);
         assert!((found.unwrap() + 1.0).abs() < 1e-9, "{found:?}");

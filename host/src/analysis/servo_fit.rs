@@ -53,8 +53,7 @@ pub fn find(
     let found = std::thread::scope(|threads| {
         let predicting =
             held_out.then(|| threads.spawn(|| predict(&HeldOut::of(data)?, options, search)));
-        let against = linear.level().withdrawn();
-        let model = fit(data, Some(&*linear), against, options.level, search);
+        let model = fit(data, Linear::Beside(linear), options.level, search);
         let predicted = predicting.and_then(|thread| thread.join().ok().flatten());
         FoundServo {
             held_out: predicted.filter(|_| model.is_ok()),
@@ -92,8 +91,8 @@ pub fn find_both(
     let of = |data: &Dataset, name: &str| {
         let linear = identified(data, name, options).map_err(|error| format!("{error:#}"))?;
         let data = without_spikes(data, &linear);
-        let against = linear.model.level().withdrawn();
-        fit(&data, None, against, options.level, search)
+        let linear = Linear::OfRecord(&linear.model);
+        fit(&data, linear, options.level, search)
     };
     std::thread::scope(|threads| {
         let first = threads.spawn(|| of(a, name_a));
@@ -103,12 +102,30 @@ pub fn find_both(
     })
 }
 
-/// The servo model, beside a linear one if that is wanted, or the reason why there is none. Where the reason why a linear model has no bounds
-/// is `against` the record, the servo model has none either.
+/// What a linear model of the same data is for.
+#[derive(Clone, Copy)]
+enum Linear<'a> {
+    /// There is none.
+    Unknown,
+    /// It says where the servo stops, and what speaks against the record.
+    OfRecord(&'a Model),
+    /// It stands beside the servo model, too.
+    Beside(&'a Model),
+}
+
+impl<'a> Linear<'a> {
+    fn model(self) -> Option<&'a Model> {
+        match self {
+            Self::Unknown => None,
+            Self::OfRecord(model) | Self::Beside(model) => Some(model),
+        }
+    }
+}
+
+/// The servo model, or the reason why there is none.
 fn fit(
     data: &Dataset,
-    linear: Option<&Model>,
-    against: Option<Reason>,
+    linear: Linear<'_>,
     level: f64,
     search: &dyn Watch,
 ) -> Result<ServoModelDocument, String> {
@@ -125,11 +142,15 @@ fn fit(
             .map_err(|error| error.to_string())?,
         level,
         radians_per_command: radians,
-        against: against.filter(|reason| reason.is_of_the_record()),
+        against: linear
+            .model()
+            .and_then(|linear| linear.level().withdrawn())
+            .filter(|reason| reason.is_of_the_record()),
+        stops_at: linear.model().map(Model::stops).unwrap_or_default(),
     };
     let model = match linear {
-        Some(linear) => servo_model::fit_beside(&data.record, linear, &options, search),
-        None => servo_model::fit_watched(&data.record, &options, search),
+        Linear::Beside(linear) => servo_model::fit_beside(&data.record, linear, &options, search),
+        _ => servo_model::fit_watched(&data.record, &options, search),
     };
     let model = model.map_err(|error| error.to_string())?;
     let model = model.with_delay_error(data.about.sensor_delay_uncertainty_s);
@@ -155,7 +176,7 @@ fn from_rest<'a>(run: &Run<'a>, linear: &Model) -> Run<'a> {
 /// Both models of the rest, on the stretch. They are simulated over the whole run from its input, so the stretch begins as
 /// they arrive there.
 fn predict(held_out: &HeldOut, options: &Options, search: &dyn Watch) -> Option<HeldOutPrediction> {
-    let servo = fit(&held_out.rest, None, None, options.level, search).ok()?;
+    let servo = fit(&held_out.rest, Linear::Unknown, options.level, search).ok()?;
     let linear = identify(&held_out.rest.record, options).ok()?;
     let record = &held_out.rest.record;
     let whole = Record::new(record.sample_period_s(), vec![held_out.run.clone()]).ok()?;

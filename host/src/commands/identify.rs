@@ -30,8 +30,9 @@ pub(super) struct Identify {
     /// Settling time N (samples), or auto
     #[arg(long, default_value_t = Settling::Auto, value_name = "N|auto")]
     settling: Settling,
-    /// Number n of frequencies (odd, at most N). auto takes all that the input excites. narrow takes the number
-    /// with the narrowest band, which holds only where the response falls steeply above them
+    /// Number n of frequencies (odd, at most N). auto takes all that the input excites, and has the narrowest bounds. narrow
+    /// leaves high frequencies out, as the paper does: about twice the number that predicts best. Bounds then contain what is
+    /// left out, hold only where the response falls steeply above them, and are wider
     #[arg(long, default_value_t = Frequencies::Auto, value_name = "n|auto|narrow")]
     frequencies: Frequencies,
     /// Order d of the noise model, or auto; 0 is white noise

@@ -11,6 +11,7 @@ use crate::plan::{
 };
 use anyhow::{Context, Result};
 use clap::Args;
+use serde::Serialize;
 use servoid_protocol::PulseTrain;
 use std::path::PathBuf;
 
@@ -72,6 +73,16 @@ pub(super) struct PlanArgs {
     reference: ReferenceArgs,
 }
 
+/// A plan, as its document has it.
+#[derive(Serialize)]
+struct PlanDocument<'a> {
+    #[serde(flatten)]
+    plan: &'a Plan,
+    /// Why the rig will not run this, where its limits do not allow it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    beyond_limits: Option<&'a str>,
+}
+
 impl PlanArgs {
     pub(super) fn run(self) -> Result<String> {
         let positive = |number: &f64| *number > 0.0 && number.is_finite();
@@ -92,7 +103,7 @@ impl PlanArgs {
         let servo_model = self.servo_model || self.model.is_none() && is_servo_model(&self.servo);
         let us_per_degree = rig.servo.us_per_degree;
         let request = PlanRequest {
-            reference: self.reference.resolve(us_per_degree, train, talk)?,
+            reference: self.reference.resolve(&rig, talk)?,
             us_per_degree,
             runs: self.repeat.into(),
             assumed,
@@ -104,18 +115,24 @@ impl PlanArgs {
             let words = reference::describe(&request.reference, us_per_degree, train);
             format!("a run of {words} could not be identified")
         })?;
+        let beyond = rig.require_within_limits(&request.reference).err();
+        let beyond = beyond.map(|beyond| beyond.to_string());
+        let document = PlanDocument {
+            plan: &plan,
+            beyond_limits: beyond.as_deref(),
+        };
         if let Some(out) = &self.out {
-            output.write_json(Some(out), &plan)?;
+            output.write_json(Some(out), &document)?;
             talk.say(format_args!("plan: {}", out.display()));
         }
         if let Some(folder) = &self.plots {
             let name = format!("plan-{}", request.reference.name());
             output.draw(folder, &[figure(&plan, &name)])?;
         }
-        let beyond = rig.require_within_limits(&request.reference).err();
-        let beyond =
-            beyond.map(|beyond| format!("\n  ! 'servoid capture' will not run this: {beyond}\n"));
-        talk.result(of_plan(&plan) + &beyond.unwrap_or_default(), &plan)
+        let said = beyond
+            .as_ref()
+            .map(|beyond| format!("  ! 'servoid capture' will not run this: {beyond}\n\n"));
+        talk.result(said.unwrap_or_default() + &of_plan(&plan), &document)
     }
 
     fn assumed(&self, train: PulseTrain) -> Result<AssumedServo> {

@@ -2,10 +2,13 @@
 
 use super::completion_values;
 use super::output::{Talk, wrong_usage};
-use crate::instrument::reference::{FrequencyBand, Kind, ReferenceError, ReferenceSpec};
+use crate::data::rig_file::RigFile;
+use crate::instrument::reference::{
+    AMPLITUDE_DEG, FrequencyBand, Kind, ReferenceError, ReferenceSpec,
+};
 use anyhow::Result;
 use clap::Args;
-use servoid_protocol::{PulseTrain, Reference};
+use servoid_protocol::Reference;
 use std::path::PathBuf;
 
 #[derive(Clone, Debug, Args)]
@@ -17,7 +20,7 @@ pub(super) struct ReferenceArgs {
     /// steps with the columns angle_deg and hold_s. 'servoid plan' compares them
     #[arg(long, default_value_t = Kind::Staircase, value_name = "NAME|FILE.csv", value_parser = completion_values::reference(), hide_possible_values = true)]
     reference: Kind,
-    /// Amplitude to each side of neutral (degrees) [default: 5]
+    /// Amplitude to each side of neutral (degrees) [default: 5, or what the limits of the rig file leave]
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = super::value_parsers::finite)]
     amplitude: Option<f64>,
     /// Hold of each level of stairs, or of each chip of prbs (s) [default: 1.2 and 0.16]. Shorter holds give wider
@@ -49,27 +52,35 @@ impl ReferenceArgs {
     }
 
     /// The reference; options that do not fit its kind are wrong usage.
-    pub(super) fn resolve(
-        self,
-        us_per_degree: f64,
-        train: PulseTrain,
-        talk: Talk,
-    ) -> Result<Reference> {
+    pub(super) fn resolve(self, rig: &RigFile, talk: Talk) -> Result<Reference> {
         let spec = ReferenceSpec {
+            amplitude_deg: self.amplitude.or_else(|| self.within_limits(rig, talk)),
             kind: self.reference,
-            amplitude_deg: self.amplitude,
             hold_s: self.hold,
             length_s: self.length,
             levels: self.levels,
             seed: self.prbs_seed,
             frequencies_hz: self.frequencies,
-            train,
+            train: rig.train(),
         };
-        let resolved = match spec.resolve(us_per_degree) {
+        let resolved = match spec.resolve(rig.servo.us_per_degree) {
             Err(error @ ReferenceError::NotFor { .. }) => wrong_usage(error),
             other => other?,
         };
         resolved.remarks.iter().for_each(|remark| talk.say(remark));
         Ok(resolved.reference)
+    }
+
+    /// The default amplitude, where the limits of the rig leave less (deg).
+    fn within_limits(&self, rig: &RigFile, talk: Talk) -> Option<f64> {
+        let largest = rig.largest_amplitude_deg();
+        let is_less = largest > 0.0 && largest < AMPLITUDE_DEG;
+        let has_amplitude = !matches!(self.reference, Kind::Steps(_));
+        (is_less && has_amplitude).then(|| {
+            talk.say(format_args!(
+                "the reference goes to ±{largest} degrees in place of ±{AMPLITUDE_DEG}: the limits of the rig file leave no more"
+            ));
+            largest
+        })
     }
 }

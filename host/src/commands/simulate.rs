@@ -58,9 +58,7 @@ impl Simulate {
         }
         let job = CaptureJob {
             address: &address,
-            reference: self
-                .reference
-                .resolve(rig.servo.us_per_degree, rig.train(), talk)?,
+            reference: self.reference.resolve(&rig, talk)?,
             rig,
             condition: &servo.condition(),
             notes: "",

@@ -248,15 +248,27 @@ pub enum RigFileError {
 }
 
 /// A reference that the rig must not follow.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error(
-    "the reference is refused: it goes from {lowest} to {highest} µs, beyond the rig's limits of {shortest} to {longest} µs; make --amplitude smaller, or widen the limits in the rig file if the linkage allows it"
+    "the reference is refused: it goes from {lowest} to {highest} µs, beyond the rig's limits of {shortest} to {longest} µs; {}, or widen the limits in the rig file if the linkage allows it",
+    remedy(*.largest_deg)
 )]
 pub struct BeyondLimits {
     lowest: i32,
     highest: i32,
     shortest: u16,
     longest: u16,
+    largest_deg: f64,
+}
+
+/// What fits: `largest_deg` to both sides of neutral.
+fn remedy(largest_deg: f64) -> String {
+    match largest_deg > 0.0 {
+        true => format!(
+            "the largest reference about neutral that fits has --amplitude {largest_deg}, so choose that or less, in a table too"
+        ),
+        false => "neutral is at a limit, so that no reference about it fits".to_owned(),
+    }
 }
 
 impl RigFile {
@@ -275,9 +287,20 @@ impl RigFile {
                 highest,
                 shortest,
                 longest,
+                largest_deg: self.largest_amplitude_deg(),
             }),
             false => Ok(()),
         }
+    }
+
+    /// The largest amplitude to both sides of neutral within the limits (deg), in whole tenths; 0 where neutral is at a limit.
+    #[must_use]
+    pub fn largest_amplitude_deg(&self) -> f64 {
+        let neutral = self.servo.neutral_us;
+        let below = neutral.saturating_sub(self.limits.shortest_us);
+        let above = self.limits.longest_us.saturating_sub(neutral);
+        let degrees = f64::from(below.min(above)) / self.servo.us_per_degree.abs();
+        (10.0 * degrees + 1e-9).floor() / 10.0
     }
 
     /// Reads and checks a rig file; the error names the key that is wrong.

@@ -120,6 +120,19 @@ pub fn is_of_data_sheet(scale_sd_percent: f64) -> bool {
     scales.any(|scale| scale == scale_sd_percent)
 }
 
+/// The readings between which a sensor of a known kind follows its shaft (counts), where these are not the ends of the converter. A rig file that
+/// names no sensor has the usual one; another range of volts shows in its healthy counts.
+pub fn range_counts(sensor: &SensorSection) -> Option<[f64; 2]> {
+    let is_named = |kind: &SensorKind| sensor.name.contains(kind.preset().name);
+    let found = SensorKind::ALL.into_iter().find(is_named);
+    let usual = sensor.name.is_empty().then(SensorKind::default);
+    let preset = found.or(usual)?.preset();
+    let as_delivered = preset.section(preset.volts, preset.degrees);
+    let is_known = preset.volts[0] > 0.0 && sensor.healthy_counts == as_delivered.healthy_counts;
+    let half = 0.5 * preset.degrees / as_delivered.degrees_per_count;
+    is_known.then(|| [-half, half].map(|counts| as_delivered.zero_counts + counts))
+}
+
 impl std::str::FromStr for SensorKind {
     type Err = String;
 

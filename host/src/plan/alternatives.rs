@@ -1,8 +1,9 @@
 //! All references beside each other.
 
 use super::answerable_questions;
-use super::band_width::{BandWidths, Reach, RunsNeeded};
+use super::band_width::RunsNeeded;
 use super::expectation::Expectation;
+use super::needed_runs::Effort;
 use super::request::PlanRequest;
 use crate::instrument::reference::{Kind, ReferenceSpec};
 use serde::Serialize;
@@ -10,6 +11,12 @@ use serde::Serialize;
 /// Simulated identifications behind each reference: references differ by far more than one identification
 /// scatters.
 const SIMULATIONS: u64 = 1;
+
+/// How many runs are tried for the wanted band.
+const EFFORT: Effort = Effort {
+    simulations: 1,
+    doublings: 1,
+};
 
 /// A reference with default options, at the amplitude that was asked for.
 #[derive(Clone, Debug, Serialize)]
@@ -27,13 +34,19 @@ pub struct Alternative {
     pub only_if_linear: bool,
     /// The runs for the wanted band; `None` also where a reasonable number of runs does not reach it.
     pub needed: Option<RunsNeeded>,
+    /// The runs that were tried, and their band, where that does not reach the wanted one.
+    pub closest: Option<RunsNeeded>,
     /// The questions that it answers beside the linear response.
     pub answers: Vec<&'static str>,
 }
 
 /// All references, the narrowest band per minute first. The request's own reference may be among them; its
 /// `expected` result is not computed again.
-pub(super) fn alternatives(request: &PlanRequest, expected: &Expectation) -> Vec<Alternative> {
+pub(super) fn alternatives(
+    request: &PlanRequest,
+    expected: &Expectation,
+    needed: Option<Result<RunsNeeded, RunsNeeded>>,
+) -> Vec<Alternative> {
     let (low, high) = request.reference.extremes_us();
     let amplitude_us = f64::from(high.max(low.saturating_neg()));
     let kinds = [
@@ -60,10 +73,12 @@ pub(super) fn alternatives(request: &PlanRequest, expected: &Expectation) -> Vec
     });
     let planned = |other: PlanRequest| {
         if other.reference == request.reference && request.runs == 1 {
-            return alternative(&other, Some(expected));
+            return alternative(&other, Some(expected), needed);
         }
         let expected = Expectation::of_simulations(&other, SIMULATIONS).ok();
-        alternative(&other, expected.as_ref())
+        let band = (expected.as_ref()).and_then(|expected| expected.band.into_valid());
+        let needed = band.and_then(|band| other.runs_needed(&band, EFFORT));
+        alternative(&other, expected.as_ref(), needed)
     };
     let mut all: Vec<Alternative> = std::thread::scope(|scope| {
         let threads: Vec<_> = requests
@@ -81,8 +96,11 @@ pub(super) fn alternatives(request: &PlanRequest, expected: &Expectation) -> Vec
 }
 
 /// One line of the table; `expected` is `None` where the reference cannot be identified.
-fn alternative(request: &PlanRequest, expected: Option<&Expectation>) -> Alternative {
-    const MINUTE_S: f64 = 60.0;
+fn alternative(
+    request: &PlanRequest,
+    expected: Option<&Expectation>,
+    needed: Option<Result<RunsNeeded, RunsNeeded>>,
+) -> Alternative {
     let run_s = request.run_s();
     let band = expected.and_then(|e| e.band.into_valid());
     let answers = expected.map(|e| answerable_questions::of(&e.example, &e.record));
@@ -94,23 +112,26 @@ fn alternative(request: &PlanRequest, expected: Option<&Expectation>) -> Alterna
         reference: request.reference.name(),
         run_s,
         widest_percent: band.map(|b| b.widest_percent),
-        widest_percent_in_a_minute: band.map(|b| b.narrowing().widest_after(MINUTE_S / run_s)),
+        widest_percent_in_a_minute: band.and_then(|_| in_a_minute(request)),
         only_if_linear: request.relies_on_linearity(),
-        needed: band.and_then(|b| runs_needed(request, &b)),
+        needed: needed.and_then(Result::ok),
+        closest: needed.and_then(Result::err),
         answers: answered.map(|answer| answer.question).collect(),
     }
 }
 
-/// The runs for the wanted width; `None` where none is wanted, or where a reasonable number of runs does not
-/// reach it.
-pub(super) fn runs_needed(request: &PlanRequest, band: &BandWidths) -> Option<RunsNeeded> {
-    let band_percent = request.wanted_percent?;
-    match band.narrowing().reach(band_percent, request.runs) {
-        Reach::Runs(runs) => Some(RunsNeeded {
-            band_percent,
-            runs,
-            seconds: runs as f64 * request.run_s(),
-        }),
-        Reach::TooManyRuns | Reach::Never => None,
-    }
+/// The width after as many runs as come nearest to a minute, and what of that the noise makes of a whole one.
+fn in_a_minute(request: &PlanRequest) -> Option<f64> {
+    const MINUTE_S: f64 = 60.0;
+    let runs = (MINUTE_S / request.run_s()).round().max(1.0);
+    let request = PlanRequest {
+        runs: runs as usize,
+        ..request.clone()
+    };
+    let found = Expectation::of_simulations(&request, SIMULATIONS).ok()?;
+    let band = found.band.into_valid()?;
+    Some(
+        band.narrowing()
+            .widest_after(MINUTE_S / (runs * request.run_s())),
+    )
 }

@@ -21,6 +21,8 @@ pub struct BandWidths {
     /// The part of the widest that noise does not explain, the bias included. Runs of a simulated servo repeat
     /// it, so more of them do not narrow it.
     pub beyond_noise_percent: f64,
+    /// The part of the simulated identifications that had no bounds (percent of them).
+    pub without_bounds_percent: f64,
 }
 
 impl BandWidths {
@@ -34,6 +36,7 @@ impl BandWidths {
             mean_pointwise_percent: 100.0 * pointwise,
             bias_percent: 100.0 * bounds.bias(),
             beyond_noise_percent: 0.0,
+            without_bounds_percent: 0.0,
         }
     }
 
@@ -51,6 +54,7 @@ impl BandWidths {
             mean_pointwise_percent: mean(|w| w.mean_pointwise_percent),
             bias_percent: mean(|w| w.bias_percent),
             beyond_noise_percent: mean(|w| w.beyond_noise_percent),
+            without_bounds_percent: mean(|w| w.without_bounds_percent),
         }
     }
 
@@ -124,7 +128,7 @@ impl NarrowingBand {
     pub(crate) fn advice(self, wanted_percent: f64, runs: usize) -> String {
         match self.reach(wanted_percent, runs) {
             Reach::Runs(needed) => format!(
-                "about {needed} such runs together reach it: record them with --repeat and give all files to 'servoid identify'"
+                "by its noise alone {needed} such runs together would reach it, and no fewer: record them with --repeat and give all files to 'servoid identify'. From three runs on the band also has how runs differ, and a servo that is not linear repeats its motion in all: 'servoid plan --band {wanted_percent}' tries it"
             ),
             Reach::TooManyRuns => format!(
                 "±{wanted_percent} % needs more than {MOST_RUNS} such runs; a larger --amplitude narrows the band in proportion while the servo stays linear, and 'servoid plan' ranks the references"

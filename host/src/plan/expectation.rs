@@ -4,6 +4,7 @@ use super::band_width::BandWidths;
 use super::request::PlanRequest;
 use super::simulated_runs::simulated;
 use servoid_identification::results::{Bounds, Model};
+use servoid_identification::thresholds::RUNS_FOR_MEAN;
 use servoid_identification::{Error, Options, Record, expected_model, identify};
 
 /// Simulated identifications. Each may choose another N: the widths are their mean, and the model shown is the
@@ -56,14 +57,32 @@ impl Expectation {
         let is_bounded =
             |(model, ..): &(Model, Model, Record<'static>)| model.bounds.valid().is_some();
         let bounded = 2 * all.iter().filter(|one| is_bounded(one)).count() > all.len();
+        let tried = all.len();
         all.retain(|one| is_bounded(one) == bounded);
+        let without_bounds_percent = 100.0 * (1.0 - all.len() as f64 / tried as f64);
         all.sort_by_key(|(model, ..)| model.structure.settling_samples);
         let widths = |model: &Model| model.step.bounds.valid().map(BandWidths::of);
         let linear: Vec<_> = all.iter().filter_map(|(m, ..)| widths(m)).collect();
         let found: Vec<_> = all.iter().filter_map(|(_, e, _)| widths(e)).collect();
         let (model, example, record) = all.swap_remove(all.len() / 2);
         let level = model.level();
-        let linear = BandWidths::mean(&linear);
+        let found = BandWidths {
+            without_bounds_percent,
+            ..BandWidths::mean(&found)
+        };
+        let linear = BandWidths {
+            without_bounds_percent,
+            ..BandWidths::mean(&linear)
+        };
+        if request.assumed.simulation.is_none() && request.runs >= RUNS_FOR_MEAN {
+            // How runs differ, were it by chance alone, is in the bounds then.
+            return Ok(Self {
+                band: level.map(|_| found),
+                model: example.clone(),
+                example,
+                record,
+            });
+        }
         if request.assumed.simulation.is_none() {
             return Ok(Self {
                 band: level.map(|_| linear),
@@ -72,7 +91,6 @@ impl Expectation {
                 record,
             });
         }
-        let found = BandWidths::mean(&found);
         let noise = linear.widest_percent - linear.bias_percent;
         let exceeds_noise = found.widest_percent > SCATTER * noise;
         let beyond = found.widest_percent - noise;

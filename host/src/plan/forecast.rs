@@ -1,12 +1,13 @@
 //! The forecast of a run.
 
-use super::alternatives::{Alternative, alternatives, runs_needed};
+use super::alternatives::{Alternative, alternatives};
 use super::answerable_questions::{self, Answer};
 use super::assumed_servo::noise_rms;
 use super::band_width::{BandWidths, RunsNeeded};
 use super::error::PlanError;
 use super::expectation::Expectation;
 use super::motion::require_motion;
+use super::needed_runs::Effort;
 use super::request::PlanRequest;
 use super::servo_quantities::ServoQuantities;
 use super::spectrum::Spectrum;
@@ -15,6 +16,12 @@ use crate::instrument::reference::{describe, seconds};
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 use servoid_identification::results::{Bounds, Metrics, Model, StepResponse, Withdrawn};
+
+/// How many runs are tried for the wanted band: as many as are ever advised.
+const EFFORT: Effort = Effort {
+    simulations: 3,
+    doublings: u32::MAX,
+};
 
 /// The forecast of a run.
 #[derive(Clone, Debug, Serialize)]
@@ -56,6 +63,8 @@ pub struct Plan {
     pub wanted_percent: Option<f64>,
     /// The runs for it; `None` also where a reasonable number of runs does not reach it.
     pub needed: Option<RunsNeeded>,
+    /// The most runs that were tried, and their band, where that does not reach the wanted one.
+    pub closest: Option<RunsNeeded>,
     /// All references beside each other, the best first.
     pub alternatives: Vec<Alternative>,
     /// The assumed servo's response with the bounds that are to be expected.
@@ -83,6 +92,9 @@ impl Plan {
         let reference = &request.reference;
         let band = expected.band;
         let Model { noise, .. } = &request.assumed.model;
+        let needed = band
+            .valid()
+            .and_then(|band| request.runs_needed(band, EFFORT));
         Ok(Self {
             reference: as_toml(reference),
             description: describe(reference, request.us_per_degree, request.assumed.train),
@@ -111,8 +123,9 @@ impl Plan {
             },
             only_if_linear: request.relies_on_linearity(),
             wanted_percent: request.wanted_percent,
-            needed: band.valid().and_then(|band| runs_needed(request, band)),
-            alternatives: alternatives(request, &expected),
+            needed: needed.and_then(Result::ok),
+            closest: needed.and_then(Result::err),
+            alternatives: alternatives(request, &expected, needed),
             step: expected.model.step,
         })
     }

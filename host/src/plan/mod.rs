@@ -18,6 +18,7 @@ mod error;
 mod expectation;
 mod forecast;
 mod motion;
+mod needed_runs;
 mod plot;
 mod request;
 mod servo_quantities;

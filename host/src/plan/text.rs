@@ -117,6 +117,12 @@ fn step_band(plan: &Plan, band: &BandWidths) -> String {
             band.widest_of_all_percent
         );
     }
+    if band.without_bounds_percent > 0.0 {
+        text += &format!(
+            "              {:.0} % of the simulated identifications have no bounds\n",
+            band.without_bounds_percent
+        );
+    }
     if plan.only_if_linear {
         text += "              for a linear servo only: this reference has no hold in which the servo comes to rest, so speed\n              limit, dead band and friction make the band wider\n";
     }
@@ -137,12 +143,22 @@ fn step_band(plan: &Plan, band: &BandWidths) -> String {
 fn more_runs_and_metrics(plan: &Plan, band: &BandWidths) -> String {
     let mut text = match (&plan.needed, plan.wanted_percent) {
         (Some(needed), _) => format!(
-            "  for ±{} %  {}, on average: runs that show a slow end of the response take a longer settling\n              time, and have a wider band\n",
+            "  for ±{} %  {}, on average of simulations: runs that show a slow end of the response take a longer\n              settling time, and have a wider band\n",
             needed.band_percent,
             time_of(needed)
         ),
         (None, Some(wanted)) => {
-            let advice = band.narrowing().advice(wanted, plan.runs);
+            let advice = match &plan.closest {
+                Some(closest) => format!(
+                    "±{wanted} % is not reached: {} {}. What is left is not noise, which alone more runs narrow; another reference, or a larger --amplitude while the servo stays linear, may reach it",
+                    in_words(closest.runs),
+                    match closest.band_percent.is_finite() {
+                        true => format!("come to ±{:.2} % in simulations", closest.band_percent),
+                        false => "mostly have no bounds in simulations: so many show that the servo is not linear".to_owned(),
+                    }
+                ),
+                None => band.narrowing().advice(wanted, plan.runs),
+            };
             format!("  narrower    {}\n", summary::wrapped(&advice, 14))
         }
         (None, None) => String::new(),
@@ -191,7 +207,7 @@ fn servo_model(plan: &Plan) -> String {
     };
     let samples = match found.every {
         1 => "all samples".to_owned(),
-        every => format!("every {every}th sample: all of them give narrower intervals"),
+        every => format!("every {every}th sample, which takes less time"),
     };
     let tried = match (found.tried, found.level.withdrawn()) {
         (1, _) => String::new(),
@@ -224,10 +240,15 @@ fn alternatives(plan: &Plan) -> String {
     );
     for alternative in &plan.alternatives {
         let percent = |p: Option<f64>| p.map_or_else(|| "-".to_owned(), |p| format!("{p:.2}"));
-        let needed = plan.wanted_percent.map(|wanted| match &alternative.needed {
-            Some(needed) => format!("; ±{wanted} % needs {}", time_of(needed)),
-            None => format!("; ±{wanted} % needs more than {MOST_RUNS} runs or another reference"),
-        });
+        let needed =
+            plan.wanted_percent
+                .map(|wanted| match (&alternative.needed, &alternative.closest) {
+                    (Some(needed), _) => format!("; ±{wanted} % needs {}", time_of(needed)),
+                    (None, closest) => format!(
+                        "; ±{wanted} % needs more than {} runs or another reference",
+                        closest.map_or(MOST_RUNS, |closest| closest.runs)
+                    ),
+                });
         let linear = match alternative.only_if_linear {
             true => " (for a linear servo only)",
             false => "",

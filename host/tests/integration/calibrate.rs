@@ -99,9 +99,9 @@ fn a_rig_is_calibrated_and_its_file_has_the_result() {
     assert!((ratio - 1.0).abs() < 0.005, "{ratio}");
     assert!((file.servo.us_per_degree - 10.0).abs() < 0.05);
     assert!(file.sensor.scale_sd_percent > 0.0 && file.sensor.scale_sd_percent < 1.0);
-    // No pulse pushes the servo against its stop from now on.
+    // No pulse pushes the servo against its stop from now on: the finer levels around it are 8 µs apart.
     let limits = &file.limits;
-    assert!((1759..=1765).contains(&limits.longest_us), "{limits:?}");
+    assert!((1756..=1765).contains(&limits.longest_us), "{limits:?}");
     assert_eq!(limits.shortest_us, 1000);
     assert!(
         text.contains("# Calibrated: the servo stops beyond this pulse\nlongest_us"),
@@ -126,6 +126,73 @@ fn angles_that_are_assumed_are_labelled() {
     assert!(text.contains("assumed, not measured"), "{text}");
     assert!(!text.contains("us_per_degree"), "it was assumed: {text}");
     assert!(RigFile::read(&rig).unwrap().sensor.scale_sd_percent > 5.0);
+}
+
+/// The sensor agrees with the angles, so the servo is turned round and no sign is wrong.
+#[test]
+fn a_servo_that_turns_the_other_way_is_no_doubt_and_signs_that_are_all_wrong_are() {
+    let dir = tempfile::tempdir().unwrap();
+    let rig = dir.path().join("rig.toml");
+    let port = ["--port", "sim:linear?gain=-0.9", "--travel=-20:20"];
+    run(&[&["init", "-q", "--yes"][..], &port, &["-o", arg(&rig)]].concat());
+    let calibrate = ["calibrate", "-q", "--update", "--rig", arg(&rig)];
+    run(&[&calibrate[..], &["--angles=16,8,0,-8,-16"]].concat());
+    let file = RigFile::read(&rig).unwrap();
+    assert!((file.servo.us_per_degree + 10.0).abs() < 0.1);
+    // From here on sensor and servo both contradict such angles.
+    let said = refusal(&[&calibrate[..], &["--angles=-16,-8,0,8,16"]].concat());
+    assert!(said.contains("is doubtful"), "{said}");
+}
+
+/// Where no angles were read, none were read wrong; and what a calibration leaves of the travel, the default reference keeps to.
+#[test]
+fn a_staircase_alone_doubts_no_angles_and_the_next_capture_stays_within_its_limits() {
+    let said = run(&[
+        "calibrate",
+        "-q",
+        "--no-rig",
+        "--port",
+        "sim:linear?gain=0.8",
+        "--travel-only",
+    ]);
+    assert!(
+        said.contains("DOUBTFUL") && !said.contains("were they read"),
+        "{said}"
+    );
+    let dir = tempfile::tempdir().unwrap();
+    let [rig, record] = ["rig.toml", "r.csv"].map(|name| dir.path().join(name));
+    let port = "sim:bench?stops-deg=-30:4";
+    run(&["init", "-q", "--yes", "--port", port, "-o", arg(&rig)]);
+    run(&[
+        "calibrate",
+        "-q",
+        "--rig",
+        arg(&rig),
+        "--travel-only",
+        "--update",
+        "--yes",
+    ]);
+    let capture = ["capture", "--rig", arg(&rig), "-o", arg(&record)];
+    let said = refusal(&[&capture[..], &["--amplitude", "8"]].concat());
+    assert!(said.contains("--amplitude 3."), "{said}");
+    let plan: serde_json::Value = serde_json::from_str(&run(&[
+        "plan",
+        "-q",
+        "--json",
+        "--rig",
+        arg(&rig),
+        "--amplitude",
+        "8",
+    ]))
+    .unwrap();
+    assert!(
+        plan["beyond_limits"]
+            .as_str()
+            .unwrap()
+            .contains("--amplitude 3.")
+    );
+    run(&capture);
+    assert!(record.exists());
 }
 
 #[test]

@@ -266,3 +266,32 @@ fn require_sensible(recordings: &[RealRecording]) {
         );
     }
 }
+
+/// Bounds are narrowest with all frequencies, and with some left out the explanation says so.
+#[test]
+fn narrow_frequencies_have_wider_bounds_and_say_so() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("r.csv");
+    run(&[
+        "simulate",
+        "--servo",
+        "linear",
+        "--seed",
+        "4",
+        "-o",
+        arg(&file),
+    ]);
+    let said = run(&[
+        "identify",
+        arg(&file),
+        "--frequencies",
+        "narrow",
+        "--explain",
+    ]);
+    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        said.contains("all of them would give the narrowest band"),
+        "{said}"
+    );
+    assert!(said.contains("which widens the bounds"), "{said}");
+}

@@ -38,38 +38,40 @@ struct Visit {
 }
 
 impl ShortLevel {
-    /// The level at an end of those that the runs visit for at least `settling` samples, the higher one where both ends fall short.
+    /// The levels at the ends of those that the runs visit for at least `settling` samples, where they fall short.
     /// `gain` has the sign of the servo's, and `step` is that of the sensor: levels that are short by no more are rounded.
-    pub(super) fn of(
+    pub(super) fn both(
         runs: &[Simulated<'_>],
         settling: usize,
         (gain, step): (f64, f64),
-    ) -> Option<Self> {
+    ) -> [Option<Self>; 2] {
         let mut visits: Vec<Visit> = runs
             .iter()
             .flat_map(|run| visits(run, settling, gain))
             .collect();
         visits.sort_by(|a, b| a.level.total_cmp(&b.level));
         let levels: Vec<&[Visit]> = visits.chunk_by(|a, b| a.level == b.level).collect();
-        let (first, last) = (*levels.first()?, *levels.last()?);
-        if levels.len() < FEWEST_LEVELS {
-            return None;
-        }
-        let is_short = |ends: &[&[Visit]]| is_short(&visits, ends, step);
-        let end = if is_short(&[last]) {
-            last
-        } else if is_short(&[first]) {
-            first
-        } else if levels.len() > FEWEST_LEVELS && is_short(&[first, last]) {
-            last
-        } else {
-            return None;
+        let (&[first, .., last], FEWEST_LEVELS..) = (levels.as_slice(), levels.len()) else {
+            return [None; 2];
         };
+        let is_short = |ends: &[&[Visit]]| is_short(&visits, ends, step);
+        if is_short(&[last]) {
+            [None, Some(Self::at(last))]
+        } else if is_short(&[first]) {
+            [Some(Self::at(first)), None]
+        } else if levels.len() > FEWEST_LEVELS && is_short(&[first, last]) {
+            [first, last].map(|end| Some(Self::at(end)))
+        } else {
+            [None; 2]
+        }
+    }
+
+    fn at(end: &[Visit]) -> Self {
         let sum: f64 = end.iter().map(|visit| visit.rest).sum();
-        Some(Self {
+        Self {
             level: end[0].level,
             rest: sum / end.len() as f64,
-        })
+        }
     }
 }
 

@@ -74,7 +74,7 @@ pub(crate) use slow_end::{
 pub use standstill_noise::StandstillNoise;
 pub(crate) use standstill_noise::against_standstill;
 pub(crate) use time_fault::TimeFault;
-pub(crate) use travel_end::TravelEnd;
+pub(crate) use travel_end::{TravelEnd, extreme_rests};
 pub use uneven_noise::UnevenNoise;
 pub(crate) use uneven_noise::allow_for_uneven_noise;
 pub(crate) use validity::{Validity, ValidityEvidence};

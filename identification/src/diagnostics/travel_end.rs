@@ -6,7 +6,7 @@
 //! Where one of several levels lies beyond the stop, that level falls short of the line through the others ([`super::end_level`]).
 //!
 //! Where few strokes do, their errors look like glitches, or like slow noise. There the model goes beyond the farthest that the output ever was,
-//! and the output is at its farthest. Neither a linear model nor a servo model has a stop.
+//! and the output is at its farthest. A linear model has no stop; a servo model is given those that are found here.
 //!
 //! A sensor with large steps brings different commands to one reading anywhere: what is short by no more than its rounding is no stop.
 
@@ -34,38 +34,48 @@ pub(crate) struct TravelEnd {
 }
 
 impl TravelEnd {
-    /// The end of the travel in a record that a linear servo describes, or in one that none does.
-    pub(crate) fn of(
+    /// The ends of the travel in a record that a linear servo describes, or in one that none does.
+    pub(crate) fn both(
         record: &Record,
         is_linear: bool,
         (moments, fit): (&Moments, &GlsFit),
-    ) -> Option<Self> {
-        let step = sensor_step(record).unwrap_or_default();
-        if let Some(found) = of_rests(record, step) {
-            return Some(found);
+    ) -> [Option<Self>; 2] {
+        let of_rests = Self::of_rests(record);
+        if of_rests.iter().any(Option::is_some) {
+            return of_rests;
         }
+        let step = sensor_step(record).unwrap_or_default();
         let runs = simulated_whole(record, moments, fit);
-        if let Some(found) = ShortLevel::of(&runs, fit.impulse().len(), (fit.theta()[0], step)) {
-            return Some(Self {
-                rest: found.rest,
-                commands: (found.level, found.level),
-                count: 1,
+        let short = ShortLevel::both(&runs, fit.impulse().len(), (fit.theta()[0], step));
+        if short.iter().any(Option::is_some) {
+            return short.map(|found| {
+                found.map(|found| Self {
+                    rest: found.rest,
+                    commands: (found.level, found.level),
+                    count: 1,
+                })
             });
         }
         if !is_linear {
-            return None;
+            return [None; 2];
         }
-        let ends = [1.0, -1.0].map(|sign| Touched::by(&runs, sign, (moments.centre.1, step)));
-        let found = ends.into_iter().find(|end| end.is_beyond_chance(fit))?;
-        let mut strokes = found.strokes;
-        strokes.sort_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
-        let (first, last) = (strokes.first()?, strokes.last()?);
-        let rests = strokes.iter().map(|(_, rest)| rest);
-        Some(Self {
-            rest: rests.sum::<f64>() / strokes.len() as f64,
-            commands: (first.0, last.0),
-            count: strokes.len(),
-        })
+        [1.0, -1.0].map(|sign| Touched::by(&runs, sign, (moments.centre.1, step)).end(fit))
+    }
+
+    /// The ends within the range of the commands that are held, by the rests alone.
+    pub(crate) fn of_rests(record: &Record) -> [Option<Self>; 2] {
+        let step = sensor_step(record).unwrap_or_default();
+        let rests = rests_by_command(record);
+        let reversed: Vec<_> = rests.iter().rev().copied().collect();
+        [rests, reversed].map(|rests| flat_end(&rests, step))
+    }
+}
+
+/// Where the output rests under the lowest and the highest command that is held until it does; `None` where fewer than two are.
+pub(crate) fn extreme_rests(record: &Record) -> Option<[f64; 2]> {
+    match *rests_by_command(record).as_slice() {
+        [first, .., last] => Some([first.1, last.1]),
+        _ => None,
     }
 }
 
@@ -119,6 +129,21 @@ impl<'a> Touched<'a> {
         all
     }
 
+    /// The end of the travel there, beyond chance.
+    fn end(mut self, fit: &GlsFit) -> Option<TravelEnd> {
+        if !self.is_beyond_chance(fit) {
+            return None;
+        }
+        self.strokes.sort_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
+        let (first, last) = (self.strokes.first()?, self.strokes.last()?);
+        let rests = self.strokes.iter().map(|(_, rest)| rest);
+        Some(TravelEnd {
+            rest: rests.sum::<f64>() / self.strokes.len() as f64,
+            commands: (first.0, last.0),
+            count: self.strokes.len(),
+        })
+    }
+
     /// Whether the errors say that the output stays behind there: a score test of the regressor, one step ahead.
     fn is_beyond_chance(&self, fit: &GlsFit) -> bool {
         let (mut score, mut information) = (0.0, 0.0);
@@ -145,18 +170,6 @@ const NOTABLE: f64 = 1e-3;
 /// within 4 on both sides.
 const FARTHEST: f64 = 12.0;
 
-/// The end of the travel that is reached first, if one is within the range of the commands that are held. The sensor has steps of `step`.
-fn of_rests(record: &Record, step: f64) -> Option<TravelEnd> {
-    let mut rests: Vec<(f64, f64)> = record.runs().iter().flat_map(rests_of).collect();
-    rests.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let rests = mean_by_command(&rests);
-    let upper = flat_end(&rests, step);
-    upper.or_else(|| {
-        let lower: Vec<_> = rests.iter().rev().copied().collect();
-        flat_end(&lower, step)
-    })
-}
-
 /// Share of the range of the commands over which the others must follow: a few neighbours show no slope.
 const LINE: f64 = 0.25;
 
@@ -180,13 +193,15 @@ fn rests_of(run: &Run<'_>) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// One point for each command.
-fn mean_by_command(sorted: &[(f64, f64)]) -> Vec<(f64, f64)> {
+/// Command and mean rest, one point for each command, by the command.
+fn rests_by_command(record: &Record) -> Vec<(f64, f64)> {
+    let mut rests: Vec<(f64, f64)> = record.runs().iter().flat_map(rests_of).collect();
+    rests.sort_by(|a, b| a.0.total_cmp(&b.0));
     let of = |group: &[(f64, f64)]| {
         let sum: f64 = group.iter().map(|(_, rest)| rest).sum();
         (group[0].0, sum / group.len() as f64)
     };
-    sorted.chunk_by(|a, b| a.0 == b.0).map(of).collect()
+    rests.chunk_by(|a, b| a.0 == b.0).map(of).collect()
 }
 
 /// The flat end of a line of points, which is their last part: it follows the command less than [`STOP_GAIN`] of how the others do, and
@@ -243,7 +258,8 @@ mod tests {
                 y + random.random_range(-0.1..0.1)
             })
             .collect();
-        of_rests(&Record::of_run(0.01, &input, &output).unwrap(), 0.0)
+        let ends = TravelEnd::of_rests(&Record::of_run(0.01, &input, &output).unwrap());
+        ends.into_iter().flatten().next()
     }
 
     /// Random levels behind a lag under noise, of a servo that moves freely or stops at 12, in steps of the sensor. None of the 40 free servos
@@ -261,8 +277,7 @@ mod tests {
             };
             let output: Vec<f64> = input.iter().map(&mut seen).collect();
             let record = Record::of_run(0.01, &input, &output).unwrap();
-            let step = sensor_step(&record).unwrap();
-            of_rests(&record, step)
+            TravelEnd::of_rests(&record).into_iter().flatten().next()
         };
         for seed in 0..10 {
             for step in [2.0, 3.0, 4.0, 5.0] {

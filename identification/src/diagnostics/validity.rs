@@ -28,8 +28,8 @@ pub(crate) struct ValidityEvidence<'a> {
     pub(crate) stopped: Option<ServoStopped>,
     /// What makes its times other than what they are taken for.
     pub(crate) time_fault: Option<TimeFault>,
-    /// A stop within the range of the commands.
-    pub(crate) travel_end: Option<TravelEnd>,
+    /// Stops within the range of the commands.
+    pub(crate) travel_ends: [Option<TravelEnd>; 2],
     /// Whether the input is such that nothing is known of the response beyond N.
     pub(crate) end_is_unseen: bool,
     /// Whether the input follows the output.
@@ -57,8 +57,8 @@ pub(crate) struct Validity {
     pub(crate) stopped: Option<ServoStopped>,
     /// What makes the times of the record other than what they are taken for.
     pub(crate) time_fault: Option<TimeFault>,
-    /// A stop within the range of the commands.
-    pub(crate) travel_end: Option<TravelEnd>,
+    /// Stops within the range of the commands.
+    pub(crate) travel_ends: [Option<TravelEnd>; 2],
     /// Why metrics are left out, where they are.
     pub(crate) withheld: Option<Withheld>,
     /// Whether the final value is supported all the same.
@@ -86,7 +86,7 @@ impl Validity {
             Some(Reason::ServoStopped)
         } else if let Some(fault) = time_fault {
             Some(fault.reason())
-        } else if evidence.travel_end.is_some() {
+        } else if evidence.travel_ends.iter().any(Option::is_some) {
             Some(Reason::TravelEnd)
         } else if unexcited_above_hz.is_some() {
             Some(Reason::InputUnexcited)
@@ -141,7 +141,7 @@ impl Validity {
             left_out_above_hz,
             stopped,
             time_fault,
-            travel_end: evidence.travel_end,
+            travel_ends: evidence.travel_ends,
             withheld,
             gain_is_supported,
         }

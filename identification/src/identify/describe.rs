@@ -40,7 +40,7 @@ pub(super) fn validity(
         stopped: task.recorded.and_then(ServoStopped::of),
         time_fault: (task.recorded.zip(task.record))
             .and_then(|(recorded, record)| TimeFault::of(recorded, record, moments, &estimate.fit)),
-        travel_end: travel_end(task, fitted),
+        travel_ends: travel_ends(task, fitted),
         end_is_unseen: fitted.end_is_unseen,
         closed_loop: is_closed_loop(fitted),
         // What a caller leaves out is in the errors, and inputs to come show it where they were planned.
@@ -54,11 +54,14 @@ pub(super) fn validity(
     Validity::new(&evidence, task.options.level)
 }
 
-fn travel_end(task: &Task<'_>, fitted: &Fitted) -> Option<TravelEnd> {
+fn travel_ends(task: &Task<'_>, fitted: &Fitted) -> [Option<TravelEnd>; 2] {
     let estimate = &fitted.estimate;
-    let record = TakenOut::without_spikes(&task.disturbances.outliers.taken_out, task.recorded?);
+    let Some(recorded) = task.recorded else {
+        return [None; 2];
+    };
+    let record = TakenOut::without_spikes(&task.disturbances.outliers.taken_out, recorded);
     let fit = (&estimate.information.moments, &estimate.fit);
-    TravelEnd::of(&record, is_linear(fitted), fit)
+    TravelEnd::both(&record, is_linear(fitted), fit)
 }
 
 /// Whether a linear servo describes the record.

@@ -35,7 +35,7 @@ const PERIODS_S: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
 pub enum SelectedBy {
     /// The measured procedure.
     Auto,
-    /// The measured procedure, with the narrow number of frequencies.
+    /// The measured procedure, with the frequencies of [`Frequencies::Narrow`](crate::Frequencies::Narrow).
     Narrow,
     /// The caller fixed the settling time or the frequencies.
     User,
@@ -168,6 +168,12 @@ impl Model {
     #[must_use]
     pub fn level(&self) -> Bounds<f64> {
         self.bounds.as_ref().map(|bounds| bounds.level)
+    }
+
+    /// The outputs at which the servo stops within the range of its commands \[output\], one or two; empty where it does nowhere.
+    #[must_use]
+    pub fn stops(&self) -> Vec<f64> {
+        self.advice.iter().filter_map(Advice::stop).collect()
     }
 
     /// Takes all bounds away.

@@ -5,7 +5,7 @@
 
 use super::stretches::Stretch;
 use serde::{Deserialize, Serialize};
-use servoid_dynamics::{AtRest, DriveLimit, Friction, Load, Scalar, ServoParameters};
+use servoid_dynamics::{AtRest, DriveLimit, Friction, Load, Scalar, ServoParameters, Stops};
 
 /// One number that the fit moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -176,6 +176,8 @@ pub(super) struct Point {
     pub(super) friction_speed_share: f64,
     /// What the offset of each run is above the common one \[output\]; empty where all runs have the same.
     pub(super) run_offsets: Vec<f64>,
+    /// Stops that the record shows by itself.
+    pub(super) stops: Stops,
 }
 
 impl Point {
@@ -208,6 +210,7 @@ impl Point {
             radians: self.radians,
             friction_speed_share: self.friction_speed_share,
             run_offsets: self.run_offsets.clone(),
+            stops: self.stops,
         }
     }
 
@@ -282,6 +285,7 @@ impl Point {
                     from: get(AirFrom),
                 },
             },
+            stops: self.stops,
         }
     }
 }

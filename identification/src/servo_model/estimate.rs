@@ -7,17 +7,16 @@ use super::candidates::Candidates;
 use super::coordinates::Point;
 use super::covariance::Uncertainty;
 use super::descent::Descent;
-use super::ladder::{Climbed, Ladder, Rung};
+use super::ladder::{Climbed, Ladder, Rung, misses};
 use super::limit_at_work::LimitsAtWork;
-use super::model::{
-    Alternative, Covariance, LadderRung, MOST_CONTROLLERS, ReachedSpeeds, ServoFit, ServoModel,
-};
+use super::model::{Alternative, Covariance, LadderRung, MOST_CONTROLLERS, ServoFit, ServoModel};
 use super::motion::largest_error;
 use super::possible_servo::PossibleServo;
 use super::quantities::quantities;
 use super::run_offsets;
 use super::search_progress::Watch;
 use super::starting_values::Shown;
+use super::stops;
 use super::stretches::{Stretch, stretches};
 use super::validity::against;
 use crate::data::Record;
@@ -56,6 +55,8 @@ pub struct ServoModelOptions {
     pub radians_per_command: Option<f64>,
     /// What is known to speak against bounds of any model of the record; see [`Reason::is_of_the_record`].
     pub against: Option<Reason>,
+    /// Outputs at which the servo is known to stop \[output\]; those that its rests show are found without.
+    pub stops_at: Vec<f64>,
 }
 
 impl Default for ServoModelOptions {
@@ -65,6 +66,7 @@ impl Default for ServoModelOptions {
             level: 0.99,
             radians_per_command: None,
             against: None,
+            stops_at: Vec::new(),
         }
     }
 }
@@ -108,14 +110,26 @@ pub fn fit_watched(
     watch: &dyn Watch,
 ) -> Result<ServoModel, Error> {
     let (parts, fold_of) = usable_stretches(record, options)?;
-    let search = Search {
-        shown: Shown::by(&parts, record.sample_period_s()),
+    let shown = Shown::by(&parts, record.sample_period_s());
+    let mut search = Search {
+        shown,
         record,
         options,
         fold_of,
         watch,
     };
     let mut found = search.found(parts.clone(), &[]);
+    for stops in stops::possible(record, &options.stops_at) {
+        let stopped = Search {
+            shown: shown.with_stops(stops),
+            fold_of: search.fold_of.clone(),
+            ..search
+        };
+        let with_stops = stopped.found(parts.clone(), &[]);
+        if misses(found.held_out(), with_stops.held_out()) {
+            (search, found) = (stopped, with_stops);
+        }
+    }
     let own = search.run_offsets(&found);
     if !own.is_empty() {
         // Beside errors that are not noise, the mean of a run is no zero of a sensor unless it is most of them: a servo that is lost has one, too.
@@ -128,7 +142,7 @@ pub fn fit_watched(
     if watch.ends() {
         return Err(Error::SearchEnded);
     }
-    Ok(describe(record, options, search.shown.reached, &found))
+    Ok(describe(record, options, &search.shown, &found))
 }
 
 /// What a servo is looked for with.
@@ -156,6 +170,11 @@ impl Found {
     fn squared_error(&self) -> f64 {
         let errors = self.candidates.found.errors().into_iter().flatten();
         errors.filter(|e| !e.is_nan()).map(|e| e * e).sum()
+    }
+
+    /// Squared errors of each block that was not seen.
+    fn held_out(&self) -> &[f64] {
+        &self.climbed.best().held_out
     }
 
     /// Whether nothing speaks against intervals.
@@ -192,13 +211,20 @@ impl Search<'_> {
             &self.shown,
             &climbed,
             &self.descent(&climbed.best().fit),
-            Bounds::of_level(self.options.level, self.options.against),
+            Bounds::of_level(self.options.level, self.against()),
         );
         Found {
             parts,
             climbed,
             candidates,
         }
+    }
+
+    /// What speaks against bounds whatever is found. How sure the angle of a stop is, no interval contains.
+    fn against(&self) -> Option<Reason> {
+        let has_stop = !self.shown.stops.are_none();
+        let by_stop = has_stop.then_some(Reason::TravelEnd);
+        self.options.against.or(by_stop)
     }
 
     fn descent(&self, from: &Point) -> Descent<'_> {
@@ -282,7 +308,7 @@ fn radians(record: &Record) -> f64 {
 fn describe(
     record: &Record,
     options: &ServoModelOptions,
-    reached: ReachedSpeeds,
+    shown: &Shown,
     Found {
         parts,
         climbed,
@@ -356,7 +382,8 @@ fn describe(
         coordinates: point.coordinates.clone(),
         values: point.values.clone(),
         commands: Some(found.motion.commands),
-        reached: Some(reached),
+        reached: Some(shown.reached),
+        stops: shown.stops,
         run_offsets: point.run_offsets.clone(),
         fit: ServoFit {
             simulation_percent: fit_percent(error, spread),

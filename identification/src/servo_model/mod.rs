@@ -41,6 +41,7 @@ mod search_progress;
 mod starting_values;
 mod stepped_outputs;
 mod stiction;
+mod stops;
 mod stretches;
 mod validity;
 
@@ -61,4 +62,4 @@ pub use prediction::no_prediction;
 pub use quantities::{Quantity, Spread, Unit};
 pub use quantity_kind::QuantityKind;
 pub use search_progress::Watch;
-pub use servoid_dynamics::{AtRest, DriveLimit, Friction, Load, ServoParameters};
+pub use servoid_dynamics::{AtRest, DriveLimit, Friction, Load, ServoParameters, Stops};

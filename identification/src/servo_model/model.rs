@@ -14,7 +14,7 @@ use crate::error::Error;
 use crate::results::{Bounds, Noise, Reason, Validation, pointwise_critical};
 use crate::thresholds::{LINEAR_MODEL_ADVANTAGE, SERVO_ERROR_BEYOND_RECORD};
 use serde::{Deserialize, Serialize};
-use servoid_dynamics::{Dual, Grid, Scalar, ServoParameters, Start, simulate};
+use servoid_dynamics::{Dual, Grid, Scalar, ServoParameters, Start, Stops, simulate};
 
 /// Controllers on one mechanism, at the most.
 pub(super) const MOST_CONTROLLERS: usize = MOST - 15;
@@ -49,6 +49,13 @@ pub struct ServoModel {
     /// How fast the servo moved in the record, whatever the model says of it; `None` in files from before this was kept.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reached: Option<ReachedSpeeds>,
+    /// The stops within the commands of the record, as it shows them by itself.
+    #[serde(
+        default,
+        with = "StopsDocument",
+        skip_serializing_if = "Stops::are_none"
+    )]
+    pub stops: Stops,
     /// What the offset of each run of the record is above the quantity `offset`, their mean \[output\]; empty where the runs do not
     /// differ beyond chance.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -62,6 +69,16 @@ pub struct ServoModel {
     /// Linear models of the record beside it; `None` where none was compared.
     #[serde(default)]
     pub linear_models: Option<LinearModels>,
+}
+
+/// How a document has stops.
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "Stops")]
+struct StopsDocument {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    lower: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    upper: Option<f64>,
 }
 
 /// Covariance of the coordinates, and the level of bounds that are made of it.
@@ -205,6 +222,7 @@ impl ServoModel {
             radians: self.radians_per_command,
             friction_speed_share: FRICTION_SPEED_SHARE,
             run_offsets: Vec::new(),
+            stops: self.stops,
         }
     }
 
@@ -362,6 +380,7 @@ impl ServoModel {
         self.sample_period_s > 0.0
             && (1..=MOST_CONTROLLERS).contains(&self.controllers)
             && self.radians_per_command.is_finite()
+            && self.stops.have_travel()
             && sized(self.terms, &self.coordinates, &self.values)
             && own
             && self.alternatives.iter().all(other)

@@ -57,7 +57,7 @@ fn holding(servo: &ServoParameters, which: usize) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use servoid_dynamics::{Friction, Load};
+    use servoid_dynamics::{Friction, Load, Stops};
 
     #[test]
     fn the_edge_is_known_where_load_or_friction_decide_it() {
@@ -75,6 +75,7 @@ mod tests {
                 at_rest: None,
             }),
             load: Load::Constant(load),
+            stops: Stops::default(),
         };
         // What holds the shaft is known to 10 either way.
         let is_known = |servo: ServoParameters| {

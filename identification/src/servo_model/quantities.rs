@@ -92,6 +92,8 @@ enum Domain {
     Any,
     /// Zero and more; the interval is cut there.
     NotNegative,
+    /// One and more; the interval is cut there.
+    OneAndMore,
     /// More than zero, over decades; the interval is that of the logarithm.
     Positive,
 }
@@ -201,7 +203,7 @@ const DEFINITIONS: &[Definition] = &[
     define(
         QuantityKind::FrictionAtRest,
         Unit::One,
-        Domain::NotNegative,
+        Domain::OneAndMore,
         |p, _| Some(1.0 + p.friction?.at_rest?.excess),
     ),
     define(
@@ -353,6 +355,7 @@ impl Definition {
         Some(match self.domain {
             Domain::Any => Interval::new(value, value - half, value + half),
             Domain::NotNegative => Interval::new(value, (value - half).max(0.0), value + half),
+            Domain::OneAndMore => Interval::new(value, (value - half).max(1.0), value + half),
             Domain::Positive => {
                 let factor = (half / value).exp();
                 Interval::new(value, value / factor, value * factor)
@@ -412,7 +415,8 @@ impl Definition {
     fn is_determined(&self, interval: &Interval) -> bool {
         match (interval.lower, interval.upper) {
             (Some(lower), Some(upper)) => {
-                self.domain != Domain::Positive || upper < UNDETERMINED_RATIO * lower
+                let is_ratio = matches!(self.domain, Domain::Positive | Domain::OneAndMore);
+                !is_ratio || upper < UNDETERMINED_RATIO * lower
             }
             _ => false,
         }
@@ -456,6 +460,14 @@ mod tests {
         assert_eq!((known.lower, known.upper), (Some(90.0), Some(111.0)));
         assert!(!top_speed.is_determined(&open) && top_speed.is_determined(&known));
         assert_eq!(top_speed.as_far_as_reached(wide, false, &fastest), wide);
+    }
+
+    #[test]
+    fn a_ratio_of_friction_that_may_be_anything_is_not_determined() {
+        let kind = QuantityKind::FrictionAtRest;
+        let ratio = DEFINITIONS.iter().find(|found| found.kind == kind).unwrap();
+        assert!(!ratio.is_determined(&Interval::new(196.0, 1.0, 78_627.0)));
+        assert!(ratio.is_determined(&Interval::new(1.5, 1.0, 2.1)));
     }
 
     #[test]

@@ -7,6 +7,7 @@ use super::coordinates::{Coordinate, FRICTION_SPEED_SHARE, Point, Terms};
 use super::fit::Problem;
 use super::model::ReachedSpeeds;
 use super::stretches::Stretch;
+use servoid_dynamics::Stops;
 
 /// Descents that are continued after the grid.
 const CONTINUED: usize = 3;
@@ -36,6 +37,8 @@ pub(super) struct Shown {
     pub(super) top_speed: f64,
     /// The same by direction.
     pub(super) reached: ReachedSpeeds,
+    /// The stops.
+    pub(super) stops: Stops,
     /// Sample period \[s\].
     period_s: f64,
 }
@@ -82,8 +85,14 @@ impl Shown {
                 upwards: reached(|v| v),
                 downwards: reached(|v| -v),
             },
+            stops: Stops::default(),
             period_s,
         }
+    }
+
+    /// The same with stops.
+    pub(super) fn with_stops(self, stops: Stops) -> Self {
+        Self { stops, ..self }
     }
 
     /// A value for a coordinate that a servo did not have before.
@@ -127,6 +136,7 @@ impl Shown {
             radians,
             friction_speed_share: FRICTION_SPEED_SHARE,
             run_offsets: run_offsets.to_vec(),
+            stops: self.stops,
         }
     }
 }

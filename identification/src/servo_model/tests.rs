@@ -7,7 +7,7 @@ use crate::results::{Bounds, Interval, Reason};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use servoid_dynamics::{Dual, Grid, Scalar, Start, simulate};
+use servoid_dynamics::{Dual, Grid, Scalar, Start, Stops, simulate};
 
 const PERIOD_S: f64 = 0.002;
 
@@ -20,6 +20,7 @@ fn point(terms: Terms, value: impl Fn(Coordinate) -> f64) -> Point {
         radians: 1f64.to_radians(),
         friction_speed_share: FRICTION_SPEED_SHARE,
         run_offsets: Vec::new(),
+        stops: Stops::default(),
     }
 }
 

@@ -1,7 +1,7 @@
 //! Servos that are not linear are distinguished from those that are, and the bounds follow.
 
 use rayon::prelude::*;
-use servoid_dynamics::{Friction, Grid, Load, ServoParameters, Start, simulate};
+use servoid_dynamics::{Friction, Grid, Load, ServoParameters, Start, Stops, simulate};
 use servoid_identification::results::{Advice, Check, Model, Reason};
 use servoid_identification::thresholds::MISFIT_SIGNIFICANCE;
 use servoid_identification::{Options, Record, identify};
@@ -104,6 +104,7 @@ fn with_friction(resting_error: f64, input: &[f64]) -> Vec<f64> {
             at_rest: None,
         }),
         load: Load::None,
+        stops: Stops::default(),
     };
     let (grid, start) = (
         Grid::new(PERIOD, 0.0, 1e-4),

@@ -11,9 +11,6 @@ const SCALE: f64 = 0.15;
 /// A neutral farther from 0 degrees is doubtful, as a part of the distance between two positions.
 const NEUTRAL: f64 = 0.5;
 
-/// What has a scale of counts.
-const SENSOR: &str = "the sensor";
-
 /// One sentence for each disagreement of `measured` with the rig file.
 pub(super) fn doubts(measured: &Measured, rig: &RigFile, pulses: &[u16]) -> Vec<String> {
     let mut found = Vec::new();
@@ -24,15 +21,20 @@ pub(super) fn doubts(measured: &Measured, rig: &RigFile, pulses: &[u16]) -> Vec<
     if let Some(sensor) = measured.sensor.as_ref().filter(|_| !measured.assumed) {
         found.extend(rough(sensor));
     }
-    if let Some(sensor) = &measured.sensor {
-        let ratio = sensor.degrees_per_count / rig.sensor.degrees_per_count;
-        found.extend(scale(SENSOR, "degrees_per_count", ratio));
-    }
-    let Some(travel) = measured.travel.as_ref().filter(|_| !measured.assumed) else {
+    let of_sensor = measured.sensor.as_ref();
+    let of_sensor = of_sensor.map(|sensor| sensor.degrees_per_count / rig.sensor.degrees_per_count);
+    let travel = measured.travel.as_ref().filter(|_| !measured.assumed);
+    let of_servo = travel.map(|travel| rig.servo.us_per_degree / travel.us_per_degree.value);
+    // One of them may be turned round. Where both seem to be, the signs of the angles may be wrong.
+    let both = of_sensor.zip(of_servo);
+    let is_one_turned = both.is_some_and(|(sensor, servo)| sensor * servo < 0.0);
+    let judged = |ratio: f64| if is_one_turned { ratio.abs() } else { ratio };
+    found.extend(of_sensor.and_then(|ratio| scale_of_sensor(judged(ratio))));
+    let were_read = of_sensor.is_some();
+    found.extend(of_servo.and_then(|ratio| scale_of_servo(judged(ratio), were_read)));
+    let Some(travel) = travel else {
         return found;
     };
-    let ratio = rig.servo.us_per_degree / travel.us_per_degree.value;
-    found.extend(scale("the servo", "us_per_degree", ratio));
     let neighbours = pulses.iter().zip(pulses.iter().skip(1));
     let apart = neighbours.map(|(a, b)| a.abs_diff(*b)).min();
     let apart = f64::from(apart.unwrap_or_default()) / travel.us_per_degree.value.abs();
@@ -58,20 +60,47 @@ fn rough(sensor: &Calibration) -> Option<String> {
     })
 }
 
-/// `ratio` is that of the measured angles to those of the rig file.
-fn scale(of: &str, key: &str, ratio: f64) -> Option<String> {
+/// `ratio` is that of the measured angles to those that the rig file has for the same counts.
+fn scale_of_sensor(ratio: f64) -> Option<String> {
+    if ratio < 0.0 {
+        return Some(
+            "the sensor turns against the sign of degrees_per_count in the rig file: are the signs of the angles right?".to_owned(),
+        );
+    }
+    is_off(ratio).then(|| format!(
+        "the angles are {ratio:.2} times what the sensor should show by the rig file's degrees_per_count: were they read right, and is the sensor of the kind that the rig file names?"
+    ))
+}
+
+/// `ratio` is that of the measured angles to those that the rig file has for the same pulses; they `were_read`, or the sensor's scale in the rig file
+/// gives them.
+fn scale_of_servo(ratio: f64, were_read: bool) -> Option<String> {
+    let (turned, off) = match were_read {
+        true => (
+            "are the signs of the angles right?",
+            "were they read right?",
+        ),
+        false => (
+            "is the sign of degrees_per_count right? Calibrate with angles that are read",
+            "is degrees_per_count that of this sensor, or us_per_degree another servo's? Calibrate with angles that are read",
+        ),
+    };
     if ratio < 0.0 {
         return Some(format!(
-            "{of} turns against the sign of {key} in the rig file: are the signs of the angles right?"
+            "the servo turns against the sign of us_per_degree in the rig file: {turned}"
         ));
     }
-    let kind = match of {
-        SENSOR => ", and is the sensor of the kind that the rig file names",
-        _ => "",
+    let by = match were_read {
+        true => "the angles are",
+        false => "by the sensor's scale in the rig file, the angles are",
     };
-    ((ratio - 1.0).abs() > SCALE).then(|| format!(
-        "the angles are {ratio:.2} times what {of} should show by the rig file's {key}: were they read right{kind}?"
-    ))
+    is_off(ratio).then(|| {
+        format!("{by} {ratio:.2} times what the servo should show by the rig file's us_per_degree: {off}")
+    })
+}
+
+fn is_off(ratio: f64) -> bool {
+    (ratio - 1.0).abs() > SCALE
 }
 
 #[cfg(test)]

@@ -164,6 +164,14 @@ fn end(end: &End, limit: Option<String>) -> String {
             from_us,
             gain_percent,
         } => bent("more", from_us, gain_percent),
+        End::SensorEnds {
+            before_us,
+            counts,
+            angle_deg,
+        } => format!(
+            "the range of the sensor ends, at {counts:.0} counts ({angle_deg:.1} degrees): what the servo does beyond {before_us} µs is\n             not seen; turn the sensor on its shaft until it reads its middle at neutral, or take {}",
+            limit.unwrap_or_default()
+        ),
         End::Unclear { from_us } => format!(
             "stops or answers less from {:.0} µs on ({} µs): the readings cannot distinguish the two",
             from_us.value,

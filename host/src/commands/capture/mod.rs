@@ -93,9 +93,7 @@ impl CaptureArgs {
             condition,
             inexact_clock,
         } = self.rig.require(source.file)?;
-        let reference = self
-            .reference
-            .resolve(rig.servo.us_per_degree, rig.train(), talk)?;
+        let reference = self.reference.resolve(&rig, talk)?;
         ctrl_c::listen_in_a_run()?;
         let monitor = self.monitor.start(rig.train(), talk);
         let job = CaptureJob {

@@ -6,6 +6,7 @@
 )]
 
 use super::least_squares::{Solution, least_squares};
+use std::cmp::Ordering;
 
 /// One side of neutral.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,6 +68,9 @@ const SLOPE: usize = 1;
 
 /// Numbers that are fitted: four coefficients and two knees.
 const FITTED: f64 = 6.0;
+
+/// What is no motion beside the scatter of readings, whatever that is (counts).
+const COUNT: f64 = 1.0;
 
 /// Knees are looked for in steps of so much (µs).
 const GRID_US: f64 = 0.25;
@@ -138,6 +142,45 @@ impl Line {
         })
     }
 
+    /// The neighbouring offsets on a side between which the servo stops moving (µs): the outermost two between which it moves by more than
+    /// `share` of what it does between the knees, or the next two if it moves there by more than readings of one level differ. Both are wider
+    /// by that difference, which hides as much motion.
+    pub(super) fn last_motion(
+        &self,
+        points: &[(f64, f64)],
+        side: Side,
+        share: f64,
+    ) -> Option<[f64; 2]> {
+        let outwards = |point: &&(f64, f64)| point.0 == 0.0 || side.is_beyond(point.0, 0.0);
+        let mut levels: Vec<(f64, f64)> = points.iter().filter(outwards).copied().collect();
+        levels.sort_by(|a, b| {
+            (a.0.abs(), a.1)
+                .partial_cmp(&(b.0.abs(), b.1))
+                .unwrap_or(Ordering::Equal)
+        });
+        let mean = |level: &[(f64, f64)]| {
+            let sum: f64 = level.iter().map(|point| point.1).sum();
+            (level[0].0, sum / level.len() as f64)
+        };
+        let apart = |level: &[(f64, f64)]| level[level.len() - 1].1 - level[0].1;
+        let visited = || levels.chunk_by(|a, b| a.0 == b.0);
+        let scatter = visited().map(apart).fold(0.0, f64::max);
+        let levels: Vec<(f64, f64)> = visited().map(mean).collect();
+        let moves = |pair: &&[(f64, f64)]| {
+            (pair[1].1 - pair[0].1).abs() > share * (self.slope * (pair[1].0 - pair[0].0)).abs()
+        };
+        let last = levels.windows(2).rposition(|pair| moves(&pair))?;
+        let (inner, outer) = (levels[last], levels[last + 1]);
+        let hidden = scatter + COUNT;
+        let goes_on = |next: &&(f64, f64)| (next.1 - outer.1).abs() > hidden;
+        let [from, to] = match levels.get(last + 2).filter(goes_on) {
+            Some(next) => [outer.0, next.0],
+            None => [inner.0, outer.0],
+        };
+        let wider = (to - from).signum() * hidden / self.slope.abs();
+        Some([from - wider, to + wider])
+    }
+
     /// Counts at an offset between the knees (µs).
     pub(super) fn at(&self, offset: f64) -> f64 {
         self.zero + self.slope * offset
@@ -168,7 +211,11 @@ impl Line {
             let Some(fit) = fit(place).filter(|fit| fit.squares <= bound) else {
                 continue;
             };
-            interval = [interval[0].min(place), interval[1].max(place)];
+            // The bound lies between this place and the next.
+            interval = [
+                interval[0].min(place - GRID_US),
+                interval[1].max(place + GRID_US),
+            ];
             let slope = fit.coefficients[SLOPE];
             let ratio = fit.coefficients[side.column()] / slope;
             let half = t * self.sigma * fit.variances[side.column()].sqrt() / slope.abs();

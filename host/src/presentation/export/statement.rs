@@ -38,7 +38,7 @@ impl Export<'_> {
         );
         warn(
             model.structure.selected_by == SelectedBy::Narrow,
-            "the bounds are narrow: they hold only if the response falls by at least 40 dB/decade above the highest frequency",
+            "high frequencies were left out (--frequencies narrow): the bounds hold only if the response falls by at least 40 dB/decade above the highest one",
         );
         warn(
             !model.converged,

@@ -117,7 +117,7 @@ pub(crate) fn facts(model: &Model, unit: Option<&str>) -> [(&'static str, String
     let chosen = match structure.selected_by {
         SelectedBy::Auto => "chosen from the data",
         SelectedBy::Narrow => {
-            "narrow: smoother, holds only if the response falls steeply above its highest frequency"
+            "narrow: high frequencies are left out, which widens the bounds; they hold only if the response falls steeply there"
         }
         SelectedBy::User => "as asked for, and the rest from the data",
     };

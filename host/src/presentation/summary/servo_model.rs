@@ -8,7 +8,7 @@ use servoid_identification::results::with_unit;
 use servoid_identification::results::{Bounds, Interval};
 use servoid_identification::servo_model::{
     LadderRung, LinearKind, LinearModelFit, LinearModels, LoadKind, Quantity, QuantityKind,
-    ServoFit, ServoModel, Spread, Terms, Unit,
+    ServoFit, ServoModel, Spread, Stops, Terms, Unit,
 };
 
 /// Parameters with their intervals; with `explain`, the terms that were tried.
@@ -34,6 +34,9 @@ pub fn of_servo_model(document: &ServoModelDocument, units: Units<'_>, explain: 
     }
     if let Some(sentence) = run_offsets_in_words(model, units) {
         text += &format!("  {}\n", wrapped(&sentence, 2));
+    }
+    if let Some(sentence) = stops_in_words(model.stops, units) {
+        text += &format!("  {sentence}\n");
     }
     text += &quantities(&model.quantities, level, units);
     if let Some(sentence) = whose_controller(document) {
@@ -69,6 +72,17 @@ fn whose_controller(document: &ServoModelDocument) -> Option<String> {
         "Bandwidth, damping ratio, error of full drive and what is left at rest are those with the controller {first}; {}.",
         others.join(", ")
     ))
+}
+
+/// Where the servo stops.
+fn stops_in_words(stops: Stops, units: Units<'_>) -> Option<String> {
+    let unit = units.output.map(|unit| format!(" {unit}"));
+    let at = |end: f64| four_digits(end) + unit.as_deref().unwrap_or_default();
+    match [stops.lower, stops.upper].map(|end| end.map(at)) {
+        [None, None] => None,
+        [Some(lower), Some(upper)] => Some(format!("stops at {lower} and {upper}")),
+        [end, None] | [None, end] => Some(format!("a stop at {}", end.unwrap_or_default())),
+    }
 }
 
 /// That each run has an offset of its own, and how far these lie from their mean.
@@ -385,8 +399,8 @@ pub(crate) fn terms_in_words(terms: Terms) -> String {
     }
 }
 
-/// Powers of ten that are written out.
-const POWERS: std::ops::Range<f64> = -7.0..9.0;
+/// Powers of ten that are written out: of 0.00004347 nobody counts the zeros.
+const POWERS: std::ops::Range<f64> = -4.0..9.0;
 
 /// A number with four digits; one that nobody reads as digits, as a power of ten.
 pub(crate) fn four_digits(value: f64) -> String {

@@ -13,7 +13,7 @@ pub(super) fn outliers(evidence: &Evidence<'_>) -> Option<Advice> {
     let taken_out = &evidence.explanation.taken_out;
     let count: usize = taken_out.iter().map(|found| found.samples).sum();
     // At a stop it is no glitch that is outlying.
-    if count == 0 || evidence.validity.travel_end.is_some() {
+    if count == 0 || evidence.validity.travel_ends.iter().any(Option::is_some) {
         return None;
     }
     let period = evidence.model.sample_period_s;

@@ -27,7 +27,8 @@ pub(crate) fn gather_advice(evidence: &Evidence<'_>) -> Vec<Advice> {
     [
         excitation::output_leads(evidence),
         excitation::feedback(evidence),
-        response::travel_end(evidence),
+        response::travel_end(evidence, 0),
+        response::travel_end(evidence, 1),
         response::still_rising(evidence),
         errors::model_error(evidence),
         errors::not_linear(evidence),

@@ -65,9 +65,9 @@ pub(super) fn servo_stopped(evidence: &Evidence<'_>) -> Option<Advice> {
     ))
 }
 
-/// A stop within the range of the commands.
-pub(super) fn travel_end(evidence: &Evidence<'_>) -> Option<Advice> {
-    let found = evidence.validity.travel_end?;
+/// The first or the second stop within the range of the commands.
+pub(super) fn travel_end(evidence: &Evidence<'_>, which: usize) -> Option<Advice> {
+    let found = evidence.validity.travel_ends[which]?;
     let (from, to) = found.commands;
     let (first, last) = (four_digits(from), evidence.input(four_digits(to)));
     let commands = match found.count {
@@ -77,12 +77,13 @@ pub(super) fn travel_end(evidence: &Evidence<'_>) -> Option<Advice> {
     Some(Advice::new(
         Check::TravelEnd,
         format!(
-            "The output stops at {}: {commands}, though it follows the others. Neither the linear model nor the servo model has a stop.",
+            "The output stops at {}: {commands}, though it follows the others. The linear model has no stop.",
             evidence.output(four_digits(found.rest)),
         ),
         found.rest,
         from,
-        "Record again with commands on this side of the stop, or take the stop away; what a simulator needs beside that model is this angle.",
+        "Record again with commands on this side of the stop, or take the stop away. A servo model ('--servo-model') stops there, and so do its exports; beside \
+         the linear model a simulator needs this angle.",
     ))
 }
 

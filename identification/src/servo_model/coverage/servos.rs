@@ -4,6 +4,7 @@ use super::truth::{Beyond, Truth};
 use crate::servo_model::coordinates::{Coordinate, FRICTION_SPEED_SHARE, LoadKind, Point, Terms};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use servoid_dynamics::Stops;
 use std::fmt;
 
 /// From the lowest command of the references to the highest \[deg\].
@@ -114,6 +115,7 @@ pub(super) fn servo(kind: Kind, seed: u64) -> Truth {
         radians: 1f64.to_radians(),
         friction_speed_share: FRICTION_SPEED_SHARE,
         run_offsets: Vec::new(),
+        stops: Stops::default(),
     };
     let beyond = kind.beyond(top_speed, &mut between);
     Truth { point, beyond }

@@ -10,13 +10,16 @@
 //! with x = pulse - neutral, by least squares over both knees. A knee is there where the line without it is
 //! worse by more than scatter explains: F(2, ν) on the sums of squares, ν = readings - 6. Its interval is
 //! where the sum of squares stays within F(1, ν) of its minimum (the profile likelihood of a change point:
-//! D. V. Hinkley, *Inference in two-phase regression*, JASA 66, 1971), and whether the servo stops there or
-//! only answers less is judged by the slope beyond it, over all places in that interval.
+//! D. V. Hinkley, *Inference in two-phase regression*, JASA 66, 1971). A servo that a load stalls answers less and less before it stands still, which
+//! is no straight line: so the interval of a stop also holds the levels between which it stops moving. Where it stands still, finer
+//! levels between these follow on the way back. Whether the servo stops there or
+//! only answers less is judged by the slope beyond it, over all places in the interval of the knee.
 
 use super::knee;
 use super::measured_value::{Estimate, LEVEL, student};
 use super::mover::{MoveError, Mover, Rest};
 use crate::data::rig_file::{RigFile, SensorSection};
+use crate::data::sensor_preset::range_counts;
 use serde::Serialize;
 use servoid_identification::results::pointwise_critical;
 
@@ -61,6 +64,15 @@ pub enum End {
         /// The gain there, of that around neutral (percent).
         gain_percent: Estimate,
     },
+    /// The sensor's range ends; the servo may go on.
+    SensorEnds {
+        /// The outermost pulse at which the sensor still follows (µs).
+        before_us: u16,
+        /// Its reading at the end of its range (counts).
+        counts: f64,
+        /// The angle there (deg).
+        angle_deg: f64,
+    },
     /// It stops or answers less; the readings beyond do not determine which.
     Unclear {
         /// From about this pulse on (µs).
@@ -69,15 +81,15 @@ pub enum End {
 }
 
 impl End {
-    /// The outermost pulse before the servo stops, whole microseconds inwards of the interval (µs); `None` where it does not stop.
+    /// The outermost pulse before the servo stops, whole microseconds inwards of the interval, or before its sensor does (µs); `None` where neither
+    /// stops.
     fn before_stop_us(&self, side: knee::Side) -> Option<u16> {
-        let Self::Stops { at_us, .. } = self else {
-            return None;
-        };
-        Some(match side {
-            knee::Side::Low => at_us.upper.ceil() as u16,
-            knee::Side::High => at_us.lower.floor() as u16,
-        })
+        match (self, side) {
+            (Self::Stops { at_us, .. }, knee::Side::Low) => Some(at_us.upper.ceil() as u16),
+            (Self::Stops { at_us, .. }, knee::Side::High) => Some(at_us.lower.floor() as u16),
+            (Self::SensorEnds { before_us, .. }, _) => Some(*before_us),
+            _ => None,
+        }
     }
 }
 
@@ -138,16 +150,41 @@ fn staircase(neutral: u16, limit: u16) -> Vec<u16> {
     (0..=LEVELS).chain((0..LEVELS).rev()).map(level).collect()
 }
 
+/// Whether the servo moved from one level to the next by more than `share` of what it should.
+fn moved(pair: &[Rest], counts_per_us: f64, share: f64) -> bool {
+    let [a, b] = pair else { return true };
+    let wanted = (f64::from(b.pulse_us) - f64::from(a.pulse_us)) * counts_per_us;
+    (b.counts - a.counts).abs() >= share * wanted.abs()
+}
+
 /// Whether the servo has stood still for two levels in a row: pushing it further could do harm.
 fn stands_still(rests: &[Rest], counts_per_us: f64) -> bool {
-    let moved_too_little = |pair: &[Rest]| {
-        let [a, b] = pair else { return false };
-        let wanted = (f64::from(b.pulse_us) - f64::from(a.pulse_us)) * counts_per_us;
-        (b.counts - a.counts).abs() < STANDS_STILL * wanted.abs()
-    };
     let outwards = rests.len() <= usize::from(LEVELS) + 1;
-    let last = rests.windows(2).rev().take(2);
-    outwards && rests.len() > 2 && last.into_iter().all(moved_too_little)
+    let mut last = rests.windows(2).rev().take(2);
+    outwards && rests.len() > 2 && last.all(|pair| !moved(pair, counts_per_us, STANDS_STILL))
+}
+
+/// The way from the end of the levels `outwards` to neutral (µs): over the same levels, and where the servo stood still at the last of them, in finer
+/// ones where it stopped, there and back, so that play is in them as in the others. `None` where that adds none.
+fn finer_back(outwards: &[Rest], counts_per_us: f64) -> Option<Vec<u16>> {
+    let mut pairs = outwards.windows(2);
+    let moved_last = pairs.rposition(|pair| moved(pair, counts_per_us, STANDS_STILL));
+    let stood_beyond = moved_last.filter(|index| index + 2 < outwards.len())?;
+    let mut pulses = Vec::new();
+    for (index, pair) in outwards.windows(2).enumerate().rev() {
+        let [inner, outer] = pair else { continue };
+        let way = f64::from(inner.pulse_us) - f64::from(outer.pulse_us);
+        let level = |k: u16| {
+            (f64::from(outer.pulse_us) + way * f64::from(k) / f64::from(LEVELS)).round() as u16
+        };
+        let is_end = index == stood_beyond
+            || index == stood_beyond + 1 && moved(pair, counts_per_us, SLIGHT);
+        if is_end {
+            pulses.extend((1..=LEVELS).chain((0..LEVELS).rev()).map(level));
+        }
+        pulses.push(inner.pulse_us);
+    }
+    Some(pulses)
 }
 
 impl Travel {
@@ -175,18 +212,15 @@ impl Travel {
         for limit in [longest, shortest] {
             let levels = staircase(servo.neutral_us, limit);
             let seen = mover.visit(&levels, &|rests| stands_still(rests, counts_per_us))?;
-            // The way back that it did not make from its end; the first position is reached from inside.
-            let back: Vec<u16> = match seen.len() == levels.len() {
-                true => Vec::new(),
-                false => seen
-                    .iter()
-                    .rev()
-                    .skip(1)
-                    .map(|rest| rest.pulse_us)
-                    .collect(),
-            };
+            let outwards = seen.get(..=usize::from(LEVELS)).unwrap_or(&seen);
+            let finer = finer_back(outwards, counts_per_us);
+            // The first position is reached from inside, and has been read.
+            let end = outwards.last().map(|rest| rest.pulse_us);
+            let back: Vec<u16> = end.into_iter().chain(finer.into_iter().flatten()).collect();
             rests.extend(seen);
-            rests.extend(mover.visit(&back, &|_| false)?.into_iter().skip(1));
+            if back.len() > 1 {
+                rests.extend(mover.visit(&back, &|_| false)?.into_iter().skip(1));
+            }
         }
         Self::of(rests, servo.neutral_us, [shortest, longest], sensor)
     }
@@ -233,6 +267,7 @@ impl Travel {
             neutral_us,
             t,
             sensor,
+            rests: &rests,
         };
         Ok(Self {
             neutral_us,
@@ -260,9 +295,41 @@ struct View<'a> {
     /// Student's t at [`LEVEL`].
     t: f64,
     sensor: &'a SensorSection,
+    rests: &'a [Rest],
 }
 
 impl View<'_> {
+    /// The interval of a stop, which holds the levels between which the servo stops moving.
+    fn with_last_motion(&self, side: knee::Side, at_us: Estimate) -> Estimate {
+        let moved = self.line.last_motion(self.points, side, STANDS_STILL);
+        let us = moved.map(|pair| pair.map(|offset| f64::from(self.neutral_us) + offset));
+        let [a, b] = us.unwrap_or([at_us.value; 2]);
+        Estimate {
+            value: at_us.value.clamp(a.min(b), a.max(b)),
+            lower: at_us.lower.min(a).min(b),
+            upper: at_us.upper.max(a).max(b),
+        }
+    }
+
+    /// The end of the sensor's range, where it is reached on the side of `outermost`: there the mean reading is within the noise of it.
+    fn sensor_end(&self, outermost: f64) -> Option<End> {
+        let [low, high] = range_counts(self.sensor)?;
+        let noise = self.rests.iter().map(|rest| rest.sd_counts);
+        let noise = noise.fold(0.0, f64::max);
+        let is_at_end = |rest: &&Rest| rest.counts < low + noise || rest.counts > high - noise;
+        let offset = |rest: &Rest| f64::from(rest.pulse_us) - f64::from(self.neutral_us);
+        let on_side = |rest: &&Rest| offset(rest) * outermost >= 0.0;
+        let farthest = |a: &&Rest, b: &&Rest| offset(a).abs().total_cmp(&offset(b).abs());
+        let own = || self.rests.iter().filter(on_side);
+        let end = own().filter(is_at_end).min_by(farthest)?;
+        let before = own().filter(|rest| !is_at_end(rest)).max_by(farthest)?;
+        Some(End::SensorEnds {
+            before_us: before.pulse_us,
+            counts: end.counts,
+            angle_deg: degrees(self.sensor, end.counts),
+        })
+    }
+
     fn end(&self, side: knee::Side, limit_us: u16) -> End {
         let us = |offset: f64| f64::from(self.neutral_us) + offset;
         let outermost = side.outermost(self.points);
@@ -275,6 +342,9 @@ impl View<'_> {
         };
         if (outermost - knee.at).abs() < SLIGHT * outermost.abs() {
             return not_within;
+        }
+        if let Some(end) = self.sensor_end(outermost) {
+            return end;
         }
         let from_us = Estimate {
             value: us(knee.at),
@@ -292,7 +362,7 @@ impl View<'_> {
             let zero_half = pointwise_critical(LEVEL) * self.sensor.zero_sd_deg;
             let half = (half * self.sensor.degrees_per_count).hypot(zero_half);
             End::Stops {
-                at_us: from_us,
+                at_us: self.with_last_motion(side, from_us),
                 angle_deg: Estimate::around(degrees(self.sensor, counts), half),
             }
         } else if least <= STANDS_STILL {

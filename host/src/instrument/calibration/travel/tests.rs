@@ -118,15 +118,21 @@ fn a_servo_that_stands_still_is_distinguished_from_one_that_ends() {
 
 /// A staircase over a plant that is given: counts at each pulse, out and back on both sides.
 fn of(counts: impl Fn(f64) -> f64) -> Travel {
-    let levels = [staircase(1500, 2000), staircase(1500, 1000)].concat();
-    let rest = |(k, pulse_us): (usize, u16)| Rest {
-        pulse_us,
+    let rest = |(k, pulse_us): (usize, &u16)| Rest {
+        pulse_us: *pulse_us,
         // Alternating by two counts: scatter.
-        counts: counts(f64::from(pulse_us)) + if k % 2 == 0 { 2.0 } else { -2.0 },
+        counts: counts(f64::from(*pulse_us)) + if k % 2 == 0 { 2.0 } else { -2.0 },
         sd_counts: 5.0,
         samples: 250,
     };
-    let rests = levels.into_iter().enumerate().map(rest).collect();
+    let visit = |pulses: &[u16]| -> Vec<Rest> { pulses.iter().enumerate().map(rest).collect() };
+    let mut rests = Vec::new();
+    for limit in [2000, 1000] {
+        let seen = visit(&staircase(1500, limit));
+        let finer = finer_back(&seen[..=8], 10.923);
+        rests.extend(seen);
+        rests.extend(visit(&finer.unwrap_or_default()));
+    }
     Travel::of(rests, 1500, [1000, 2000], &exact(1.0)).unwrap()
 }
 
@@ -176,4 +182,34 @@ fn an_end_that_only_softens_is_no_stop() {
     let (at, angle) = stop(&stopped.short_end);
     assert!(covers(at, 1234.0) && at.upper - at.lower < 10.0, "{at:?}");
     assert!((angle.value + 26.6).abs() < 0.1, "{angle:?}");
+}
+
+/// The simulated aircraft's servo answers less and less to 3.9 degrees, where its load stalls it: from 1549 µs on readings are all the same.
+#[test]
+fn a_servo_that_its_load_stalls_stops_within_the_interval() {
+    for seed in 1..4 {
+        let travel = measure(&format!("sim:aircraft?seed={seed}"), &exact(1.0)).unwrap();
+        let (at, angle) = stop(&travel.long_end);
+        assert!(covers(at, 1549.0) && at.upper - at.lower < 20.0, "{at:?}");
+        assert!(covers(angle, 3.93), "{angle:?}");
+    }
+}
+
+/// 60 degrees to each side are all that the sensor follows: at 1.2 times the gain that is where the pulses end, and beyond neither stop nor servo is seen.
+#[test]
+fn the_end_of_the_sensor_is_no_stop_of_the_servo() {
+    for (gain, seen_us) in [(1.2, 1938), (1.5, 1875)] {
+        let travel = measure(&format!("sim:linear?gain={gain}"), &exact(1.0)).unwrap();
+        let End::SensorEnds {
+            before_us,
+            angle_deg,
+            ..
+        } = travel.long_end
+        else {
+            panic!("{:?}", travel.long_end)
+        };
+        assert!(before_us.abs_diff(seen_us) < 30, "{before_us}");
+        assert!((angle_deg - 60.0).abs() < 0.1, "{angle_deg}");
+        assert!(matches!(travel.short_end, End::SensorEnds { .. }));
+    }
 }

@@ -9,7 +9,7 @@ use super::rate_limit::best_share;
 use super::statement::Comparison;
 use super::subject::ServoExport;
 use super::terms::Term;
-use super::trial_command::{Difference, Trial};
+use super::trial_command::{Difference, Trial, others};
 use crate::presentation::export::error::ExportError;
 use crate::presentation::export::text::{SCRIPT_STYLE, number};
 use crate::presentation::summary::four_digits;
@@ -30,7 +30,7 @@ const SPEED_DEG: f64 = 60.0;
 const HIGHEST_CUTOFF: f64 = 0.45;
 
 /// What SITL has not.
-const LEFT_OUT: [Term; 10] = [
+const LEFT_OUT: [Term; 11] = [
     Term::FullDrive,
     Term::TwoSpeeds,
     Term::DampingRatio,
@@ -41,6 +41,7 @@ const LEFT_OUT: [Term; 10] = [
     Term::ConstantLoad,
     Term::Weight,
     Term::StiffeningLoad,
+    Term::Stops,
 ];
 
 /// The values of the parameters.
@@ -128,7 +129,7 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         let position = |deflection: &f64| at_zero + gain * deflection / degrees;
         deflections.iter().map(position).collect()
     };
-    let unloaded = export.parameters_with(Load::None);
+    let unloaded = ServoExport::without_stops(export.parameters_with(Load::None));
     let exact = trial.exact(&unloaded);
     let slower = |share| positions(&full_speed.slower(share).respond(&turned), &unloaded);
     let parameters = full_speed.slower(best_share(&trial, &exact, slower).share);
@@ -137,10 +138,9 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         trial.largest_difference(&positions(&deflections, servo), exact)
     };
     let servo = &export.parameters;
-    let is_loaded = servo.load != Load::None;
     let difference = Difference {
         largest: from(servo, &trial.exact(servo)),
-        without_other_loads: is_loaded.then(|| from(&unloaded, &exact)),
+        without_others: others(servo, &unloaded).map(|others| (from(&unloaded, &exact), others)),
         trial,
     };
     let rate = format!("{:.0}", parameters.rate_hz);

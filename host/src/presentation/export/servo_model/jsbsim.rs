@@ -7,7 +7,7 @@ use super::emulation::{DelayLine, SecondOrder};
 use super::exported::ExportedServo;
 use super::rate_limit::{RateFit, best_share};
 use super::statement::Comparison;
-use super::subject::ServoExport;
+use super::subject::{NO_LIMIT, ServoExport};
 use super::terms::Term;
 use super::trial_command::{Difference, Trial};
 use crate::presentation::export::error::ExportError;
@@ -48,18 +48,28 @@ struct Actuator {
     damping: f64,
     gain: f64,
     offset: f64,
+    /// The least and the largest command that is passed on, and position; infinite without stops.
+    commands: [f64; 2],
+    positions: [f64; 2],
 }
 
 impl Actuator {
     fn of(export: &ServoExport<'_>) -> Self {
         let p = &export.parameters;
+        let like = ServoExport::without_stops(export.parameters_with(export.only_constant_load()));
+        let bias = like.resting_angle(0.0);
         Self {
             filter: Filter::Behind,
+            commands: p.range().map(|end| end - bias),
+            positions: [
+                p.stops.lower.unwrap_or(f64::NEG_INFINITY),
+                p.stops.upper.unwrap_or(f64::INFINITY),
+            ],
             delay_s: p.delay_s.max(0.0),
             rates: export.top_speeds(),
             reached: export.reached_speeds(),
             hysteresis_width: hysteresis_width(export),
-            bias: (export.parameters_with(export.only_constant_load())).resting_angle(0.0),
+            bias,
             stiffness: p.stiffness,
             damping: p.damping,
             gain: p.gain,
@@ -91,7 +101,9 @@ impl Actuator {
     /// bias and its delay, and filters are discrete by Tustin's rule.
     fn respond(&self, trial: &Trial) -> Vec<f64> {
         let step_s = trial.step_s;
-        let command = trial.command();
+        let [least, most] = self.commands;
+        let within = |command: f64| command.max(least).min(most);
+        let command: Vec<f64> = trial.command().into_iter().map(within).collect();
         let first = command.first().copied().unwrap_or(0.0);
         // A delay of n whole steps delays by n-1; the second delay, of three steps, by two.
         let whole = (self.delay_s / step_s) as usize;
@@ -118,7 +130,8 @@ impl Actuator {
                 Filter::Before => act(filter.pass(*command)),
                 Filter::Behind => filter.pass(act(*command)),
             };
-            self.gain * moved + self.offset
+            let [lower, upper] = self.positions;
+            (self.gain * moved + self.offset).max(lower).min(upper)
         };
         command.iter().map(position).collect()
     }
@@ -200,6 +213,14 @@ fn hysteresis_width(export: &ServoExport<'_>) -> f64 {
     2.0 * (open + friction)
 }
 
+/// The element that holds a value between these, one of which may be infinite; `None` where both are.
+fn clip(range: [f64; 2]) -> Option<String> {
+    let [least, most] = range.map(|end| number(end.clamp(-NO_LIMIT, NO_LIMIT)));
+    range.iter().any(|end| end.is_finite()).then(|| {
+        format!("\n      <clipto>\n        <min>{least}</min>\n        <max>{most}</max>\n      </clipto>")
+    })
+}
+
 /// The system.
 pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportError> {
     let any = Actuator::of(export);
@@ -218,7 +239,8 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     };
     let positions = actuator.respond(&trial);
     let first = trial.levels.first().copied().unwrap_or(0.0);
-    let difference = Difference::of(export, trial, &positions, load);
+    let like = export.parameters_with(load);
+    let difference = Difference::of(export, trial, &positions, &like);
     let id = identifier(export.name);
     let held = export.frame_s() > 0.0;
     let rates = [&actuator, &any].map(|of| of.rates.map_or([0.0; 2], <[f64; 2]>::from));
@@ -226,11 +248,28 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     let frame = [("id", id.clone()), ("frame", number(export.frame_s()))];
     let hold = held.then(|| fill(include_str!("../templates/hold.xml"), &frame));
     let input = if held { "held" } else { "cmd" };
+    let within = clip(actuator.commands).map(|clip| {
+        let values = [
+            ("id", id.clone()),
+            ("input", input.to_owned()),
+            ("clip", clip),
+        ];
+        fill(include_str!("../templates/servo_model/within.xml"), &values)
+    });
+    let input = if within.is_some() { "within" } else { input };
     let (parts, moved) = actuator.parts(&id, input);
     let values = [
         ("about", XML_STYLE.comment(&about)),
         ("first", number(first)),
-        ("hold", hold.unwrap_or_default()),
+        (
+            "hold",
+            [hold, within]
+                .into_iter()
+                .flatten()
+                .collect::<Vec<_>>()
+                .join("\n"),
+        ),
+        ("clip", clip(actuator.positions).unwrap_or_default()),
         ("parts", parts),
         ("moved", moved),
         ("gain", number(actuator.gain)),
@@ -249,6 +288,9 @@ fn about(
     difference: &Difference,
 ) -> Vec<String> {
     let mut about = export.statement();
+    about.extend(export.stops_in_words(
+        "the system, as limits of the command and of the position: here the servo comes to the stop slower than it does",
+    ));
     about.extend([
         export.hold(export.frame_s() > 0.0),
         "In JSBSim: hysteresis_width is the distance between the rests from above and from below, by friction and dead band; bias is what the constant load moves the rest by; the filter is the servo at small signals.".to_owned(),

@@ -3,7 +3,7 @@
 use super::exported::ExportedServo;
 use super::fixed_step::{DelayInSteps, respond, step_s};
 use super::statement::Comparison;
-use super::subject::ServoExport;
+use super::subject::{NO_LIMIT, ServoExport};
 use super::trial_command::{Difference, Trial};
 use crate::presentation::export::error::ExportError;
 use crate::presentation::export::text::{
@@ -11,9 +11,6 @@ use crate::presentation::export::text::{
 };
 use crate::presentation::template::fill;
 use servoid_identification::servo_model::Load;
-
-/// A drive without a limit is stronger than this [acceleration] nowhere; single precision can still multiply it.
-const NO_LIMIT: f64 = 1e30;
 
 /// A language.
 struct Language {
@@ -101,7 +98,7 @@ impl ServoExport<'_> {
         let step_s = step_s(self)?;
         let trial = Trial::of(self, step_s, f64::INFINITY);
         let positions = respond(self, &trial);
-        let difference = Difference::of(self, trial, &positions, self.parameters.load);
+        let difference = Difference::of(self, trial, &positions, &self.parameters);
         let delay = DelayInSteps::new(self.parameters.delay_s, step_s);
         let id = identifier(self.name);
         let mut about = self.statement();
@@ -110,6 +107,7 @@ impl ServoExport<'_> {
             "Steps: {} ms each, by the scheme of servoid's own integrator: half a step of the angle, a step of the speed, half a step of the angle. A step is taken in two parts where the delayed command changes within it. The position that it returns is that of its end; an export of the linear model returns that of the beginning.",
             number(1e3 * step_s)
         ));
+        about.extend(self.stops_in_words("this file"));
         about.push("Left out: nothing; the equation is here with all of its terms.".to_owned());
         about.push(self.difference(&difference, Comparison::SameSteps));
         let name = |name: &str| (language.name)(&id, name);
@@ -167,6 +165,16 @@ impl ServoExport<'_> {
             ("friction_speed", at_rest.map_or(1.0, |a| a.speed), "ws"),
             ("gain", p.gain, "position for each unit of theta"),
             ("offset", p.offset, "position at theta = 0"),
+            (
+                "lowest_angle",
+                self.stops()[0],
+                "theta of a stop; -1e30: none",
+            ),
+            (
+                "highest_angle",
+                self.stops()[1],
+                "theta of a stop; 1e30: none",
+            ),
         ];
         lines.extend(load_parameters(&p.load));
         let line = |(name, value, meaning): &(&str, f64, &str)| {

@@ -22,6 +22,9 @@ const IMPEDANCE: f64 = 0.9999;
 /// Time constant of that constraint in steps: the shortest that MuJoCo takes.
 const TIME_CONSTANT: f64 = 2.0;
 
+/// An angle that no servo reaches \[rad\], for the end that has no stop.
+const TURNS: f64 = 1e3;
+
 /// What position actuator and joint have not.
 const LEFT_OUT: [Term; 5] = [
     Term::WeakerLoopDownwards,
@@ -43,6 +46,8 @@ struct Joint {
     frictionloss: f64,
     /// Force of the second actuator.
     load: f64,
+    /// The angles of the stops, infinite without.
+    stops: [f64; 2],
     delay_steps: usize,
     step_s: f64,
     weight: Weight,
@@ -59,6 +64,7 @@ impl Joint {
             damping,
             frictionloss: p.friction.map_or(0.0, |friction| friction.coulomb),
             load: export.constant_load(),
+            stops: p.range(),
             // The angle after a step has the speed at the end of the step: it is early by half a step.
             delay_steps: (p.delay_s.max(0.0) / step_s + 1.0).floor() as usize,
             step_s,
@@ -81,7 +87,8 @@ impl Joint {
                 None => wanted,
             };
             let free = drive - self.damping * speed - self.load - self.weight.at(angle);
-            let acceleration = self.with_friction(free, speed);
+            let rubbed = self.with_friction(free, speed);
+            let acceleration = rubbed + self.by_stop(angle, speed, rubbed);
             // A drive at its limit does not depend on the speed.
             let by_speed = self.damping + if drive == wanted { self.kv } else { 0.0 };
             speed += self.step_s * acceleration / (1.0 + self.step_s * by_speed);
@@ -103,6 +110,15 @@ impl Joint {
                 number(TIME_CONSTANT * self.step_s)
             )
         });
+        let stops = self.stops.iter().any(|end| end.is_finite()).then(|| {
+            let [lowest, highest] = self.stops.map(|end| (end * radians).clamp(-TURNS, TURNS));
+            format!(
+                " limited=\"true\" range=\"{} {}\" solreflimit=\"{} 1\" solimplimit=\"{IMPEDANCE} {IMPEDANCE} 0.001 0.5 2\"",
+                number(lowest),
+                number(highest),
+                number(TIME_CONSTANT * self.step_s)
+            )
+        });
         let load = (self.load != 0.0).then(|| {
             let values = [
                 ("id", id.to_owned()),
@@ -119,6 +135,7 @@ impl Joint {
             ("armature", number(1.0 - self.weight.inertia())),
             ("damping", number(self.damping)),
             ("friction", friction.unwrap_or_default()),
+            ("stops", stops.unwrap_or_default()),
             ("kp", number(self.kp)),
             ("kv", number(self.kv)),
             ("range", range.unwrap_or_default()),
@@ -130,6 +147,22 @@ impl Joint {
             ("samples", (self.delay_steps + 1).to_string()),
             ("load", load.unwrap_or_default()),
         ]
+    }
+
+    /// What a stop adds to the acceleration `free`: a soft constraint, too, which pushes the joint back that is beyond.
+    fn by_stop(&self, angle: f64, speed: f64, free: f64) -> f64 {
+        let [lowest, highest] = self.stops;
+        let time_s = IMPEDANCE * TIME_CONSTANT * self.step_s;
+        let wanted = |beyond: f64| {
+            -IMPEDANCE * (free + 2.0 / time_s * speed + IMPEDANCE * beyond / (time_s * time_s))
+        };
+        if angle < lowest {
+            wanted(angle - lowest).max(0.0)
+        } else if angle > highest {
+            wanted(angle - highest).min(0.0)
+        } else {
+            0.0
+        }
     }
 
     /// The acceleration with a soft constraint that opposes the motion by at most `frictionloss`: it would end the motion within
@@ -160,7 +193,8 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         Load::Pendulum { .. } => servo.load,
         _ => export.only_constant_load(),
     };
-    let difference = Difference::of(export, trial, &positions, load);
+    let like = export.parameters_with(load);
+    let difference = Difference::of(export, trial, &positions, &like);
     let beside = export.line(
         servo.offset,
         servo.gain / radians,
@@ -180,6 +214,7 @@ fn about(
     difference: &Difference,
 ) -> Vec<String> {
     let mut about = export.statement();
+    about.extend(export.stops_in_words("the joint, as its range"));
     about.extend([
         export.hold(false),
         format!(

@@ -275,9 +275,9 @@ impl ServoExport<'_> {
     pub(super) fn difference(&self, found: &Difference, by: Comparison) -> String {
         let trial = &found.trial;
         let shown = |difference: f64| self.of_stroke(difference, trial);
-        let without = found.without_other_loads.map(|difference| {
+        let without = found.without_others.map(|(difference, others)| {
             format!(
-                " From the same servo without the load that is left out it is {}.",
+                " From the same servo without {others} it is {}.",
                 shown(difference)
             )
         });

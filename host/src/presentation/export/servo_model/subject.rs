@@ -3,7 +3,7 @@
 use crate::data::model_file::ServoModelDocument;
 use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::export::error::ExportError;
-use servoid_identification::servo_model::{Load, ServoModel, ServoParameters};
+use servoid_identification::servo_model::{Load, ServoModel, ServoParameters, Stops};
 
 /// Longest delay that a servo may have \[s\]: files keep the commands of that time.
 const LONGEST_DELAY_S: f64 = 10.0;
@@ -11,6 +11,9 @@ const LONGEST_DELAY_S: f64 = 10.0;
 /// The lowest top speed as a share of that without friction and load: where these stop the servo a rate of zero would mean that
 /// there is no limit.
 const SLOWEST: f64 = 0.001;
+
+/// What no drive and no angle reaches; single precision can still multiply it.
+pub(super) const NO_LIMIT: f64 = 1e30;
 
 /// What may be chosen.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -132,6 +135,20 @@ impl<'a> ServoExport<'a> {
         }
     }
 
+    /// The least and the largest theta that the stops leave \[units of the command\], -[`NO_LIMIT`] and [`NO_LIMIT`] without.
+    pub(super) fn stops(&self) -> [f64; 2] {
+        let range = self.parameters.range();
+        range.map(|end| end.clamp(-NO_LIMIT, NO_LIMIT))
+    }
+
+    /// The same without stops.
+    pub(super) fn without_stops(servo: ServoParameters) -> ServoParameters {
+        ServoParameters {
+            stops: Stops::default(),
+            ..servo
+        }
+    }
+
     /// The speeds towards larger and smaller theta at which full drive, damping, friction and the constant load balance
     /// \[units of the command/s\]; `None` where the drive has no limit.
     pub(super) fn top_speeds(&self) -> Option<(f64, f64)> {
@@ -161,6 +178,11 @@ fn least_of_each((a, b): (f64, f64), (c, d): (f64, f64)) -> (f64, f64) {
     (a.min(c), b.min(d))
 }
 
+/// Whether the shaft can move between its stops.
+fn has_travel([lowest, highest]: [f64; 2]) -> bool {
+    lowest < highest
+}
+
 /// Whether a servo can be computed: a model file may say anything.
 fn is_possible(servo: &ServoParameters) -> bool {
     let positive = |value: f64| value.is_finite() && value > 0.0;
@@ -180,6 +202,7 @@ fn is_possible(servo: &ServoParameters) -> bool {
         && positive(servo.gain.abs())
         && (servo.offset / servo.gain).is_finite()
         && not_negative(servo.dead_band.unwrap_or(0.0))
+        && has_travel(servo.range())
         && limit
         && friction
         && servo.holding_command(0.0).is_finite()

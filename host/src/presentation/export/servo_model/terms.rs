@@ -22,6 +22,8 @@ pub(super) enum Term {
     ConstantLoad,
     Weight,
     StiffeningLoad,
+    /// The shaft goes no farther.
+    Stops,
 }
 
 impl ServoExport<'_> {
@@ -74,7 +76,50 @@ impl ServoExport<'_> {
                 ))
             }
             Term::ConstantLoad | Term::Weight | Term::StiffeningLoad => self.load(term),
+            Term::Stops => {
+                let stops = self.stop_positions()?;
+                Some(format!(
+                    "{stops}: limit the command to that, by the limits of its channel (SERVOn_MIN, SERVOn_MAX) or before it"
+                ))
+            }
         }
+    }
+
+    /// "the stop at 3.979 deg of the position (theta = 3.98 deg)".
+    fn stop_positions(&self) -> Option<String> {
+        let stops = self.parameters.stops;
+        let (command, output) = (self.command_unit(), self.output_unit());
+        let at = |position: f64| {
+            let theta = (position - self.parameters.offset) / self.parameters.gain;
+            format!(
+                "{} {output} of the position (theta = {} {command})",
+                four_digits(position),
+                four_digits(theta)
+            )
+        };
+        let ends: Vec<String> = [stops.lower, stops.upper]
+            .into_iter()
+            .flatten()
+            .map(at)
+            .collect();
+        match ends.as_slice() {
+            [] => None,
+            [one] => Some(format!("the stop at {one}")),
+            both => Some(format!("the stops at {}", both.join(" and "))),
+        }
+    }
+
+    /// Where the servo stops, as a paragraph of a file that has it; `None` without stops. `how` says how the file has it.
+    pub(super) fn stops_in_words(&self, how: &str) -> Option<String> {
+        let stops = self.stop_positions()?;
+        let plural = self.parameters.stops.lower.and(self.parameters.stops.upper);
+        let has = match plural {
+            Some(_) => "They are",
+            None => "It is",
+        };
+        Some(format!(
+            "Stops: {stops}. {has} part of {how}. A command beyond was in the recording; where another stop lies, or whether there is one, it does not show."
+        ))
     }
 
     fn drive(&self, term: Term) -> Option<String> {

@@ -2,7 +2,7 @@
 
 use super::subject::ServoExport;
 use serde::Serialize;
-use servoid_dynamics::{Grid, Load, ServoParameters, Start, simulate};
+use servoid_dynamics::{Grid, ServoParameters, Start, simulate};
 
 /// A staircase of small and large strokes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -24,20 +24,35 @@ pub(super) struct Difference {
     pub trial: Trial,
     /// The largest difference of the position \[unit of the position\].
     pub largest: f64,
-    /// The same from a servo that has the loads that the export has, where it leaves some out.
-    pub without_other_loads: Option<f64>,
+    /// The same from a servo that has the load and the stops that the export has, where it leaves some out, and what these are.
+    pub without_others: Option<(f64, &'static str)>,
 }
 
 impl Difference {
-    /// Of the positions `found` at the beginning of each step, which have the load `load`.
-    pub fn of(export: &ServoExport<'_>, trial: Trial, found: &[f64], load: Load<f64>) -> Self {
+    /// Of the positions `found` at the beginning of each step, by a target that has load and stops of `like`.
+    pub fn of(
+        export: &ServoExport<'_>,
+        trial: Trial,
+        found: &[f64],
+        like: &ServoParameters,
+    ) -> Self {
         let servo = &export.parameters;
         let from = |servo: &ServoParameters| trial.largest_difference(found, &trial.exact(servo));
         Self {
             largest: from(servo),
-            without_other_loads: (load != servo.load).then(|| from(&export.parameters_with(load))),
+            without_others: others(servo, like).map(|others| (from(like), others)),
             trial,
         }
+    }
+}
+
+/// What of load and stops `servo` has and `like` has not.
+pub(super) fn others(servo: &ServoParameters, like: &ServoParameters) -> Option<&'static str> {
+    match (servo.load != like.load, servo.stops != like.stops) {
+        (false, false) => None,
+        (true, false) => Some("the load that is left out"),
+        (false, true) => Some("the stops that are left out"),
+        (true, true) => Some("the load and the stops that are left out"),
     }
 }
 
@@ -204,7 +219,7 @@ fn short(value: f64, size: f64, digits: i32, whole: fn(f64) -> f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use servoid_dynamics::Friction;
+    use servoid_dynamics::{Friction, Load, Stops};
 
     #[test]
     fn friction_and_dead_band_hold_what_they_say() {
@@ -222,6 +237,7 @@ mod tests {
                 at_rest: None,
             }),
             load: Load::None,
+            stops: Stops::default(),
         };
         assert_eq!(held(&servo), 5.5);
         let moved = |command: f64| {

@@ -46,8 +46,8 @@ pub struct Servo {
 
 const ALL_TERMS: &[&str] = &["limit", "two_speeds", "dead_band", "friction", "gears"];
 
-/// One with each term and each load, and one without any.
-pub const SERVOS: [Servo; 10] = [
+/// One with each term and each load, one without any, and one that runs into its stops.
+pub const SERVOS: [Servo; 11] = [
     servo("linear", &[], "none"),
     servo("limited", &["limit"], "none"),
     servo(
@@ -66,6 +66,7 @@ pub const SERVOS: [Servo; 10] = [
     servo("weightless", &["limit"], "none"),
     // The load pushes it through the dead band.
     servo("pushed", &["limit", "two_speeds", "dead_band"], "constant"),
+    servo("stopped", &["limit", "friction"], "constant"),
 ];
 
 const fn servo(name: &'static str, terms: &'static [&'static str], load: &'static str) -> Servo {
@@ -216,6 +217,9 @@ impl Servo {
         model["coordinates"] = names.into();
         model["values"] = values.into();
         model["alternatives"] = json!([]);
+        if self.name == "stopped" {
+            model["stops"] = json!({ "lower": -4.2, "upper": 3.1 });
+        }
     }
 
     /// Exports it.

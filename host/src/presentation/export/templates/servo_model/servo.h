@@ -162,10 +162,20 @@ static inline {{id}}_real {{id}}_end({{id}}_real command, {{id}}_real end)
     return command + side * far;
 }
 
+/* The angle, no farther than the stops. */
+static inline {{id}}_real {{id}}_between_stops({{id}}_real angle)
+{
+    if (angle < {{id}}_lowest_angle) {
+        return {{id}}_lowest_angle;
+    }
+    return angle > {{id}}_highest_angle ? {{id}}_highest_angle : angle;
+}
+
 /* At rest under this command. */
 static inline void {{id}}_reset({{id}}_state *servo, {{id}}_real command)
 {
-    servo->angle = ({{id}}_end(command, -1) + {{id}}_end(command, 1)) / 2;
+    {{id}}_real upper = {{id}}_end(command, -1), lower = {{id}}_end(command, 1);
+    servo->angle = ({{id}}_between_stops(upper) + {{id}}_between_stops(lower)) / 2;
     servo->speed = 0;
     for (unsigned i = 0; i < {{ID}}_LATE; i++) {
         servo->late[i] = command;
@@ -198,6 +208,12 @@ static inline void {{id}}_advance({{id}}_state *servo, {{id}}_real h, {{id}}_rea
     held = held * (1 + {{id}}_friction_at_rest / (1 + relative * relative));
     servo->speed = {{id}}_nearer_zero((loaded + pushed) * left, left * held);
     servo->angle = middle + h * servo->speed / 2;
+    /* A stop takes all speed. */
+    {{id}}_real free = servo->angle;
+    servo->angle = {{id}}_between_stops(free);
+    if (free < servo->angle || free > servo->angle) {
+        servo->speed = 0;
+    }
 }
 
 /* Call once in {{ID}}_STEP_S with the command that is held from now on; returns the position at the end

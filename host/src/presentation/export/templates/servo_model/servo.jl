@@ -16,6 +16,9 @@ load(angle) = {{load}}
 "`value` moved towards zero by `width`, and zero where it would pass it."
 nearer_zero(value, width) = value > width ? value - width : (value < -width ? value + width : 0.0)
 
+"The angle, no farther than the stops."
+between_stops(angle) = clamp(angle, LOWEST_ANGLE, HIGHEST_ANGLE)
+
 # The loop as if the drive had no limit, with `ratio` times its constants, over h seconds.
 
 "Half of what the motor's damping takes of the speed."
@@ -90,7 +93,8 @@ end
 
 "At rest under `command`."
 function Servo(command::Real=0.0)
-    angle = 0.5 * (end_of_rest(Float64(command), -1.0) + end_of_rest(Float64(command), 1.0))
+    ends = end_of_rest(Float64(command), -1.0), end_of_rest(Float64(command), 1.0)
+    angle = 0.5 * (between_stops(ends[1]) + between_stops(ends[2]))
     return Servo(angle, 0.0, fill(Float64(command), DELAY_STEPS + 2), 0)
 end
 
@@ -137,6 +141,10 @@ function advance!(servo::Servo, h, command)
     held = held * (1.0 + FRICTION_AT_REST / (1.0 + relative * relative))
     servo.speed = nearer_zero((loaded + pushed) * left, left * held)
     servo.angle = middle + 0.5 * h * servo.speed
+    # A stop takes all speed.
+    if servo.angle != between_stops(servo.angle)
+        servo.angle, servo.speed = between_stops(servo.angle), 0.0
+    end
     return servo
 end
 

@@ -25,7 +25,9 @@ end
 
 function servo = at_rest(command, p)
 % At rest under a command.
-angle = 0.5 * (end_of_rest(command, -1.0, p) + end_of_rest(command, 1.0, p));
+lower = between_stops(end_of_rest(command, 1.0, p), p);
+upper = between_stops(end_of_rest(command, -1.0, p), p);
+angle = 0.5 * (lower + upper);
 servo = struct('angle', angle, 'speed', 0.0, 'late', command * ones(1, p.delay_steps + 2), 'newest', 0);
 end
 
@@ -141,6 +143,16 @@ held = h * p.friction + p.friction_of_gears * abs(drive + load);
 held = held * (1.0 + p.friction_at_rest / (1.0 + relative * relative));
 servo.speed = nearer_zero((loaded + pushed) * left, left * held);
 servo.angle = middle + 0.5 * h * servo.speed;
+% A stop takes all speed.
+if servo.angle ~= between_stops(servo.angle, p)
+    servo.angle = between_stops(servo.angle, p);
+    servo.speed = 0.0;
+end
+end
+
+function angle = between_stops(angle, p)
+% The angle, no farther than the stops.
+angle = max(p.lowest_angle, min(p.highest_angle, angle));
 end
 
 function acceleration = load_at(angle, p)

@@ -25,6 +25,11 @@ def nearer_zero(value, width):
     return 0.0
 
 
+def between_stops(angle):
+    """The angle, no farther than the stops."""
+    return max(LOWEST_ANGLE, min(HIGHEST_ANGLE, angle))
+
+
 # The loop as if the drive had no limit, with `ratio` times its constants, over h seconds.
 
 
@@ -117,7 +122,8 @@ class Servo:
 
     def __init__(self, command=0.0):
         """At rest under `command`."""
-        self.angle = 0.5 * (end_of_rest(command, -1.0) + end_of_rest(command, 1.0))
+        ends = end_of_rest(command, -1.0), end_of_rest(command, 1.0)
+        self.angle = 0.5 * (between_stops(ends[0]) + between_stops(ends[1]))
         self.speed = 0.0
         self.late = [command] * (DELAY_STEPS + 2)  # a ring
         self.newest = 0
@@ -162,6 +168,9 @@ class Servo:
         held = held * (1.0 + FRICTION_AT_REST / (1.0 + relative * relative))
         self.speed = nearer_zero((loaded + pushed) * left, left * held)
         self.angle = middle + 0.5 * h * self.speed
+        # A stop takes all speed.
+        if self.angle != between_stops(self.angle):
+            self.angle, self.speed = between_stops(self.angle), 0.0
 
 
 def simulate(command):
