@@ -7,7 +7,7 @@ use super::responses::Responses;
 use super::task::Task;
 use crate::data::{Run, Timing};
 use crate::diagnostics::{
-    AllowedEnd, Bank, Explanation, PriorOutcome, Resolution, RunComparison, ServoStopped, TakenOut,
+    AllowedEnd, Bank, Explanation, PriorOutcome, Resolution, RunComparison, ServoStopped,
     TimeFault, TravelEnd, Validity, ValidityEvidence, contradicted_rest,
 };
 use crate::estimation::{Excitation, Noise};
@@ -56,7 +56,8 @@ pub(super) fn validity(
 
 fn travel_end(task: &Task<'_>, fitted: &Fitted) -> Option<TravelEnd> {
     let estimate = &fitted.estimate;
-    let record = TakenOut::without_spikes(&task.disturbances.outliers.taken_out, task.recorded?);
+    let no_errors = task.disturbances.that_are_no_errors();
+    let record = no_errors.removed_from(task.recorded?);
     let fit = (&estimate.information.moments, &estimate.fit);
     TravelEnd::of(&record, is_linear(fitted), fit)
 }
