@@ -98,5 +98,36 @@ pub(super) fn of_noise(answers: &[CommandAnswer]) -> f64 {
 /// Σ x(k) x(k + lag).
 fn lagged_product(values: &[f64], lag: usize) -> f64 {
     let later = values.iter().skip(lag);
-    values.iter().zip(later).map(|(now, later)| now * later).sum()
+    values
+        .iter()
+        .zip(later)
+        .map(|(now, later)| now * later)
+        .sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    /// Pulses of speed of 15 rows in noise v(k) = 0.9 v(k-1) + ε(k), which moves times by 12 times the variance of white noise of as much. Means of holds
+    /// take some of the slowest noise with them.
+    #[test]
+    fn the_variance_of_times_is_that_of_slow_noise() {
+        let mut random = ChaCha8Rng::seed_from_u64(1);
+        let mut noise = 0.0;
+        let mut hold = |_: u32| {
+            let rows = (0..80u32).map(|row| {
+                noise = 0.9 * noise + random.random_range(-0.5..0.5);
+                let speed = (-f64::from(row) / 15.0).exp();
+                (1.0, (noise, speed))
+            });
+            answer((0, 0), 0.0, &rows.collect::<Vec<_>>())
+        };
+        let answers: Vec<CommandAnswer> = (0..400).filter_map(&mut hold).collect();
+        let square: f64 = answers.iter().map(|answer| answer.late.powi(2)).sum();
+        let ratio = of_noise(&answers) * answers.len() as f64 / square;
+        assert!((0.35..1.4).contains(&ratio), "{ratio}");
+    }
 }

@@ -271,6 +271,24 @@ mod tests {
         }
     }
 
+    /// Equal steps up and down behind a lag, while the sensor drifts: each answer is then off by as much as the drift was at its time.
+    #[test]
+    fn a_drift_is_no_wait() {
+        let random = |k: u32| (f64::from(k) * f64::from(k) * 0.7548776662).fract();
+        let (mut input, mut output) = (Vec::new(), Vec::new());
+        let mut angle = 0.0;
+        for row in 0..3600u32 {
+            let level = [0.0, 4.0, 8.0, 4.0][row as usize / 36 % 4];
+            input.push(level);
+            output.push(angle + 0.05 * (random(91 * row) - 0.5) + 1e-3 * f64::from(row));
+            angle += (level - angle) / 3.5;
+        }
+        let record = Record::of_run(0.01, input, output).unwrap();
+        let model = identify(&record, &Options::default()).unwrap();
+        let found = Scatter::of(record.runs(), &model);
+        assert!(found.is_none(), "{:?}", found.map(|found| found.rows()));
+    }
+
     /// Of a recording that a logger polled, where that is said or not.
     fn polled(stated: bool) -> Model {
         let record = record(1.0, 0.02, f64::INFINITY);

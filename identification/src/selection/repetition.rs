@@ -87,6 +87,7 @@ mod tests {
     #[test]
     fn equal_holds_resolve_one_hold_and_unequal_ones_all() {
         assert_eq!(resolved(&[100], 1500), Some(100));
+        assert_eq!(resolved(&[16], 1500), Some(16));
         // No negative of itself: all frequencies of a period of 139, but that of the offset.
         assert_eq!(resolved(&[59, 80], 3000), Some(138));
         assert_eq!(resolved(&[100, 70, 40, 120], 3000), None);
