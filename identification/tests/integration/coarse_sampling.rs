@@ -179,7 +179,13 @@ fn where_parts_cannot_stand_for_one_another_nothing_is_chosen_by_predicting_them
 fn equal_holds_of_few_samples_are_no_smooth_input() {
     let under_square = |seed: u64, hold: usize| {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
-        let square = |k: usize| if k / hold % 2 == 0 { 5.0 } else { -5.0 };
+        let square = |k: usize| {
+            if (k / hold).is_multiple_of(2) {
+                5.0
+            } else {
+                -5.0
+            }
+        };
         let input: Vec<f64> = (0..2000).map(square).collect();
         let output = (0..2000).map(|k: usize| {
             let past = |m: usize| square(k.saturating_sub(m));
