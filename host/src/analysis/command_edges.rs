@@ -1,7 +1,6 @@
 //! Whether commands take effect at moments of their own, and not at the rows at which they are written.
 //!
-//! Between two changes of the command, the errors e of the model and the speed s' of its output give the time by which the answer to the
-//! first of them is later than the model, τ = -Σ e s' / Σ s'². Where the moments at which commands take effect have nothing to do with the
+//! Each change of the command is answered [later or sooner](super::command_answers) than the model says. Where the moments at which commands take effect have nothing to do with the
 //! rows, these times fill an interval of a certain length evenly: one row where a logger with a clock of its own looks for the command, one
 //! frame where pulses have frames of their own. Noise, and a servo that is not linear, scatter them in another way: their kurtosis is that
 //! of a bell, 3, or more, and that of an even scatter is 1.8. A servo that is limited in its speed is later by more the longer the stroke: an
@@ -11,25 +10,12 @@
 //! errors that follow the motion are its consequence. That is a reason to have no bounds. A frame of pulses is part of what a simulation needs.
 //! Where frames are regular, [each command waits for the next](super::pulse_frames), and errors that follow the motion are that wait.
 
+use super::command_answers::{CommandAnswer, answers, of_noise};
 use super::duration_in_words::in_words;
 use super::pulse_frames::{TimedAnswer, frame_length};
 use crate::data::dataset::Dataset;
 use servoid_identification::results::{Advice, Check, Model};
 use servoid_identification::{Identification, Run};
-
-/// The answer to one change of the command.
-struct CommandAnswer {
-    /// The run, and the row in it at which the command changed.
-    at: (usize, usize),
-    /// Change of the command.
-    stroke: f64,
-    /// Later than the model by \[samples\].
-    late: f64,
-    /// Sum of squares of the speed.
-    weight: f64,
-    /// Mean square of what the lag does not explain.
-    noise: f64,
-}
 
 /// Fewest answers by which one scatter is distinguished from another.
 const FEWEST: usize = 20;
@@ -179,7 +165,7 @@ impl Scatter {
         let middle = mean(&|answer| answer.late);
         let moment = |power: i32| mean(&|answer| (answer.late - middle).powi(power));
         let (variance, fourth) = (moment(2), moment(4));
-        let of_noise = mean(&|answer| answer.noise) * mean(&|answer| answer.weight.recip());
+        let of_noise = of_noise(&answers);
         (of_noise < MOST_NOISE * variance).then(|| Self {
             answers,
             variance: variance - of_noise,
@@ -233,50 +219,6 @@ fn squared_correlation(answers: &[CommandAnswer], of: fn(&CommandAnswer) -> f64)
     }
 }
 
-/// The answers of a run, each from one change of the command to the next.
-fn answers(index: usize, run: &Run<'_>, model: &Model) -> Vec<CommandAnswer> {
-    let simulated = model.simulate(run);
-    let speed = |beside: &[f64]| match beside {
-        [before, _, after] => 0.5 * (after - before),
-        _ => f64::NAN,
-    };
-    let speeds = std::iter::once(f64::NAN).chain(simulated.windows(3).map(speed));
-    let both = run.output().iter().zip(&simulated);
-    let errors = both.map(|(measured, simulated)| measured - simulated);
-    let rows: Vec<(f64, (f64, f64))> =
-        (run.input().iter().copied().zip(errors.zip(speeds))).collect();
-    // The first hold answers what was before the run.
-    let holds: Vec<_> = rows.chunk_by(|(a, _), (b, _)| a == b).collect();
-    let pairs = holds.iter().zip(holds.iter().skip(1));
-    let mut row = 0;
-    pairs
-        .filter_map(|(before, hold)| {
-            row += before.len();
-            answer((index, row), before.first()?.0, hold)
-        })
-        .collect()
-}
-
-/// The answer within a hold, by the command `before` it and its rows of command, error and speed.
-fn answer(at: (usize, usize), before: f64, hold: &[(f64, (f64, f64))]) -> Option<CommandAnswer> {
-    let stroke = hold.first()?.0 - before;
-    let pairs = || {
-        let known = hold.iter().map(|(_, pair)| *pair);
-        known.filter(|(error, speed)| !(error * speed).is_nan())
-    };
-    let weight: f64 = pairs().map(|(_, speed)| speed * speed).sum();
-    let late = -pairs().map(|(error, speed)| error * speed).sum::<f64>() / weight;
-    let left = pairs().map(|(error, speed)| (error + late * speed).powi(2));
-    let noise = left.sum::<f64>() / pairs().count() as f64;
-    (weight > 0.0).then_some(CommandAnswer {
-        at,
-        stroke,
-        late,
-        weight,
-        noise,
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -327,6 +269,24 @@ mod tests {
                 "{top}"
             );
         }
+    }
+
+    /// Equal steps up and down behind a lag, while the sensor drifts: each answer is then off by as much as the drift was at its time.
+    #[test]
+    fn a_drift_is_no_wait() {
+        let random = |k: u32| (f64::from(k) * f64::from(k) * 0.7548776662).fract();
+        let (mut input, mut output) = (Vec::new(), Vec::new());
+        let mut angle = 0.0;
+        for row in 0..3600u32 {
+            let level = [0.0, 4.0, 8.0, 4.0][row as usize / 36 % 4];
+            input.push(level);
+            output.push(angle + 0.05 * (random(91 * row) - 0.5) + 1e-3 * f64::from(row));
+            angle += (level - angle) / 3.5;
+        }
+        let record = Record::of_run(0.01, input, output).unwrap();
+        let model = identify(&record, &Options::default()).unwrap();
+        let found = Scatter::of(record.runs(), &model);
+        assert!(found.is_none(), "{:?}", found.map(|found| found.rows()));
     }
 
     /// Of a recording that a logger polled, where that is said or not.

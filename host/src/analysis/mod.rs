@@ -2,6 +2,7 @@
 //! and validation, each with the document that `--json` prints, and recordings of simulated servos.
 
 mod angle_units;
+mod command_answers;
 mod command_edges;
 mod comparison;
 mod delay_errors;

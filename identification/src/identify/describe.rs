@@ -7,7 +7,7 @@ use super::responses::Responses;
 use super::task::Task;
 use crate::data::{Run, Timing};
 use crate::diagnostics::{
-    AllowedEnd, Bank, Explanation, PriorOutcome, Resolution, RunComparison, ServoStopped, TakenOut,
+    AllowedEnd, Bank, Explanation, PriorOutcome, Resolution, RunComparison, ServoStopped,
     TimeFault, TravelEnd, Validity, ValidityEvidence, contradicted_rest,
 };
 use crate::estimation::{Excitation, Noise};
@@ -59,7 +59,8 @@ fn travel_ends(task: &Task<'_>, fitted: &Fitted) -> [Option<TravelEnd>; 2] {
     let Some(recorded) = task.recorded else {
         return [None; 2];
     };
-    let record = TakenOut::without_spikes(&task.disturbances.outliers.taken_out, recorded);
+    let no_errors = task.disturbances.that_are_no_errors();
+    let record = no_errors.removed_from(recorded);
     let fit = (&estimate.information.moments, &estimate.fit);
     TravelEnd::both(&record, is_linear(fitted), fit)
 }

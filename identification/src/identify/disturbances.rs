@@ -46,6 +46,16 @@ impl Disturbances {
         !self.offsets.is_empty() || !self.trends.is_empty()
     }
 
+    /// Those that no error of a model is: the offsets and trends of runs, and spikes.
+    pub(super) fn that_are_no_errors(&self) -> Self {
+        Self {
+            offsets: self.offsets.clone(),
+            trends: self.trends.clone(),
+            outliers: self.outliers.of_shape(),
+            ..Self::default()
+        }
+    }
+
     /// Whether nothing was taken out.
     pub(super) fn is_empty(&self) -> bool {
         self.is_without_errors() && !self.is_of_runs()

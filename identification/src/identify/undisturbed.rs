@@ -54,13 +54,8 @@ impl<'a> Undisturbed<'a> {
         options: &Options,
         found: &Disturbances,
     ) -> Result<Self, Error> {
-        let of_runs = Disturbances {
-            offsets: found.offsets.clone(),
-            trends: found.trends.clone(),
-            outliers: found.outliers.of_shape(),
-            ..Disturbances::default()
-        };
-        Self::without(of_runs, &record.with_complete_inputs(), options)
+        let complete = record.with_complete_inputs();
+        Self::without(found.that_are_no_errors(), &complete, options)
     }
 
     fn without(

@@ -13,9 +13,9 @@ use super::settling_candidates::Choice;
 use super::settling_range::odd_at_most;
 use super::settling_search::Search;
 use crate::data::Moments;
-use crate::estimation::{Coordinates, FsfBasis, NormalEquations};
+use crate::estimation::{Coordinates, Excitation, FsfBasis, NormalEquations};
 use crate::numerics::{dot, median};
-use crate::thresholds::{NOTHING_NEW, SHORTEST_SETTLING};
+use crate::thresholds::NOTHING_NEW;
 
 /// A choice among the lags that the input resolves; `None` where it does not repeat itself.
 pub(crate) fn choose(search: &Search<'_>) -> Option<Choice> {
@@ -33,9 +33,12 @@ pub(crate) fn choose(search: &Search<'_>) -> Option<Choice> {
 /// The number of lags from 0 on that the input resolves, where it is below `longest` because the input repeats
 /// itself from there on.
 ///
-/// [`SHORTEST_SETTLING`] lags at least have to be resolved before: an input that is poor from the start does not repeat
-/// itself, it is smooth.
+/// Where that is before [`SHORTEST_SETTLING`](crate::thresholds::SHORTEST_SETTLING) there is no more to resolve. An input that is
+/// poor from the start does not repeat itself, it is smooth.
 fn repeats_after(moments: &Moments, longest: usize) -> Option<usize> {
+    if Excitation::of(moments).is_smooth() {
+        return None;
+    }
     let coordinates = Coordinates::new(FsfBasis::full(longest).ok()?);
     let (matrix, _) = NormalEquations::new(moments, &coordinates, &[]).equilibrated();
     // The offset comes last in the equations, and first here.
@@ -51,7 +54,7 @@ fn repeats_after(moments: &Moments, longest: usize) -> Option<usize> {
         let share = matrix[(place(i), place(i))] - dot(&row, &row);
         if share <= NOTHING_NEW * median(shares.clone()).unwrap_or(0.0) {
             let lags = i.saturating_sub(1);
-            return (lags >= SHORTEST_SETTLING).then_some(lags);
+            return (lags > 1).then_some(lags);
         }
         shares.push(share);
         row.push(share.sqrt());
@@ -84,6 +87,7 @@ mod tests {
     #[test]
     fn equal_holds_resolve_one_hold_and_unequal_ones_all() {
         assert_eq!(resolved(&[100], 1500), Some(100));
+        assert_eq!(resolved(&[16], 1500), Some(16));
         // No negative of itself: all frequencies of a period of 139, but that of the offset.
         assert_eq!(resolved(&[59, 80], 3000), Some(138));
         assert_eq!(resolved(&[100, 70, 40, 120], 3000), None);

@@ -2,7 +2,7 @@
 //! "Times that are not what they seem, and stops" of docs/method.md has more of them.
 
 use servoid_identification::results::Reason;
-use servoid_identification::{Options, identify};
+use servoid_identification::{Options, Record, identify};
 use servoid_test_support::loggers::Logger;
 
 #[test]
@@ -91,6 +91,25 @@ fn a_servo_that_dies_takes_the_level_wherever_it_does() {
         assert!(
             (12.0 * jams - 0.5..12.0 * jams + 0.1).contains(&at_s),
             "{seed}: {at_s}"
+        );
+    }
+}
+
+/// The farthest that the output was is then that of its drift.
+#[test]
+fn a_drift_is_no_stop() {
+    for seed in 0..20 {
+        let record = Logger::default().record(seed);
+        let run = &record.runs()[0];
+        let share = |k: usize| k as f64 / run.len() as f64;
+        let drifting = run.output().iter().enumerate();
+        let drifting: Vec<f64> = drifting.map(|(k, y)| y + 0.5 * share(k)).collect();
+        let record = Record::of_run(record.sample_period_s(), run.input(), drifting).unwrap();
+        let model = identify(&record, &Options::default()).unwrap();
+        assert_ne!(
+            model.bounds.withdrawn(),
+            Some(Reason::TravelEnd),
+            "seed {seed}"
         );
     }
 }

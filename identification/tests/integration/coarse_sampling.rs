@@ -173,3 +173,47 @@ fn where_parts_cannot_stand_for_one_another_nothing_is_chosen_by_predicting_them
     let said = |part: &str| found.model.advice.iter().any(|a| a.finding.contains(part));
     assert!(said("no part of it predicts another"));
 }
+
+/// The servo above under equal holds, which resolve fewer lags than the shortest N has.
+#[test]
+fn equal_holds_of_few_samples_are_no_smooth_input() {
+    let under_square = |seed: u64, hold: usize| {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let square = |k: usize| {
+            if (k / hold).is_multiple_of(2) {
+                5.0
+            } else {
+                -5.0
+            }
+        };
+        let input: Vec<f64> = (0..2000).map(square).collect();
+        let output = (0..2000).map(|k: usize| {
+            let past = |m: usize| square(k.saturating_sub(m));
+            let impulse = |m: usize| step(m) - m.checked_sub(1).map_or(0.0, step);
+            let y: f64 = (0..60).map(|m| impulse(m) * past(m)).sum();
+            y + NOISE * random.sample::<f64, _>(StandardNormal)
+        });
+        let output: Vec<f64> = output.collect();
+        identify(
+            &Record::of_run(PERIOD, input, output).unwrap(),
+            &Options::default(),
+        )
+        .unwrap()
+    };
+    for seed in 0..10 {
+        let model = under_square(seed, 25);
+        assert!(
+            model.linear && model.structure.settling_samples == 25,
+            "{seed}: {:?}",
+            model.structure
+        );
+        let reason = model.bounds.withdrawn();
+        assert!(
+            matches!(reason, None | Some(Reason::EndUnseen)),
+            "{seed}: {reason:?}"
+        );
+        // Too short for the response: that is no loop.
+        let reason = under_square(seed, 8).bounds.withdrawn();
+        assert_eq!(reason, Some(Reason::ResponseNotOver), "{seed}");
+    }
+}

@@ -13,6 +13,7 @@ use crate::estimation::CurveVariance;
 use crate::identify::fitted::Fitted;
 use crate::identify::own_fits::p_of_own_fits;
 use crate::identify::task::Task;
+use crate::selection::Choice;
 use crate::thresholds::SCATTER_SIGNIFICANCE;
 
 pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
@@ -30,6 +31,11 @@ pub(super) fn tested(task: &Task<'_>, fitted: &Fitted) -> Option<Feedback> {
     let estimate = &fitted.estimate;
     let (moments, fit) = (&estimate.information.moments, &estimate.fit);
     let record = task.record?;
+    // Inputs to come are then those of the past, which the end of the response still answers.
+    let repeats = |choice: &Choice| choice.repeats_after.is_some() && !choice.settled;
+    if fitted.candidate.plan.choice.as_ref().is_some_and(repeats) {
+        return None;
+    }
     let runs = simulated(record, moments, fit);
     let found = feedback(record, &runs, moments, fit, at_once(fitted));
     // Where runs differ, inputs to come must explain their own fits, too.
