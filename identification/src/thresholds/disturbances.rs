@@ -1,0 +1,114 @@
+//! What is in a record beside the servo and its noise: steps of the sensor, outliers, hum, slow ends, runs that differ.
+
+// The steps of the sensor.
+
+/// Share of samples equal to the one before, above which the output may have steps.
+///
+/// Protects: smooth outputs from an allowance that they do not need. Evidence: "Poor references and coarse
+/// sensors", steps of 0 to 0.3.
+pub const REPEATED: f64 = 0.1;
+
+/// Differences of up to this many steps must be whole multiples of the step. Larger ones may have been rounded
+/// again.
+///
+/// Protects: outputs without steps, whose smallest difference is an accident. Evidence: the tests of quantisation.
+pub const MULTIPLES: f64 = 3.5;
+
+/// Tolerance of a whole multiple, as a share of the step; see [`MULTIPLES`].
+pub const MULTIPLE_WITHIN: f64 = 0.1;
+
+/// Share of the small differences that must be whole multiples; see [`MULTIPLES`].
+pub const ON_GRID: f64 = 0.95;
+
+/// Residuals (rms) below this share of a step do not dither. Normal noise of half a step and the rounding together
+/// give sqrt(1/4 + 1/12).
+///
+/// Protects: bounds of gains, which rounding without dither moves alike in every repetition. Evidence: "Poor references
+/// and coarse sensors", steps of 0 to 0.3.
+pub const DITHERED: f64 = 0.577;
+
+/// Residual variance \[squared steps\] that rounding alone can cause: twice that of uniform errors, because the errors
+/// at a few levels of rest need not be uniform; see [`DITHERED`].
+pub const OF_ROUNDING: f64 = 1.0 / 6.0;
+
+// What is in a record beside the servo and its noise.
+
+/// Standard deviations one step ahead beyond which a sample is taken out.
+///
+/// Protects: bounds from glitches and heavy tails, at no cost to noise without them: of 3600 Gaussian errors 0.007
+/// are beyond. Evidence: "Hard recordings".
+pub const OUTLYING: f64 = 4.75;
+
+/// Share of the samples that may be outlying. More are not glitches.
+///
+/// Protects: records from being cut to what fits. Evidence: "Hard recordings", Student's t with 3 degrees of freedom has
+/// 2 %.
+pub const MOST_OUTLYING: f64 = 0.05;
+
+/// How many times as far as usual a single sample stands out of the course of the errors on both sides to be a spike.
+///
+/// Protects: records of servos that are not linear from glitches, whose errors pass for those of the servo. Gaussian errors
+/// do not stand out as far, and no error of 50 simulated servos did. Evidence: the test of glitches under a limited servo.
+pub const SPIKE: f64 = 5.0;
+
+/// What is usual is this quantile of how far samples stand out: spikes are fewer than [`MOST_OUTLYING`], so it is not one of them.
+///
+/// Protects: as [`SPIKE`], from spikes that would raise what is usual. Evidence: follows from [`MOST_OUTLYING`]; the test of glitches under a
+/// limited servo.
+pub const SPIKE_SCALE_QUANTILE: f64 = 0.95;
+
+/// Ratio of a line in the spectrum of the errors to its neighbours above which it is hum.
+///
+/// Protects: noise from being called periodic, which 25 did in 3 % of records; a sine of a third of the noise is 300
+/// times its neighbours in 4000 samples. Evidence: "Hard recordings", hum.
+pub const ABOVE_NEIGHBOURS: f64 = 50.0;
+
+/// Ratio of a line in the spectrum of the reference to its neighbours above which a line of the errors there is not hum.
+///
+/// Protects: servos that are not linear under strokes of one length. Evidence: the tests of linearity.
+pub const LINE_OF_REFERENCE: f64 = 25.0;
+
+/// Gain at a frequency, relative to that at rest, from which on the servo follows it: a line of the errors at the rate of the changes of the
+/// reference may be the servo's.
+///
+/// Protects: servos with unequal speeds or a load, under equal holds, from passing for linear ones beside hum; and mains hum at the rate of
+/// frames of 20 ms, which servos hardly follow. Evidence: the tests of linearity; "Hard recordings", hum.
+pub const HARDLY_FOLLOWED: f64 = 0.2;
+
+/// Amplitude of a line in the errors, relative to that of the motion at the same frequency, above which it is not an
+/// error of the model.
+///
+/// Protects: servos that are not linear, whose errors have the frequencies of the reference. Evidence: the tests of the
+/// limits.
+pub const BESIDE_MOTION: f64 = 0.1;
+
+/// Probability below which an end of the response beyond N counts. Then N is the longest, and an end beyond that takes the level.
+///
+/// Protects: step responses that end too soon. A longer N makes bounds three times as wide, in one of 300 records without such an end;
+/// bounds contain ends that are not found. Evidence: "Hard recordings", two time scales.
+pub const SLOW_END_SIGNIFICANCE: f64 = 3e-3;
+
+/// The same where no N was found in the record.
+///
+/// Protects: bounds of a response that is not over. Evidence: "Hard recordings", two time scales; plant E of "Measured coverage" keeps
+/// its level.
+pub const UNSETTLED_SIGNIFICANCE: f64 = 0.02;
+
+/// Standard deviations that the end of the response may have after the longest N, extrapolated from where it is last
+/// seen, before bounds lose their level.
+///
+/// Protects: bounds of a response that still moves when the longest N ends. Evidence: "Hard recordings", two time
+/// scales; plant E of "Measured coverage" keeps its level.
+pub const UNSETTLED_END: f64 = 1.5;
+
+/// Runs from which on bounds are those of the servo's mean.
+///
+/// Protects: readers from bounds of a mean by two runs, whose scatter has one degree of freedom. Evidence: "Hard
+/// recordings", scatter of gain.
+pub const RUNS_FOR_MEAN: usize = 3;
+
+/// Probability below which runs differ, where it is asked whether a finding of their common fit is of that alone. The bounds do not
+/// ask: they contain how runs differ, whether that is beyond chance or not.
+///
+/// Protects: records of runs that differ from being taken for a closed loop. Evidence: the tests of runs with different gains.
+pub const SCATTER_SIGNIFICANCE: f64 = 0.05;

@@ -1,0 +1,97 @@
+//! Whether the errors are noise, and findings beside the bounds.
+
+// Whether the errors are noise.
+
+/// Probability below which a test of the errors against functions of the motion, against the noise at
+/// standstill or between runs counts.
+///
+/// Protects: linear servos from being called nonlinear. Far below a single test's 1 %, because every recording
+/// is tested and the bounds depend on it. Evidence: no finding in 3600 runs ("When the errors are not noise");
+/// the tests of linearity.
+pub const MISFIT_SIGNIFICANCE: f64 = 1e-4;
+
+/// Percent of the motion (rms) that such a finding must explain; of functions of the motion, where they explain most.
+///
+/// Protects: users from findings of no consequence; in a long record anything is significant. Less is within
+/// the changes of one servo from day to day. Evidence: table of the simulated servos in "When the errors are not noise".
+pub const MATERIAL_MISFIT_PERCENT: f64 = 1.0;
+
+/// Points of simulation fit that whitening may cost while the errors count as noise.
+///
+/// Protects: bounds whose noise model has absorbed errors of the model. On servos that the model can
+/// represent it costs less than a tenth of a point. Evidence: the test of coarse sampling; "No advice without
+/// cause" in "Measured coverage".
+pub const WHITENING_COST_POINTS: f64 = 1.0;
+
+/// Percent of the motion (rms) that the simulation of a servo that is not linear, or of runs that differ, may
+/// leave before its bounds lose their level.
+///
+/// Protects: readers from bounds of a description that does not describe. On simulated servos with play, a
+/// limited current and unequal ends, references of steps that are held leave 1 to 12 % of strokes of up to
+/// 5 degrees, and their gains agree; random steps of 20 to 60 ms, sweeps and sums of sines leave 10 to 57 %, with
+/// gains that are wrong by up to 45 % and delays by up to 24 ms. Evidence: table of the simulated servos.
+pub const UNEXPLAINED_PERCENT: f64 = 15.0;
+
+/// Share of the steps of the input that must be held until the response has come to [`FOLLOWED`] of its final
+/// value, where the servo is not linear.
+///
+/// Protects: step responses that would be computed from motion without steps. Evidence: table of the
+/// simulated servos, random steps of 20 to 60 ms.
+pub const STEPS_FOLLOWED: f64 = 0.75;
+
+/// Share of the final value beyond which a step has been followed; see [`STEPS_FOLLOWED`].
+pub const FOLLOWED: f64 = 0.9;
+
+/// By how much the input may move while it counts as held, as a share of its range. Inputs closer than this
+/// are one level.
+///
+/// Protects: holds of an input that was measured, with noise of its own; it is less than a step. Evidence: the
+/// recordings of real servos in the tests of the host.
+pub const HELD_WITHIN: f64 = 0.02;
+
+/// Points of fit within which predictions count as equal, so that the simplest is taken.
+///
+/// Protects: the choice by prediction from accidents. Evidence: the real recordings in the tests of the host.
+pub const PREDICTION_TIE: f64 = 0.5;
+
+/// Condition number beyond which parts of a record do not determine a bank. Far below it rounding is already
+/// visible, but small beside what the noise leaves open.
+///
+/// Protects: the ranking by prediction from records whose parts cannot stand for one another, such as one step in
+/// each. Evidence: the real recordings in the tests of the host.
+pub const DETERMINED_BY_PARTS: f64 = 1e9;
+
+/// Difference between two estimates of a step response, or bound of what may be missing in one, as a share of
+/// its largest value or gain, beyond which the figures read from it are withheld.
+///
+/// Protects: readers from delays and rise times that depend on the estimator. Evidence: "Poor references and
+/// coarse sensors", the column "stated".
+pub const DISAGREEMENT: f64 = 0.1;
+
+// Findings beside the bounds.
+
+/// Probability below which residuals count as not white, as dependent on the input, or runs as different.
+///
+/// Protects: users from models whose order is too low. Evidence: "False alarms of the residual tests".
+pub const RESIDUAL_SIGNIFICANCE: f64 = 0.01;
+
+/// Standard deviations by which the first readings of a run may miss the position of rest that was stated.
+///
+/// Protects: responses from a history that was not there, at no alarm in the tables of linear servos.
+/// Evidence: the tests of the initial rest.
+pub const INITIAL_REST_MISSED: f64 = 6.0;
+
+/// Shortest stretch of rest that shows the noise at standstill \[samples\].
+///
+/// Protects: that noise from the end of a motion. Evidence: the tests of the noise at standstill.
+pub const SHORTEST_REST: usize = 32;
+
+/// Fewest samples that determine the noise at standstill, or that in motion.
+///
+/// Protects: linear servos from an alarm by chance. Evidence: the tests of the noise at standstill.
+pub const FEWEST_AT_REST: usize = 100;
+
+/// One in so many pieces of motion is left out of the noise in motion: the loudest.
+///
+/// Protects: linear servos whose line has single glitches. Evidence: the tests of the noise at standstill.
+pub const LOUDEST_LEFT_OUT: usize = 5;
