@@ -15,8 +15,8 @@
 //! through the fitted response alone, which is independent of the residuals, the usual F statistic of γ = 0 has
 //! its F distribution for any z (Milliken & Graybill 1970), given D.
 //!
-//! Noise that grows with the motion makes large errors where the z_j are large. So a small p must also be that of the combination that was found in noise of which
-//! each error has its own variance (White, 1980).
+//! Noise that grows with the motion makes large errors where the z_j are large. What is large in parts of the record only must therefore be beyond chance in noise of
+//! which each error has its own variance as well (White, 1980).
 //!
 //! Runs of one servo differ, because its supply and its clock do. A gain, a delay and an offset of each run are no
 //! evidence of a servo that is not linear. So where there are several runs, D(z) s, D(z) v and D(z) 1 of each run
@@ -54,6 +54,10 @@ pub struct Linearity {
     /// several percent for a tenth of the time.
     #[serde(default)]
     pub local_percent: f64,
+    /// The same probability in noise of which each sample has its own variance. Noise is larger in motion as well, so this is the one that
+    /// counts for what is large in parts only.
+    #[serde(default = "certain")]
+    pub local_p: f64,
     /// Whether the model has all frequencies, so that residuals that follow the motion cannot come from those
     /// left out.
     pub complete: bool,
@@ -80,6 +84,10 @@ pub struct BetweenRuns {
     pub misfit_percent: f64,
 }
 
+fn certain() -> f64 {
+    1.0
+}
+
 impl Linearity {
     /// Whether errors are shown to follow the motion, by an amount that matters.
     #[must_use]
@@ -87,11 +95,13 @@ impl Linearity {
         self.by_functions() || self.against_rest().is_some()
     }
 
-    /// Whether functions of the motion explain errors, by an amount that matters.
+    /// Whether functions of the motion explain errors, by an amount that matters: over all rows, or where they are.
     #[must_use]
     pub fn by_functions(&self) -> bool {
-        self.p < MISFIT_SIGNIFICANCE
-            && self.local_percent > MATERIAL_MISFIT_PERCENT + self.of_steps_percent
+        let matters = |percent: f64, p: f64| {
+            p < MISFIT_SIGNIFICANCE && percent > MATERIAL_MISFIT_PERCENT + self.of_steps_percent
+        };
+        matters(self.misfit_percent, self.p) || matters(self.local_percent, self.local_p)
     }
 
     /// How much larger errors are in motion than at standstill, if that is shown, by an amount that matters.
@@ -147,13 +157,18 @@ pub(crate) fn test_linearity(
         p,
         misfit_percent: 100.0 * explained_by_runs(runs) / motion,
     };
-    let mut p = upper_tail(found.reduction, k)?;
-    if p < MISFIT_SIGNIFICANCE {
-        let statistic = test.statistic_in_uneven_noise(fit, &found);
-        p = p.max(upper_tail(statistic * noise, k)?);
-    }
+    let p = upper_tail(found.reduction, k)?;
+    // Most records end here, and the statistic costs a pass over the samples.
+    let local_p = match p < MISFIT_SIGNIFICANCE {
+        true => p.max(upper_tail(
+            noise * test.statistic_in_uneven_noise(fit, &found),
+            k,
+        )?),
+        false => p,
+    };
     Some(Linearity {
         p,
+        local_p,
         runs: (found.of_runs > 0)
             .then(|| upper_tail(found.reduction_of_runs, found.of_runs as f64))
             .flatten()
