@@ -10,11 +10,18 @@ pub(super) struct Misfit {
     /// The mean error, and what is left without it.
     pub(super) offset: f64,
     pub(super) left_of_offset: f64,
-    /// By how much farther the recording moves than the model, as a factor, and what is left without an offset and that.
-    pub(super) scale: f64,
-    pub(super) left_of_scale: f64,
+    /// By how much farther the recording moves than the model, where that moves.
+    pub(super) scale: Option<Scale>,
     /// The shift in time at which they agree best, where there is one.
     pub(super) lag: Option<Lag>,
+}
+
+/// A recording against a model of it that is scaled.
+pub(super) struct Scale {
+    /// The factor at which they agree best.
+    pub(super) factor: f64,
+    /// The error that is left then, without its mean (rms).
+    pub(super) left: f64,
 }
 
 /// A recording against a model of it that is shifted in time.
@@ -84,12 +91,16 @@ impl Misfit {
         let unshifted = Sums::at(runs, simulated, 0);
         let (covariance, spread) = unshifted.with_simulated();
         let variance = unshifted.variance();
-        let of_scale = variance - covariance * covariance / spread;
+        let scale = Scale {
+            factor: 1.0 + covariance / spread,
+            left: (variance - covariance * covariance / spread)
+                .max(0.0)
+                .sqrt(),
+        };
         Self {
             offset: unshifted.error / unshifted.count,
             left_of_offset: variance.max(0.0).sqrt(),
-            scale: 1.0 + covariance / spread,
-            left_of_scale: of_scale.max(0.0).sqrt(),
+            scale: scale.factor.is_finite().then_some(scale),
             lag: Lag::of(runs, simulated, period_s),
         }
     }
@@ -151,7 +162,10 @@ mod tests {
         let measured: Vec<f64> = simulated.iter().map(|y| 2.0 - 0.8 * y).collect();
         let run = Run::new(vec![0.0; 400], measured).unwrap();
         let found = Misfit::of(&[run], &[simulated], 0.002);
-        assert!((found.scale + 0.8).abs() < 1e-9 && found.left_of_scale < 1e-6);
-        assert!(found.left_of_offset > 1.0, "{}", found.left_of_offset);
+        let scale = found.scale.unwrap();
+        assert!((scale.factor + 0.8).abs() < 1e-9 && scale.left < 1e-6);
+        assert!((found.offset - 2.0).abs() < 0.05 && found.left_of_offset > 1.0);
+        let still = Run::new(vec![0.0; 3], vec![1.0, 2.0, 1.0]).unwrap();
+        assert!(Misfit::of(&[still], &[vec![0.0; 3]], 0.002).scale.is_none());
     }
 }

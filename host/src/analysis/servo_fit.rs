@@ -105,8 +105,6 @@ pub fn find_both(
 /// What a linear model of the same data is for.
 #[derive(Clone, Copy)]
 enum Linear<'a> {
-    /// There is none.
-    Unknown,
     /// It says where the servo stops, and what speaks against the record.
     OfRecord(&'a Model),
     /// It stands beside the servo model, too.
@@ -114,10 +112,9 @@ enum Linear<'a> {
 }
 
 impl<'a> Linear<'a> {
-    fn model(self) -> Option<&'a Model> {
+    fn model(self) -> &'a Model {
         match self {
-            Self::Unknown => None,
-            Self::OfRecord(model) | Self::Beside(model) => Some(model),
+            Self::OfRecord(model) | Self::Beside(model) => model,
         }
     }
 }
@@ -142,15 +139,12 @@ fn fit(
             .map_err(|error| error.to_string())?,
         level,
         radians_per_command: radians,
-        against: linear
-            .model()
-            .and_then(|linear| linear.level().withdrawn())
-            .filter(|reason| reason.is_of_the_record()),
-        stops_at: linear.model().map(Model::stops).unwrap_or_default(),
+        against: (linear.model().level().withdrawn()).filter(|reason| reason.is_of_the_record()),
+        stops_at: linear.model().stops(),
     };
     let model = match linear {
         Linear::Beside(linear) => servo_model::fit_beside(&data.record, linear, &options, search),
-        _ => servo_model::fit_watched(&data.record, &options, search),
+        Linear::OfRecord(_) => servo_model::fit_watched(&data.record, &options, search),
     };
     let model = model.map_err(|error| error.to_string())?;
     let model = model.with_delay_error(data.about.sensor_delay_uncertainty_s);
@@ -176,8 +170,9 @@ fn from_rest<'a>(run: &Run<'a>, linear: &Model) -> Run<'a> {
 /// Both models of the rest, on the stretch. They are simulated over the whole run from its input, so the stretch begins as
 /// they arrive there.
 fn predict(held_out: &HeldOut, options: &Options, search: &dyn Watch) -> Option<HeldOutPrediction> {
-    let servo = fit(&held_out.rest, Linear::Unknown, options.level, search).ok()?;
     let linear = identify(&held_out.rest.record, options).ok()?;
+    let of_record = Linear::OfRecord(&linear);
+    let servo = fit(&held_out.rest, of_record, options.level, search).ok()?;
     let record = &held_out.rest.record;
     let whole = Record::new(record.sample_period_s(), vec![held_out.run.clone()]).ok()?;
     let whole = whole.with_sample_phase(record.sample_phase_s());

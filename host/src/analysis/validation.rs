@@ -1,7 +1,7 @@
 //! A model against recordings that it was not identified from.
 
 use super::load_at_rest;
-use super::misfit::Misfit;
+use super::misfit::{Misfit, Scale};
 use crate::data::dataset::Dataset;
 use crate::data::fingerprint;
 use crate::data::model_file::ModelFile;
@@ -149,17 +149,20 @@ fn cause(rmse: f64, misfit: &Misfit, own_rmse: f64, in_unit: impl Fn(f64) -> Str
             in_unit(misfit.left_of_offset)
         );
     }
-    if misfit.scale < 0.0 && misfit.left_of_scale < OF_A_CAUSE * misfit.left_of_offset {
+    let scale = misfit.scale.as_ref();
+    let turned =
+        |scale: &Scale| scale.factor < 0.0 && scale.left < OF_A_CAUSE * misfit.left_of_offset;
+    if scale.is_some_and(turned) {
         return "This recording turns the other way: look at the sign of command and position, and at the direction that a transmitter or \
              controller is set to."
             .to_owned();
     }
-    if is_most(misfit.left_of_scale) {
+    if let Some(scale) = scale.filter(|scale| is_most(scale.left)) {
         return format!(
             "It is the gain: this recording moves {:.3} times as far as the model, and scaled by that it leaves an error of {}. If the servo is \
              the same, look at the units of both columns, at the calibration of the sensor and at the travel that a transmitter or controller is set to.",
-            misfit.scale,
-            in_unit(misfit.left_of_scale)
+            scale.factor,
+            in_unit(scale.left)
         );
     }
     match misfit.lag.as_ref().filter(|lag| is_most(lag.left)) {
@@ -211,8 +214,7 @@ mod tests {
         Misfit {
             offset: 0.0,
             left_of_offset: 0.8,
-            scale: 1.0,
-            left_of_scale: 0.8,
+            scale: None,
             lag: None,
         }
     }
@@ -262,10 +264,10 @@ mod tests {
             offset.starts_with("It is an offset of 0.7900 deg"),
             "{offset}"
         );
-        let scaled = |scale: f64| {
+        let scaled = |factor: f64| {
+            let left = 0.06;
             remedy(&Misfit {
-                scale,
-                left_of_scale: 0.06,
+                scale: Some(Scale { factor, left }),
                 ..misfit()
             })
         };

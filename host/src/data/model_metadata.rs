@@ -39,7 +39,10 @@ pub struct ModelMetadata {
     /// The delay of the sensor that was taken out, where all recordings state one and agree \[s\].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sensor_delay_s: Option<f64>,
-    /// It is at most this far from the true one \[s\].
+    /// The number of the board that recorded, where all recordings state one and agree.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub board_id: Option<String>,
+    /// That delay is at most this far from the true one \[s\].
     #[serde(default, skip_serializing_if = "is_zero")]
     pub sensor_delay_uncertainty_s: f64,
     /// The size of the strokes in the recording, where all have one (unit of the command).
@@ -55,6 +58,7 @@ impl ModelMetadata {
             pulse_frame_s,
             frame_is_stated: false,
             sensor_delay_s: None,
+            board_id: None,
             sensor_delay_uncertainty_s: 0.0,
             only_stroke: None,
         }

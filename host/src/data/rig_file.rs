@@ -265,7 +265,7 @@ pub struct BeyondLimits {
 fn remedy(largest_deg: f64) -> String {
     match largest_deg > 0.0 {
         true => format!(
-            "the largest reference about neutral that fits has --amplitude {largest_deg}, so choose that or less, in a table too"
+            "the largest reference about neutral that fits has --amplitude {largest_deg}; the positions of a table must lie within that, too"
         ),
         false => "neutral is at a limit, so that no reference about it fits".to_owned(),
     }

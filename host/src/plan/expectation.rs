@@ -28,6 +28,52 @@ pub(super) struct Expectation {
 /// because the servo is not linear.
 const SCATTER: f64 = 1.25;
 
+/// One simulated identification.
+struct Simulated {
+    /// What is expected of noise alone.
+    expected: Model,
+    example: Model,
+    record: Record<'static>,
+}
+
+impl Simulated {
+    fn of(request: &PlanRequest, seed: u64) -> Result<Self, Error> {
+        let options = Options {
+            level: request.level,
+            ..Options::default()
+        };
+        let assumed = &request.assumed;
+        let by_model_alone = assumed.simulation.is_none() && assumed.noise.is_none();
+        let record = simulated(request, seed)?;
+        let example = identify(&record, &options)?;
+        // The noise of a servo that is known by a model alone is known where that model has bounds.
+        let known = match by_model_alone {
+            true => assumed.model.level(),
+            false => example.level(),
+        };
+        let level = known.map(|_| request.level);
+        Ok(Self {
+            expected: expected_model(&example, &record, &assumed.model, level)?,
+            example,
+            record,
+        })
+    }
+
+    /// Whether both have bounds, or the expected model where the example is not what counts.
+    fn level(&self, by_example: bool) -> Bounds<f64> {
+        match self.expected.level() {
+            Bounds::Valid(_) if by_example => self.example.level(),
+            level => level,
+        }
+    }
+}
+
+/// The mean widths of models, as far as they have bounds.
+fn mean_widths<'m>(models: impl Iterator<Item = &'m Model>) -> BandWidths {
+    let widths = models.filter_map(|model| model.step.bounds.valid().map(BandWidths::of));
+    BandWidths::mean(&widths.collect::<Vec<_>>())
+}
+
 impl Expectation {
     pub(super) fn of(request: &PlanRequest) -> Result<Self, Error> {
         Self::of_simulations(request, SIMULATIONS)
@@ -35,73 +81,38 @@ impl Expectation {
 
     /// As [`Expectation::of`], from this number of simulations.
     pub(super) fn of_simulations(request: &PlanRequest, simulations: u64) -> Result<Self, Error> {
-        let options = Options {
-            level: request.level,
-            ..Options::default()
-        };
-        let assumed = &request.assumed;
-        let by_model_alone = assumed.simulation.is_none() && assumed.noise.is_none();
-        let mut all = Vec::new();
-        for seed in 1..=simulations {
-            let record = simulated(request, seed)?;
-            let example = identify(&record, &options)?;
-            // The noise of a servo that is known by a model alone is known where that model has bounds.
-            let known = match by_model_alone {
-                true => assumed.model.level(),
-                false => example.level(),
-            };
-            let level = known.map(|_| request.level);
-            let model = expected_model(&example, &record, &assumed.model, level)?;
-            all.push((model, example, record));
-        }
-        let is_bounded =
-            |(model, ..): &(Model, Model, Record<'static>)| model.bounds.valid().is_some();
-        let bounded = 2 * all.iter().filter(|one| is_bounded(one)).count() > all.len();
-        let tried = all.len();
+        let all = (1..=simulations).map(|seed| Simulated::of(request, seed));
+        let mut all = all.collect::<Result<Vec<_>, _>>()?;
+        let is_simulated = request.assumed.simulation.is_some();
+        // More than noise is in the bounds of a servo that is not linear, and how runs differ in those of several.
+        let by_example = is_simulated || request.runs >= RUNS_FOR_MEAN;
+        let is_bounded = |one: &Simulated| one.level(by_example).valid().is_some();
+        let with_bounds = all.iter().filter(|one| is_bounded(one)).count();
+        let without_bounds_percent = 100.0 * (1.0 - with_bounds as f64 / all.len() as f64);
+        let bounded = 2 * with_bounds > all.len();
         all.retain(|one| is_bounded(one) == bounded);
-        let without_bounds_percent = 100.0 * (1.0 - all.len() as f64 / tried as f64);
-        all.sort_by_key(|(model, ..)| model.structure.settling_samples);
-        let widths = |model: &Model| model.step.bounds.valid().map(BandWidths::of);
-        let linear: Vec<_> = all.iter().filter_map(|(m, ..)| widths(m)).collect();
-        let found: Vec<_> = all.iter().filter_map(|(_, e, _)| widths(e)).collect();
-        let (model, example, record) = all.swap_remove(all.len() / 2);
-        let level = model.level();
-        let found = BandWidths {
-            without_bounds_percent,
-            ..BandWidths::mean(&found)
-        };
-        let linear = BandWidths {
-            without_bounds_percent,
-            ..BandWidths::mean(&linear)
-        };
-        if request.assumed.simulation.is_none() && request.runs >= RUNS_FOR_MEAN {
-            // How runs differ, were it by chance alone, is in the bounds then.
-            return Ok(Self {
-                band: level.map(|_| found),
-                model: example.clone(),
-                example,
-                record,
-            });
-        }
-        if request.assumed.simulation.is_none() {
-            return Ok(Self {
-                band: level.map(|_| linear),
-                model,
-                example,
-                record,
-            });
-        }
+        all.sort_by_key(|one| one.expected.structure.settling_samples);
+        let linear = mean_widths(all.iter().map(|one| &one.expected));
+        let found = mean_widths(all.iter().map(|one| &one.example));
         let noise = linear.widest_percent - linear.bias_percent;
-        let exceeds_noise = found.widest_percent > SCATTER * noise;
-        let beyond = found.widest_percent - noise;
+        let repeats = is_simulated && found.widest_percent > SCATTER * noise;
+        let widths = BandWidths {
+            without_bounds_percent,
+            beyond_noise_percent: match repeats {
+                true => found.widest_percent - noise,
+                false => 0.0,
+            },
+            ..if by_example { found } else { linear }
+        };
+        let median = all.swap_remove(all.len() / 2);
         Ok(Self {
-            band: level.map(|_| BandWidths {
-                beyond_noise_percent: if exceeds_noise { beyond } else { 0.0 },
-                ..found
-            }),
-            model: example.clone(),
-            example,
-            record,
+            band: median.level(by_example).map(|_| widths),
+            model: match by_example {
+                true => median.example.clone(),
+                false => median.expected,
+            },
+            example: median.example,
+            record: median.record,
         })
     }
 }

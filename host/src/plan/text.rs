@@ -154,7 +154,7 @@ fn more_runs_and_metrics(plan: &Plan, band: &BandWidths) -> String {
                     in_words(closest.runs),
                     match closest.band_percent.is_finite() {
                         true => format!("come to ±{:.2} % in simulations", closest.band_percent),
-                        false => "mostly have no bounds in simulations: so many show that the servo is not linear".to_owned(),
+                        false => "mostly have no bounds in simulations".to_owned(),
                     }
                 ),
                 None => band.narrowing().advice(wanted, plan.runs),

@@ -142,7 +142,11 @@ fn a_comparison_allows_for_what_the_delays_of_two_sensors_may_be() {
         let delay = differences.iter().find(|row| row["metric"] == "delay_s");
         let [lower, upper] = ["lower", "upper"].map(|key| delay.unwrap()[key].as_f64().unwrap());
         assert!(lower <= 0.0 && upper >= 0.0, "{delay:?}");
-        assert!(found["advice"].to_string().contains("may be off by 4 ms"));
+        assert!(
+            found["advice"]
+                .to_string()
+                .contains("may be off from each other by 4 ms")
+        );
     }
     let one_sensor = compare([&at("taken_out.csv"), &at("taken_out_again.csv")]);
     let two_sensors = compare([&exact, &at("taken_out.csv")]);

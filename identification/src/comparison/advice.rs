@@ -87,7 +87,7 @@ fn more_runs(runs: usize, level: f64) -> String {
     };
     let left = 100.0 * width(2 * runs) / width(runs);
     format!(
-        "Record more runs a side: where they scatter alike, {} leave about {left:.0} % of that open.",
+        "Record more runs a side: where they scatter alike, {} leave about {left:.0} % of the width that this makes.",
         2 * runs
     )
 }

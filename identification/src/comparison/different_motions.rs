@@ -15,7 +15,7 @@ pub(super) fn may_explain(found: &Comparison, motions: &Sides<Motion>, linear: b
     let different = found.verdict == Verdict::Different;
     match motions.a.is_like(&motions.b) {
         false => different || !linear,
-        true if !linear && motions.a.is_another_draw(&motions.b) => different,
+        true if motions.a.is_another_draw(&motions.b) && !linear => true,
         true => different && strokes_may_explain(found, motions.a.larger_by(&motions.b)),
     }
 }

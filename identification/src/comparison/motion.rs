@@ -9,7 +9,7 @@ use crate::data::{HELD, Record, Run, usual_hold};
 use crate::thresholds::{EQUALLY_LARGE, EQUALLY_LONG, HELD_WITHIN, RANDOM_ENDS};
 
 /// More levels than this are many.
-const MOST_LEVELS: usize = 12;
+const MOST_LEVELS: usize = 16;
 
 /// The reference of one side.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -73,12 +73,17 @@ impl Motion {
         };
         let near = |a: f64, b: f64| (a - b).abs() <= equally_large * range;
         let longer = self.hold_s.max(other.hold_s);
-        let as_long = longer <= EQUALLY_LONG * self.hold_s.min(other.hold_s);
+        // So are their holds.
+        let equally_long = match self.has_random_levels() {
+            true => EQUALLY_LONG.powi(2),
+            false => EQUALLY_LONG,
+        };
+        let as_long = longer <= equally_long * self.hold_s.min(other.hold_s);
         near(self.lowest, other.lowest)
             && near(self.highest, other.highest)
             && self.levels == other.levels
             && self.held == other.held
-            && (self.levels.is_none() || as_long)
+            && (!self.held || as_long)
     }
 
     fn has_random_levels(&self) -> bool {

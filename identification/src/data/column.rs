@@ -3,7 +3,9 @@
 //! ```
 //! use servoid_identification::column::{mean, span};
 //! assert_eq!(mean(&[1.0, f64::NAN, 4.0]), Some(2.5));
+//! assert_eq!(mean(&[f64::NAN]), None);
 //! assert_eq!(span([3.0, f64::NAN, -1.0].into_iter()), Some(4.0));
+//! assert_eq!(span([2.0, 2.0].into_iter()), None);
 //! ```
 
 /// The mean of what is not missing; `None` where all of it is.
@@ -15,6 +17,7 @@ pub fn mean(values: &[f64]) -> Option<f64> {
 }
 
 /// From the lowest to the highest value; `None` where these are one, or all is missing.
+#[must_use]
 pub fn span(values: impl Iterator<Item = f64>) -> Option<f64> {
     let (low, high) = values
         .filter(|value| !value.is_nan())
@@ -22,17 +25,4 @@ pub fn span(values: impl Iterator<Item = f64>) -> Option<f64> {
             (low.min(value), high.max(value))
         });
     (high > low).then_some(high - low)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn missing_values_do_not_count() {
-        assert_eq!(mean(&[1.0, f64::NAN, 4.0]), Some(2.5));
-        assert_eq!(mean(&[f64::NAN]), None);
-        assert_eq!(span([3.0, f64::NAN, -1.0].into_iter()), Some(4.0));
-        assert_eq!(span([2.0, 2.0].into_iter()), None);
-    }
 }

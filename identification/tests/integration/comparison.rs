@@ -325,7 +325,6 @@ fn runs_that_scatter_are_not_called_the_same() {
     );
 }
 
-/// Two sides of one servo whose delay scatters by milliseconds, on average 0.4 ms apart: no interval may say that the sides differ.
 #[test]
 fn a_servo_that_turns_the_other_way_is_named() {
     let (a, b) = (plain(&servo(), 1), plain(&servo(), 2));
@@ -343,6 +342,7 @@ fn a_servo_that_turns_the_other_way_is_named() {
     assert_eq!(found.advice[0].check, Check::Direction);
 }
 
+/// Two sides of one servo whose delay scatters by milliseconds, on average 0.4 ms apart: no interval may say that the sides differ.
 #[test]
 fn differences_of_metrics_contain_the_scatter_of_the_runs() {
     let side = |later_ms: [f64; 3], first: u64| {

@@ -25,11 +25,10 @@ pub(super) fn doubts(measured: &Measured, rig: &RigFile, pulses: &[u16]) -> Vec<
     let of_sensor = of_sensor.map(|sensor| sensor.degrees_per_count / rig.sensor.degrees_per_count);
     let travel = measured.travel.as_ref().filter(|_| !measured.assumed);
     let of_servo = travel.map(|travel| rig.servo.us_per_degree / travel.us_per_degree.value);
-    // One of them may be turned round. Where both seem to be, the signs of the angles may be wrong.
-    let both = of_sensor.zip(of_servo);
-    let is_one_turned = both.is_some_and(|(sensor, servo)| sensor * servo < 0.0);
-    let judged = |ratio: f64| if is_one_turned { ratio.abs() } else { ratio };
-    found.extend(of_sensor.and_then(|ratio| scale_of_sensor(judged(ratio))));
+    // A servo may be reversed where the sensor agrees with the angles. Where it does not, their signs may be wrong.
+    let agrees = of_sensor.is_some_and(|ratio| ratio > 0.0);
+    let judged = |ratio: f64| if agrees { ratio.abs() } else { ratio };
+    found.extend(of_sensor.and_then(scale_of_sensor));
     let were_read = of_sensor.is_some();
     found.extend(of_servo.and_then(|ratio| scale_of_servo(judged(ratio), were_read)));
     let Some(travel) = travel else {

@@ -36,8 +36,10 @@ pub struct About {
     pub commands_at_rows: bool,
     /// Whether a logger is stated to have polled the commands.
     pub polled: bool,
-    /// The delays that were taken out of the recordings (s).
-    pub sensor_delays_s: Vec<f64>,
+    /// The delay that was taken out of the recordings (s), where all state one and agree.
+    pub sensor_delay_s: Option<f64>,
+    /// The number of the board that recorded them, where all state one and agree.
+    pub board_id: Option<String>,
 }
 
 /// Where counts are degrees.
@@ -116,8 +118,11 @@ impl About {
         agree(&mut self.input_unit, other.input_unit);
         agree(&mut self.output_unit, other.output_unit);
         agree(&mut self.condition, other.condition);
+        agree(&mut self.board_id, other.board_id);
+        self.sensor_delay_s = self
+            .sensor_delay_s
+            .filter(|_| self.sensor_delay_s == other.sensor_delay_s);
         self.calibrations.extend(other.calibrations);
-        self.sensor_delays_s.extend(other.sensor_delays_s);
         self.provenance.extend(other.provenance);
         self.remarks.extend(other.remarks);
         self.advice.extend(other.advice);
@@ -146,8 +151,8 @@ impl From<&About> for ModelMetadata {
     fn from(about: &About) -> Self {
         let (input, output) = (about.input_unit.clone(), about.output_unit.clone());
         let mut metadata = Self::new(input, output, about.pulse_frame_s);
-        let mut delays_s = about.sensor_delays_s.iter().copied();
-        metadata.sensor_delay_s = (delays_s.next()).filter(|first| delays_s.all(|s| s == *first));
+        metadata.sensor_delay_s = about.sensor_delay_s;
+        metadata.board_id.clone_from(&about.board_id);
         metadata.sensor_delay_uncertainty_s = about.sensor_delay_uncertainty_s;
         metadata.only_stroke = about.only_stroke;
         metadata

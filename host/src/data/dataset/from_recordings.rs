@@ -75,7 +75,8 @@ pub(super) fn from_recording(
         phase_s: delay.phase_s,
         about: About {
             sensor_delay_uncertainty_s: delay.uncertainty_s,
-            sensor_delays_s: vec![delay.delay_s],
+            sensor_delay_s: Some(delay.delay_s),
+            board_id: Some(header.board_id.clone()).filter(|id| !id.is_empty()),
             ..about
         },
     })

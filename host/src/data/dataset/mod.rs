@@ -25,6 +25,7 @@ pub use error::{DatasetError, DatasetFault};
 pub use from_arrays::{ArrayRun, Arrays};
 pub use loaded::listed;
 pub use options::DatasetOptions;
+pub(crate) use sensor_delay::in_ms;
 pub use time_column::TimeUnit;
 
 use crate::data::file_error::FileError;

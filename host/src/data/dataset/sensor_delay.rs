@@ -58,7 +58,7 @@ impl SensorDelay {
 }
 
 /// A time for a sentence, without the digits that its arithmetic has added (ms).
-pub(super) fn in_ms(seconds: f64) -> f64 {
+pub(crate) fn in_ms(seconds: f64) -> f64 {
     (1e6 * seconds).round() / 1e3
 }
 

@@ -139,7 +139,7 @@ fn excess(found: &Linearity) -> (f64, String) {
         None => (
             found.misfit_percent,
             format!(
-                "follows the motion in a way that neither noise nor a linear servo can ({}), {:.1} % where it is largest",
+                "follows the motion in a way that neither noise nor a linear servo can ({}), {:.1} % where that is large",
                 probability(found.p),
                 found.local_percent
             ),

@@ -82,8 +82,8 @@ pub(super) fn travel_end(evidence: &Evidence<'_>, which: usize) -> Option<Advice
         ),
         found.rest,
         from,
-        "Record again with commands on this side of the stop, or take the stop away. A servo model ('--servo-model') stops there, and so do its exports; beside \
-         the linear model a simulator needs this angle.",
+        "Record again with commands on this side of the stop, or take the stop away. A servo model ('--servo-model') has this stop where it \
+         predicts better with it, and so have those of its exports that can; beside the linear model a simulator needs this angle.",
     ))
 }
 

@@ -170,8 +170,8 @@ impl ResetTest {
         (own, score)
     }
 
-    /// The square of the combination's product with the errors over the variance of that product, each error having its own: what chance exceeds
-    /// no more often than χ² with [`Found::degrees`], because the best of all combinations has that in noise of any evenness.
+    /// The square of the combination's product with the errors over the variance of that product, each error having its own. In many rows chance
+    /// exceeds it no more often than χ² with [`Found::degrees`], which the best of all combinations has in noise of any evenness.
     pub(super) fn statistic_in_uneven_noise(&self, fit: &GlsFit, found: &Found) -> f64 {
         let (offset, coordinates) = found.response.split_last().unwrap_or((&0.0, &[]));
         let impulse = fit.coordinates.impulse(coordinates);

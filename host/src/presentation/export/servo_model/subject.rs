@@ -141,7 +141,7 @@ impl<'a> ServoExport<'a> {
         range.map(|end| end.clamp(-NO_LIMIT, NO_LIMIT))
     }
 
-    /// The same without stops.
+    /// `servo` without stops.
     pub(super) fn without_stops(servo: ServoParameters) -> ServoParameters {
         ServoParameters {
             stops: Stops::default(),
@@ -178,11 +178,6 @@ fn least_of_each((a, b): (f64, f64), (c, d): (f64, f64)) -> (f64, f64) {
     (a.min(c), b.min(d))
 }
 
-/// Whether the shaft can move between its stops.
-fn has_travel([lowest, highest]: [f64; 2]) -> bool {
-    lowest < highest
-}
-
 /// Whether a servo can be computed: a model file may say anything.
 fn is_possible(servo: &ServoParameters) -> bool {
     let positive = |value: f64| value.is_finite() && value > 0.0;
@@ -202,7 +197,7 @@ fn is_possible(servo: &ServoParameters) -> bool {
         && positive(servo.gain.abs())
         && (servo.offset / servo.gain).is_finite()
         && not_negative(servo.dead_band.unwrap_or(0.0))
-        && has_travel(servo.range())
+        && servo.stops.have_travel()
         && limit
         && friction
         && servo.holding_command(0.0).is_finite()

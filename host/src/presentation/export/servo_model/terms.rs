@@ -113,13 +113,14 @@ impl ServoExport<'_> {
     pub(super) fn stops_in_words(&self, how: &str) -> Option<String> {
         let stops = self.stop_positions()?;
         let plural = self.parameters.stops.lower.and(self.parameters.stops.upper);
-        let has = match plural {
-            Some(_) => "They are",
-            None => "It is",
+        let (has, beyond) = match plural {
+            Some(_) => ("They are", "Commands beyond both were in the recording."),
+            None => (
+                "It is",
+                "A command beyond was in the recording; where another stop lies, or whether there is one, it does not show.",
+            ),
         };
-        Some(format!(
-            "Stops: {stops}. {has} part of {how}. A command beyond was in the recording; where another stop lies, or whether there is one, it does not show."
-        ))
+        Some(format!("Stops: {stops}. {has} part of {how}. {beyond}"))
     }
 
     fn drive(&self, term: Term) -> Option<String> {
