@@ -290,8 +290,11 @@ mod at_a_terminal {
         session.answer("position 5 of 5", "40");
         session.wait_for("no result", |seen| seen.contains("Put this into"));
         session.press("y\r");
+        // What it prints last may be read after its end.
+        session.wait_for("no next step", |seen| {
+            seen.contains("next: servoid capture --rig")
+        });
         assert!(session.end().success(), "{}", session.seen());
-        assert!(session.seen().contains("next: servoid capture --rig"));
         assert!(!session.seen().contains("DOUBTFUL"), "{}", session.seen());
         assert!(dir.path().join("rig-1.toml").exists());
         let sensor = RigFile::read(&rig).unwrap().sensor;
