@@ -3,7 +3,7 @@
 use super::brackets::Brackets;
 use super::crossings_and_peak::{AtLevels, Crossings, LEVELS, SETTLED, Shape, Windows};
 use super::draws;
-use super::interpolation::interpolation_errors;
+use super::interpolation::{coarseness, interpolation_errors};
 use super::interval::Interval;
 use super::inversion::{Known, Level, SureCrossing};
 use super::measured::Measured;
@@ -165,6 +165,12 @@ impl<'a> StepMetrics<'a> {
 
     /// When the response last leaves its band.
     pub(crate) fn settling(&self) -> Interval {
+        // Between samples the response may leave the band once more, or not come back where a line between them does.
+        let between = coarseness(&self.nominal);
+        self.settling_at_samples().reaching(between, between)
+    }
+
+    fn settling_at_samples(&self) -> Interval {
         let value = self.nominal.settling;
         let bracket = self.settling_bracket();
         if self.bias > 0.0 || !self.closes_in(&bracket) {
