@@ -9,6 +9,7 @@
 //! ```
 
 use servoid_identification::Run;
+use servoid_identification::column::mean;
 use servoid_identification::results::Model;
 
 /// The answer to one change of the command.
@@ -57,7 +58,7 @@ fn answer(at: (usize, usize), before: f64, hold: &[(f64, (f64, f64))]) -> Option
     let known = known.filter(|(error, speed)| !(error * speed).is_nan());
     let (mut left, mut speeds): (Vec<f64>, Vec<f64>) = known.unzip();
     for values in [&mut left, &mut speeds] {
-        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        let mean = mean(values)?;
         values.iter_mut().for_each(|value| *value -= mean);
     }
     let weight = lagged_product(&speeds, 0);

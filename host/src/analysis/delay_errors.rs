@@ -2,7 +2,7 @@
 
 use crate::data::dataset::in_ms;
 use crate::data::model_metadata::ModelMetadata;
-use servoid_identification::comparison::ComparisonOptions;
+use servoid_identification::comparison::{ComparisonOptions, DelayErrors};
 use servoid_identification::results::{Advice, Check, six_digits};
 
 /// The options of a comparison that allows for what the files of both sides say of their delays.
@@ -10,9 +10,12 @@ pub(super) fn allowed_for(
     sides: [&ModelMetadata; 2],
     options: ComparisonOptions,
 ) -> ComparisonOptions {
+    let [a, b] = sides.map(|side| side.sensor_delay_uncertainty_s);
     ComparisonOptions {
-        delay_errors_s: sides.map(|side| side.sensor_delay_uncertainty_s),
-        one_delay_error: of_one_sensor(sides),
+        delay_errors: match of_one_sensor(sides) {
+            true => DelayErrors::Shared(a),
+            false => DelayErrors::Apart([a, b]),
+        },
         ..options
     }
 }

@@ -39,27 +39,22 @@ impl Validated {
     /// model needs; the servo model needs neither.
     pub fn of(file: &ModelFile, model: &str, data: &Dataset, name: &str) -> Result<Self> {
         let servo = file.servo_model()?;
+        let servo = servo.as_ref();
         let metadata = ModelMetadata::from(&data.about);
         file.metadata.same_units(model, &metadata, name)?;
         let validation = file.model.validate(&data.record);
-        let fit_of_servo = servo.as_ref().map(|servo| servo.model.fit);
-        let own_of_servo = fit_of_servo.map(|fit| fit.simulation_percent);
-        let own_rmse_of_servo = fit_of_servo.map(|fit| fit.rmse);
+        let own_of_servo = servo.map(|servo| servo.model.fit.simulation_percent);
         let runs = data.record.runs();
-        let of_load = servo
-            .as_ref()
-            .and_then(|servo| load_at_rest::remedy(&servo.model, metadata.units()));
-        let is_linear =
-            file.model.linear && servo.as_ref().is_none_or(|servo| servo.model.is_linear());
+        let of_load = servo.and_then(|servo| load_at_rest::remedy(&servo.model, metadata.units()));
+        let is_linear = file.model.linear && servo.is_none_or(|servo| servo.model.is_linear());
         let period_s = data.record.sample_period_s();
         let misfit = |simulated: &[Vec<f64>]| Misfit::of(runs, simulated, period_s);
-        let mut of_servo = None;
-        let servo = servo.map(|servo| -> Result<Validation> {
-            let controllers = data.controllers.among(&servo.controller_names)?;
-            of_servo = Some(misfit(&servo.model.simulate(&data.record, &controllers)));
-            Ok(servo.model.validate(&data.record, &controllers)?)
-        });
-        let servo_model = servo.transpose()?;
+        let controllers = servo.map(|servo| data.controllers.among(&servo.controller_names));
+        let servo = servo.zip(controllers.transpose()?);
+        let servo_model = servo
+            .as_ref()
+            .map(|(servo, controllers)| servo.model.validate(&data.record, controllers));
+        let servo_model = servo_model.transpose()?;
         let (validation, only_servo) = match validation.map_err(of_its_own_period) {
             Ok(found) => (Some(found), None),
             Err(error) if servo_model.is_some() => (None, Some(only_servo_model(&error))),
@@ -68,17 +63,22 @@ impl Validated {
         let own = fingerprint::of(&data.record);
         let own = fingerprint::advice_on_validation(&file.fingerprints, &own);
         let unit = metadata.units().output.unwrap_or_default();
-        let own_rmse = file.model.fit.rmse;
         let of_linear = validation.as_ref().and_then(|found| {
-            let simulated: Vec<_> = runs.iter().map(|run| file.model.simulate(run)).collect();
-            let mut misfit = misfit(&simulated);
-            // What is slower in larger strokes is later there, and no delay.
-            misfit.lag = misfit.lag.filter(|_| is_linear);
-            larger_error("linear", found.rmse, &misfit, own_rmse, unit)
+            let misfit = || {
+                let simulated: Vec<_> = runs.iter().map(|run| file.model.simulate(run)).collect();
+                let misfit = misfit(&simulated);
+                Misfit {
+                    // What is slower in larger strokes is later there, and no delay.
+                    lag: misfit.lag.filter(|_| is_linear),
+                    ..misfit
+                }
+            };
+            larger_error("linear", [found.rmse, file.model.fit.rmse], misfit, unit)
         });
-        let of_servo = of_servo.zip(servo_model.zip(own_rmse_of_servo));
-        let of_servo = of_servo.and_then(|(misfit, (found, own))| {
-            larger_error("servo", found.rmse, &misfit, own, unit)
+        let of_servo = servo.as_ref().zip(servo_model.as_ref());
+        let of_servo = of_servo.and_then(|((servo, controllers), found)| {
+            let misfit = || misfit(&servo.model.simulate(&data.record, controllers));
+            larger_error("servo", [found.rmse, servo.model.fit.rmse], misfit, unit)
         });
         let own = only_servo
             .into_iter()
@@ -113,12 +113,11 @@ const LARGER_ERROR: f64 = 2.0;
 /// its own recording: a servo that is slower in larger strokes is later, too, and a shift leaves the rest of that.
 const OF_A_CAUSE: f64 = 0.5;
 
-/// That a model does not hold for a recording, with an error of `rmse`, as it did for its own.
+/// That a model does not hold for a recording, with an error of `rmse`, as it did for its own. `misfit` is asked for only then.
 fn larger_error(
     kind: &str,
-    rmse: f64,
-    misfit: &Misfit,
-    own_rmse: f64,
+    [rmse, own_rmse]: [f64; 2],
+    misfit: impl FnOnce() -> Misfit,
     unit: &str,
 ) -> Option<Advice> {
     let times = rmse / own_rmse;
@@ -133,13 +132,13 @@ fn larger_error(
             ),
             times,
             LARGER_ERROR,
-            cause(rmse, misfit, own_rmse, in_unit),
+            cause([rmse, own_rmse], &misfit(), in_unit),
         )
     })
 }
 
 /// What the error is, the simplest first, and what to do.
-fn cause(rmse: f64, misfit: &Misfit, own_rmse: f64, in_unit: impl Fn(f64) -> String) -> String {
+fn cause([rmse, own_rmse]: [f64; 2], misfit: &Misfit, in_unit: impl Fn(f64) -> String) -> String {
     let is_all = |left: f64| left < LARGER_ERROR * own_rmse;
     let is_most = |left: f64| is_all(left) && left < OF_A_CAUSE * misfit.left_of_offset;
     if is_all(misfit.left_of_offset) && misfit.left_of_offset < rmse {
@@ -219,8 +218,8 @@ mod tests {
         }
     }
 
-    fn remedy(misfit: &Misfit) -> String {
-        larger_error("linear", 0.8, misfit, 0.05, "deg")
+    fn remedy(misfit: Misfit) -> String {
+        larger_error("linear", [0.8, 0.05], || misfit, "deg")
             .unwrap()
             .remedy
     }
@@ -229,7 +228,7 @@ mod tests {
     fn a_delay_is_named_where_it_is_most_of_the_error() {
         let delayed = |left: f64| {
             let seconds = -0.02;
-            remedy(&Misfit {
+            remedy(Misfit {
                 lag: Some(Lag { seconds, left }),
                 ..misfit()
             })
@@ -250,7 +249,7 @@ mod tests {
 
     #[test]
     fn an_offset_a_gain_and_the_other_direction_are_named() {
-        let offset = remedy(&Misfit {
+        let offset = remedy(Misfit {
             offset: 0.79,
             left_of_offset: 0.06,
             // A shift leaves no less where there is no shift.
@@ -266,7 +265,7 @@ mod tests {
         );
         let scaled = |factor: f64| {
             let left = 0.06;
-            remedy(&Misfit {
+            remedy(Misfit {
                 scale: Some(Scale { factor, left }),
                 ..misfit()
             })

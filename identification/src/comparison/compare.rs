@@ -4,7 +4,7 @@ use super::difference::{Curves, Differences};
 use super::difference_curves::difference_curves;
 use super::metric_differences::{MetricsOfSide, metric_differences};
 use super::motion::Motion;
-use super::options::ComparisonOptions;
+use super::options::{ComparisonOptions, DelayErrors};
 use super::outcome::{Comparison, ComparisonBounds, DifferencePercent, SCHEMA, Sides, Subject};
 use super::over_prediction::{Predictor, over_prediction};
 use super::pair::{Identified, identified, same_period};
@@ -59,7 +59,7 @@ pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Co
         // The errors of a plain model hide a slow end of such a servo.
         [a.model.metrics.dc_gain, b.model.metrics.dc_gain] = [gain_a, gain_b];
     }
-    let [error_a, error_b] = options.delay_errors_s;
+    let [error_a, error_b] = options.delay_errors.of_sides();
     a.model = a.model.with_delay_error(error_a);
     b.model = b.model.with_delay_error(error_b);
     let models = [&a.model, &b.model];
@@ -152,9 +152,9 @@ fn of_curves(
     let level = options.identification.level;
     let [a, b] = models;
     let timing = a.timing();
-    let apart_s = match options.one_delay_error {
-        true => 0.0,
-        false => a.delay_error_s() + b.delay_error_s(),
+    let apart_s = match options.delay_errors {
+        DelayErrors::Shared(_) => 0.0,
+        DelayErrors::Apart(_) => a.delay_error_s() + b.delay_error_s(),
     };
     let apart = apart_s / timing.sample_period_s;
     let of_recordings = Differences::of(&curves[0], &curves[1], level);

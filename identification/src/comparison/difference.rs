@@ -63,6 +63,18 @@ impl Curves {
         }
     }
 
+    /// How far each point is from the farthest of its curve that is up to `samples` away.
+    fn reach_within(&self, samples: f64) -> Vec<f64> {
+        let of_curve = |curve: &[f64]| -> Vec<f64> {
+            let highest = farthest_within(samples, curve, f64::max);
+            let lowest = farthest_within(samples, curve, f64::min);
+            let ends = highest.into_iter().zip(lowest).zip(curve);
+            ends.map(|((high, low), at)| (high - at).max(at - low))
+                .collect()
+        };
+        self.value.chunks(self.points).flat_map(of_curve).collect()
+    }
+
     /// The final value.
     pub(crate) fn gain(&self) -> f64 {
         self.value[self.points - 1]
@@ -175,22 +187,14 @@ impl Differences {
         if samples == 0.0 {
             return self;
         }
-        let (points, gain) = (self.points, self.gain);
-        let reach = |curves: &Curves| {
-            let each = curves.value.chunks(points);
-            each.flat_map(|curve| {
-                let highest = farthest_within(samples, curve, f64::max);
-                let lowest = farthest_within(samples, curve, f64::min);
-                let ends = highest.into_iter().zip(lowest).zip(curve);
-                let reach = ends.map(|((high, low), at)| (high - at).max(at - low) / gain);
-                reach.collect::<Vec<f64>>()
-            })
-            .collect::<Vec<f64>>()
-        };
-        let (of_a, of_b) = (reach(a), reach(b));
-        let further = |(m, half): (usize, f64)| half + of_a[m].max(of_b[m]);
+        let gain = self.gain;
+        let further = |(half, (a, b)): (f64, (f64, f64))| half + a.max(b) / gain;
+        let reaches = a
+            .reach_within(samples)
+            .into_iter()
+            .zip(b.reach_within(samples));
         Self {
-            half: (self.half).map(|half| half.into_iter().enumerate().map(further).collect()),
+            half: (self.half).map(|half| half.into_iter().zip(reaches).map(further).collect()),
             ..self
         }
     }

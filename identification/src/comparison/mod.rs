@@ -45,7 +45,7 @@ mod words;
 
 pub use compare::{compare, compare_models};
 pub use motion::Motion;
-pub use options::ComparisonOptions;
+pub use options::{ComparisonOptions, DelayErrors};
 pub use outcome::{
     Asymmetry, Comparison, ComparisonBounds, CurveBounds, DifferenceCurve, DifferencePercent,
     Direction, Levels, MetricDifference, SCHEMA, Sides, Subject,

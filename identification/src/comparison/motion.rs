@@ -66,18 +66,13 @@ impl Motion {
     #[must_use]
     pub fn is_like(&self, other: &Self) -> bool {
         let range = (self.highest - self.lowest).max(other.highest - other.lowest);
-        // The ends of random levels are random.
-        let equally_large = match self.has_random_levels() {
-            true => RANDOM_ENDS,
-            false => EQUALLY_LARGE,
+        // The ends and holds of random levels are random.
+        let (equally_large, equally_long) = match self.has_random_levels() {
+            true => (RANDOM_ENDS, EQUALLY_LONG.powi(2)),
+            false => (EQUALLY_LARGE, EQUALLY_LONG),
         };
         let near = |a: f64, b: f64| (a - b).abs() <= equally_large * range;
         let longer = self.hold_s.max(other.hold_s);
-        // So are their holds.
-        let equally_long = match self.has_random_levels() {
-            true => EQUALLY_LONG.powi(2),
-            false => EQUALLY_LONG,
-        };
         let as_long = longer <= equally_long * self.hold_s.min(other.hold_s);
         near(self.lowest, other.lowest)
             && near(self.highest, other.highest)

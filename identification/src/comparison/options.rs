@@ -2,6 +2,26 @@
 
 use crate::options::Options;
 
+/// By how much the outputs of two sides may have been recorded earlier or later than they are taken for, at most \[s\]. Models contain their own
+/// errors: of them only which of the two it is counts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum DelayErrors {
+    /// By one and the same time, as that of one sensor is: nothing of it is in a difference.
+    Shared(f64),
+    /// Each by a time of its own: differences contain both.
+    Apart([f64; 2]),
+}
+
+impl DelayErrors {
+    /// Those of both sides \[s\].
+    pub(super) fn of_sides(self) -> [f64; 2] {
+        match self {
+            Self::Shared(seconds) => [seconds; 2],
+            Self::Apart(seconds) => seconds,
+        }
+    }
+}
+
 /// Options of a comparison.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ComparisonOptions {
@@ -14,10 +34,8 @@ pub struct ComparisonOptions {
     pub wait_samples: Option<usize>,
     /// Standard deviation of the sensor's zero between the two sides \[output\].
     pub zero_sd: f64,
-    /// The output of each side may have been recorded earlier or later than its record says, by up to this \[s\]; models contain theirs.
-    pub delay_errors_s: [f64; 2],
-    /// Whether these errors are one and the same on both sides, as those of one sensor are: then nothing of them is in a difference.
-    pub one_delay_error: bool,
+    /// By how much the output of either side may have been recorded earlier or later than its record says.
+    pub delay_errors: DelayErrors,
     /// The size of all strokes in the recording of each of two models, where each has one \[input\]; records show theirs by themselves.
     pub strokes_of_models: Option<[f64; 2]>,
     /// The unit of the input, for sentences; empty when it is not known.
@@ -33,8 +51,7 @@ impl Default for ComparisonOptions {
             identification: Options::default(),
             wait_samples: None,
             zero_sd: 0.0,
-            delay_errors_s: [0.0; 2],
-            one_delay_error: false,
+            delay_errors: DelayErrors::Apart([0.0; 2]),
             strokes_of_models: None,
             input_unit: String::new(),
             output_unit: String::new(),

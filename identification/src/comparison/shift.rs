@@ -193,8 +193,8 @@ impl Pair {
             let (curve, m) = (place / self.points, place % self.points);
             let around = Around::new(m as f64 - shift, self.points);
             let value = |k: i64| {
-                let index = (around.before + k).min(self.points as i64 - 1);
-                usize::try_from(index).map_or(0.0, |index| self.a[curve * self.points + index])
+                let index = around.sample(k);
+                index.map_or(0.0, |index| self.a[curve * self.points + index])
             };
             let bend = |k: i64| value(k - 1) - 2.0 * value(k) + value(k + 1);
             error += first.abs() * (bend(1) - bend(0)).abs() / 8.0;
@@ -284,12 +284,15 @@ impl Around {
             -t * (3.0 * t - 2.0) / 2.0,
         ];
         let second = [2.0 - 3.0 * t, 9.0 * t - 5.0, 4.0 - 9.0 * t, 3.0 * t - 1.0];
-        let last = self.points as i64 - 1;
         (0..4).filter_map(move |k| {
-            let index = (self.before - 1 + k as i64).min(last);
-            let index = usize::try_from(index).ok()?;
+            let index = self.sample(k as i64 - 1)?;
             Some((index, [value[k], first[k], second[k]]))
         })
+    }
+
+    /// The sample that lies `k` behind the one before the place: the last after the end, and none before the edge.
+    fn sample(&self, k: i64) -> Option<usize> {
+        usize::try_from((self.before + k).min(self.points as i64 - 1)).ok()
     }
 
     fn sum(&self, values: &[f64], derivative: usize) -> f64 {

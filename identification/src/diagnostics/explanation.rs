@@ -159,16 +159,13 @@ impl Explanation {
                 .narrowest_bank()
                 .and_then(|bank| Some((bank.frequencies, percent(bank)?)));
             let widths = match (narrowest, percent(all)) {
-                (Some((count, _)), Some(width)) if count == all.frequencies => {
+                (Some((count, _)), Some(width)) if count == all.frequencies => format!(
+                    "{} (mean half width {width:.2} % of the gain)",
                     match structure.frequencies < count {
-                        true => format!(
-                            "; all of them would give the narrowest band (mean half width {width:.2} % of the gain)"
-                        ),
-                        false => format!(
-                            ", and none would give a narrower band than all (mean half width {width:.2} % of the gain)"
-                        ),
+                        true => "; all of them would give the narrowest band",
+                        false => ", and none would give a narrower band than all",
                     }
-                }
+                ),
                 (Some((count, least)), Some(width)) => format!(
                     "; with all the band has a mean half width of {width:.2} % of the gain, and it would be \
                      narrowest, {least:.2} %, with {count}"

@@ -9,11 +9,11 @@
 //!
 //! at R - 1 degrees of freedom, with m_g and m_t the variances of the mean of R gains and delays, from how these differ. s is the change for a
 //! delay of one sample. The model's slope is itself that of a response which came too late or too early, and at a kink another one holds a
-//! sample later. With b, whose effect on a step response is half the difference of the slopes before and after a sample, the root mean square of
-//! both slopes counts. No test
-//! decides whether they scatter: one that finds nothing in strong noise leaves a scatter as large as the noise out. Nor is the noise
-//! subtracted from these variances: Student's t holds for the whole mean square of a few runs, and not for what is left of it. The
-//! price is that noise along x and s counts twice, at once in V and in m. Two runs show that they differ, but not by how much runs do.
+//! sample later. With b, whose effect on a step response is half the difference of the slopes before and after a sample, the root mean square
+//! of both slopes counts. No test decides whether they scatter: one that finds nothing in strong noise leaves a scatter as large as the noise
+//! out. Nor is the noise subtracted from these variances: Student's t holds for the whole mean square of a few runs, and not for what is left
+//! of it. The price is that noise along x and s counts twice, at once in V and in m. Two runs show that they differ, but not by how much runs
+//! do.
 
 use faer::Mat;
 

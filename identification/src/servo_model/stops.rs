@@ -4,6 +4,7 @@
 //! drive does not overcome holds the shaft as well.
 
 use crate::data::Record;
+use crate::data::column::mean;
 use crate::diagnostics::{TravelEnd, extreme_rests};
 use servoid_dynamics::Stops;
 
@@ -45,10 +46,14 @@ pub(super) fn possible(record: &Record, known: &[f64]) -> Vec<Stops> {
 /// The lower and the upper stop among some outputs: the output is nowhere beyond a stop, so its mean is between them.
 fn among(record: &Record, at: &[f64]) -> Stops {
     let outputs = record.runs().iter().flat_map(|run| run.output());
-    let measured: Vec<f64> = outputs.copied().filter(|y| !y.is_nan()).collect();
-    let mean = measured.iter().sum::<f64>() / measured.len() as f64;
+    let middle = mean(&outputs.copied().collect::<Vec<f64>>());
+    let of = |is_beyond: fn(f64, f64) -> bool| {
+        at.iter()
+            .copied()
+            .find(|end| middle.is_some_and(|middle| is_beyond(*end, middle)))
+    };
     Stops {
-        lower: at.iter().copied().find(|end| *end < mean),
-        upper: at.iter().copied().find(|end| *end > mean),
+        lower: of(|end, middle| end < middle),
+        upper: of(|end, middle| end > middle),
     }
 }

@@ -98,14 +98,7 @@ impl About {
     }
 
     pub(super) fn merge(&mut self, other: Self) {
-        let agree = |mine: &mut Option<String>, theirs: Option<String>| {
-            if *mine != theirs {
-                *mine = None;
-            }
-        };
-        self.pulse_frame_s = self
-            .pulse_frame_s
-            .filter(|_| self.pulse_frame_s == other.pulse_frame_s);
+        agree(&mut self.pulse_frame_s, &other.pulse_frame_s);
         self.staircase &= other.staircase;
         self.commands_at_rows |= other.commands_at_rows;
         self.polled |= other.polled;
@@ -115,13 +108,11 @@ impl About {
             other.sensor_delay_uncertainty_s,
         );
         self.sensor_delay_uncertainty_s = mine.max(theirs);
-        agree(&mut self.input_unit, other.input_unit);
-        agree(&mut self.output_unit, other.output_unit);
-        agree(&mut self.condition, other.condition);
-        agree(&mut self.board_id, other.board_id);
-        self.sensor_delay_s = self
-            .sensor_delay_s
-            .filter(|_| self.sensor_delay_s == other.sensor_delay_s);
+        agree(&mut self.input_unit, &other.input_unit);
+        agree(&mut self.output_unit, &other.output_unit);
+        agree(&mut self.condition, &other.condition);
+        agree(&mut self.board_id, &other.board_id);
+        agree(&mut self.sensor_delay_s, &other.sensor_delay_s);
         self.calibrations.extend(other.calibrations);
         self.provenance.extend(other.provenance);
         self.remarks.extend(other.remarks);
@@ -140,6 +131,13 @@ impl About {
         self.advice
             .push(Advice::new(check, finding, value, threshold, remedy));
         self.remarks.push(remark);
+    }
+}
+
+/// What is not the same in another file is not known of both.
+fn agree<T: PartialEq>(mine: &mut Option<T>, theirs: &Option<T>) {
+    if mine != theirs {
+        *mine = None;
     }
 }
 

@@ -76,7 +76,7 @@ pub(super) fn from_recording(
         about: About {
             sensor_delay_uncertainty_s: delay.uncertainty_s,
             sensor_delay_s: Some(delay.delay_s),
-            board_id: Some(header.board_id.clone()).filter(|id| !id.is_empty()),
+            board_id: header.known_board_id(),
             ..about
         },
     })

@@ -9,8 +9,7 @@ use super::{sentinel_values, suggested_columns, wrapped_angle};
 use crate::data::table::{Table, TableFault, unit_of};
 use crate::data::timeline::{self, Stretch, TimeColumn};
 use clap::ValueEnum;
-use servoid_identification::results::six_digits;
-use servoid_identification::results::{Advice, Check};
+use servoid_identification::results::{Advice, Check, six_digits};
 use std::path::Path;
 
 /// The runs of a table, which is the file `path`.

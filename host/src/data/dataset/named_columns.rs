@@ -52,7 +52,7 @@ pub(super) fn timed(
         );
     }
     about.sensor_delay_s = Some(delay.delay_s);
-    about.board_id = Some(header.board_id.clone()).filter(|id| !id.is_empty());
+    about.board_id = header.known_board_id();
     about.sensor_delay_uncertainty_s = about.sensor_delay_uncertainty_s.max(delay.uncertainty_s);
     about.pulse_frame_s = Some(f64::from(header.pulse_period_us) / 1e6);
     Ok(Loaded {

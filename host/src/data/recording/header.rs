@@ -214,6 +214,11 @@ impl Header {
         }
     }
 
+    /// The board's unique number; `None` where it has none.
+    pub fn known_board_id(&self) -> Option<String> {
+        Some(self.board_id.clone()).filter(|id| !id.is_empty())
+    }
+
     /// Whether the board ran on its internal oscillator.
     pub fn has_inexact_clock(&self) -> bool {
         self.clock == format!("{:?}", ClockSource::InternalRc)

@@ -44,8 +44,9 @@ pub(crate) use servoid_identification::results::with_unit;
 
 use crate::data::model_metadata::ModelMetadata;
 use layout::findings;
-use servoid_identification::results::six_digits;
-use servoid_identification::results::{Advice, Bounds, Model, Precedence, SelectedBy, Validation};
+use servoid_identification::results::{
+    Advice, Bounds, Model, Precedence, SelectedBy, Validation, six_digits,
+};
 
 /// The level of a model's bounds, as text.
 pub(crate) fn level_text(model: &Model) -> String {

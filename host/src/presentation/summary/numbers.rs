@@ -1,7 +1,6 @@
 //! Numbers with the digits that mean something, and no others.
 
-use servoid_identification::results::six_digits;
-use servoid_identification::results::{Bounds, Interval};
+use servoid_identification::results::{Bounds, Interval, six_digits};
 
 /// "p = 0.021"; a test that could not be made has none.
 pub(crate) fn probability(p: Option<f64>) -> String {

@@ -6,8 +6,7 @@ use super::numbers::percent;
 use super::servo_model::{digits_beside, four_digits, scale_and_unit, under_load};
 use crate::data::units::Units;
 use servoid_identification::comparison::{QuantityPair, ServoModelComparison};
-use servoid_identification::results::with_unit;
-use servoid_identification::results::{Bounds, Interval};
+use servoid_identification::results::{Bounds, Interval, with_unit};
 
 /// Quantities that a sentence names at the most; the table has them all.
 const NAMED: usize = 4;

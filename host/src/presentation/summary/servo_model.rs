@@ -4,8 +4,7 @@ use super::layout::wrapped;
 use super::numbers::head_of_bounds;
 use crate::data::model_file::ServoModelDocument;
 use crate::data::units::Units;
-use servoid_identification::results::with_unit;
-use servoid_identification::results::{Bounds, Interval};
+use servoid_identification::results::{Bounds, Interval, with_unit};
 use servoid_identification::servo_model::{
     LadderRung, LinearKind, LinearModelFit, LinearModels, LoadKind, Quantity, QuantityKind,
     ServoFit, ServoModel, Spread, Stops, Terms, Unit,
@@ -76,8 +75,7 @@ fn whose_controller(document: &ServoModelDocument) -> Option<String> {
 
 /// Where the servo stops.
 fn stops_in_words(stops: Stops, units: Units<'_>) -> Option<String> {
-    let unit = units.output.map(|unit| format!(" {unit}"));
-    let at = |end: f64| four_digits(end) + unit.as_deref().unwrap_or_default();
+    let at = |end: f64| with_unit(four_digits(end), units.output.unwrap_or_default());
     match [stops.lower, stops.upper].map(|end| end.map(at)) {
         [None, None] => None,
         [Some(lower), Some(upper)] => Some(format!("stops at {lower} and {upper}")),

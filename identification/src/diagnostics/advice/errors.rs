@@ -91,7 +91,7 @@ fn reason_in_words(misfit: &Misfit) -> (String, f64, f64) {
             (words, plain - generalised, WHITENING_COST_POINTS)
         }
         MisfitEvidence::Misfit(found) => {
-            let words = format!("{left}, and the residual {}", excess(&found).1);
+            let words = format!("{left}, and the residual {}", excess(&found).shown_by);
             (words, unexplained, UNEXPLAINED_PERCENT)
         }
         MisfitEvidence::Runs(found) => {
@@ -113,7 +113,9 @@ fn reason_in_words(misfit: &Misfit) -> (String, f64, f64) {
             (words, percent, MATERIAL_MISFIT_PERCENT)
         }
         MisfitEvidence::NoSteps(found, seen) => {
-            let (percent, shown_by) = excess(&found);
+            let Excess {
+                percent, shown_by, ..
+            } = excess(&found);
             let words = format!(
                 "the servo is not linear ({percent:.1} % of the motion, rms, {shown_by}), and only {:.0} % of the \
                  steps of the reference are held until it has followed: its response to a step was not seen",
@@ -124,37 +126,48 @@ fn reason_in_words(misfit: &Misfit) -> (String, f64, f64) {
     }
 }
 
-/// How much of the motion is not explained by noise \[% rms\], and what shows it. The functions of the motion
-/// describe the errors more closely than the noise at rest does, so they come first.
-fn excess(found: &Linearity) -> (f64, String) {
+/// What of the motion noise does not explain.
+struct Excess {
+    /// Over all of it \[% rms\].
+    percent: f64,
+    /// Where it is large \[% rms\], as far as that is known: it is what has to matter.
+    material_percent: f64,
+    /// What shows it.
+    shown_by: String,
+}
+
+/// The functions of the motion describe the errors more closely than the noise at rest does, so they come first.
+fn excess(found: &Linearity) -> Excess {
     match found.against_rest().filter(|_| !found.by_functions()) {
-        Some(rest) => (
-            rest.misfit_percent,
-            format!(
+        Some(rest) => Excess {
+            percent: rest.misfit_percent,
+            material_percent: rest.misfit_percent,
+            shown_by: format!(
                 "is {:.1} times the noise at rest ({})",
                 rest.ratio,
                 probability(rest.p)
             ),
-        ),
-        None => (
-            found.misfit_percent,
-            format!(
+        },
+        None => Excess {
+            percent: found.misfit_percent,
+            material_percent: found.local_percent,
+            shown_by: format!(
                 "follows the motion in a way that neither noise nor a linear servo can ({}), {:.1} % where that is large",
                 probability(found.p),
                 found.local_percent
             ),
-        ),
+        },
     }
 }
 
 pub(super) fn not_linear(evidence: &Evidence<'_>) -> Option<Advice> {
     let linearity = evidence.explanation.linearity;
     let found = linearity.filter(|found| found.is_rejected() && evidence.misfit().is_none())?;
-    let (percent, shown_by) = excess(&found);
-    let material = match found.by_functions() {
-        true => found.local_percent,
-        false => percent,
-    };
+    let Excess {
+        percent,
+        material_percent,
+        shown_by,
+    } = excess(&found);
     let settling = evidence.explanation.settling.as_ref();
     let unsettled = settling.filter(|choice| !choice.settled && !evidence.has_bounds());
     let what = match unsettled {
@@ -177,7 +190,7 @@ pub(super) fn not_linear(evidence: &Evidence<'_>) -> Option<Advice> {
     Some(Advice::new(
         Check::Linearity,
         format!("{what}: {percent:.1} % of the motion (rms) {shown_by}. {consequence}"),
-        material,
+        material_percent,
         MATERIAL_MISFIT_PERCENT,
         "Compare only what was recorded with the same reference; look at strokes up and down and at the \
          limits of speed and travel apart.",

@@ -173,21 +173,17 @@ impl ResetTest {
     /// The square of the combination's product with the errors over the variance of that product, each error having its own. In many rows chance
     /// exceeds it no more often than χ² with [`Found::degrees`], which the best of all combinations has in noise of any evenness.
     pub(super) fn statistic_in_uneven_noise(&self, fit: &GlsFit, found: &Found) -> f64 {
-        let (offset, coordinates) = found.response.split_last().unwrap_or((&0.0, &[]));
-        let impulse = fit.coordinates.impulse(coordinates);
+        let combination = Combination::new(fit, found);
         let d = noise_filter(&fit.ar);
-        let offset = offset * d.iter().sum::<f64>();
+        let gain: f64 = d.iter().sum();
         let (mut product, mut variance) = (0.0, 0.0);
         for run in &self.runs {
-            let explained = causal_filter(&impulse, &filtered(&run.input, &d), None);
-            let explained = &explained[run.history..];
-            for k in run.rows.iter().cloned().flatten() {
-                let combined: f64 = (run.filtered.iter().zip(&run.columns))
-                    .map(|(z, &column)| found.coefficients.get(column).unwrap_or(&0.0) * z[k])
-                    .sum();
-                let beyond = combined - explained[k] - offset;
-                product += beyond * run.errors[k];
-                variance += (beyond * (run.errors[k] - beyond)).powi(2);
+            let input = filtered(&run.input, &d);
+            for (rows, beyond) in combination.beyond(run, &run.filtered, (&input, gain)) {
+                for (beyond, error) in beyond.iter().zip(&run.errors[rows]) {
+                    product += beyond * error;
+                    variance += (beyond * (error - beyond)).powi(2);
+                }
             }
         }
         if variance > 0.0 {
@@ -197,25 +193,12 @@ impl ResetTest {
         }
     }
 
-    /// The combination found, less what the model explains of it, over the rows.
+    /// The size of the combination found, less what the model explains of it, over the rows.
     pub(super) fn misfit(&self, fit: &GlsFit, found: &Found) -> MisfitSize {
-        let (offset, coordinates) = found.response.split_last().unwrap_or((&0.0, &[]));
-        let impulse = fit.coordinates.impulse(coordinates);
+        let combination = Combination::new(fit, found);
         let (mut square, mut fourth, mut count) = (0.0, 0.0, 0usize);
         for run in &self.runs {
-            let explained = causal_filter(&impulse, &run.input, None);
-            let explained = &explained[run.history..];
-            for rows in &run.rows {
-                let mut beyond: Vec<f64> = explained[rows.clone()]
-                    .iter()
-                    .map(|explained| -explained - offset)
-                    .collect();
-                for (z, &column) in run.functions.iter().zip(&run.columns) {
-                    let coefficient = found.coefficients.get(column).unwrap_or(&0.0);
-                    for (beyond, z) in beyond.iter_mut().zip(&z[rows.clone()]) {
-                        *beyond += coefficient * z;
-                    }
-                }
+            for (_, beyond) in combination.beyond(run, &run.functions, (&run.input, 1.0)) {
                 square += dot(&beyond, &beyond);
                 fourth += beyond.iter().map(|x| x.powi(4)).sum::<f64>();
                 count += beyond.len();
@@ -229,6 +212,47 @@ impl ResetTest {
                 0.0
             },
         }
+    }
+}
+
+/// The combination of the functions that was found, and the model's answer that is part of it.
+struct Combination<'f> {
+    coefficients: &'f [f64],
+    impulse: Vec<f64>,
+    offset: f64,
+}
+
+impl<'f> Combination<'f> {
+    fn new(fit: &GlsFit, found: &'f Found) -> Self {
+        let (offset, coordinates) = found.response.split_last().unwrap_or((&0.0, &[]));
+        Self {
+            coefficients: &found.coefficients,
+            impulse: fit.coordinates.impulse(coordinates),
+            offset: *offset,
+        }
+    }
+
+    /// The combination of the `functions` of a run, less the model's answer to `input` and an offset of the size `one`, in each stretch of
+    /// the rows.
+    fn beyond<'r>(
+        &'r self,
+        run: &'r RunColumns,
+        functions: &'r [Vec<f64>],
+        (input, one): (&[f64], f64),
+    ) -> impl Iterator<Item = (Range<usize>, Vec<f64>)> + 'r {
+        let answer = causal_filter(&self.impulse, input, None).split_off(run.history);
+        let offset = self.offset * one;
+        run.rows.iter().cloned().map(move |rows| {
+            let answer = answer[rows.clone()].iter();
+            let mut beyond: Vec<f64> = answer.map(|answer| -answer - offset).collect();
+            for (z, &column) in functions.iter().zip(&run.columns) {
+                let coefficient = self.coefficients.get(column).unwrap_or(&0.0);
+                for (beyond, z) in beyond.iter_mut().zip(&z[rows.clone()]) {
+                    *beyond += coefficient * z;
+                }
+            }
+            (rows, beyond)
+        })
     }
 }
 

@@ -47,12 +47,13 @@ impl Interval {
         }
     }
 
-    /// The interval with its lower bound `below` further out, and its upper bound `above`.
+    /// The interval with its lower bound `below` further out, and its upper bound `above`: none where that is endless.
     #[must_use]
     pub(crate) fn reaching(self, below: f64, above: f64) -> Self {
+        let upper = self.upper.map(|upper| upper + above);
         Self {
             lower: self.lower.map(|lower| lower - below),
-            upper: self.upper.map(|upper| upper + above),
+            upper: upper.filter(|upper| upper.is_finite()),
             ..self
         }
     }

@@ -57,12 +57,13 @@ impl<'a> StepMetrics<'a> {
             }
         };
         let between = interpolation_errors(&self.curve, &self.nominal);
-        let also = |interval: Interval, error: f64| widened(interval, (-error, error));
+        let moved = |interval: Interval, (first, last): (f64, f64)| interval.reaching(-first, last);
+        let also = |interval: Interval, error: f64| interval.reaching(error, error);
         let (early, late) = (bias(|c| c.tenth), bias(|c| c.ninety));
-        let rise = widened(noise.rise, (late.0 - early.1, late.1 - early.0));
+        let rise = moved(noise.rise, (late.0 - early.1, late.1 - early.0));
         RiseIntervals {
-            delay: also(widened(noise.delay, bias(|c| c.delay)), between.delay),
-            half: also(widened(noise.half, bias(|c| c.half)), between.half),
+            delay: also(moved(noise.delay, bias(|c| c.delay)), between.delay),
+            half: also(moved(noise.half, bias(|c| c.half)), between.half),
             rise: also(rise, between.tenth + between.ninety),
         }
     }
@@ -276,17 +277,6 @@ impl Critical {
             one: normal_upper_quantile(tail),
             all: normal_upper_quantile(tail / samples as f64),
         }
-    }
-}
-
-fn widened(interval: Interval, (below, above): (f64, f64)) -> Interval {
-    Interval {
-        value: interval.value,
-        lower: interval.lower.map(|lower| lower + below),
-        upper: interval
-            .upper
-            .map(|upper| upper + above)
-            .filter(|upper| upper.is_finite()),
     }
 }
 

@@ -7,8 +7,7 @@ use crate::presentation::export::statement::units_in_words;
 use crate::presentation::export::text::number;
 use crate::presentation::summary;
 use crate::presentation::summary::four_digits;
-use servoid_identification::results::Bounds;
-use servoid_identification::results::six_digits;
+use servoid_identification::results::{Bounds, six_digits};
 use servoid_identification::servo_model::{Quantity, QuantityKind, ReachedSpeeds};
 
 /// How the difference of an export from the servo model was found.
