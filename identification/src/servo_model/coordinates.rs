@@ -69,6 +69,16 @@ impl Coordinate {
         )
     }
 
+    /// `value` after the step `change` of the fit. The share of a motor that is hardly damped and its top speed have a product that a record
+    /// determines, and no limits: both go there in logarithms, in which that is a straight line.
+    pub(super) fn moved(self, value: f64, change: f64) -> f64 {
+        match self {
+            MotorShare => value * (change / value).clamp(-1.0, 1.0).exp(),
+            _ if self.is_logarithm() => value + change.clamp(-1.0, 1.0),
+            _ => value + change,
+        }
+    }
+
     /// The values that make a servo. Logarithms are held within what `f64` and the step of the integration can do.
     pub(super) fn range(self, longest_delay_s: f64) -> (f64, f64) {
         match self {
@@ -76,7 +86,7 @@ impl Coordinate {
             LnStiffness => (-6.0, 18.0),
             LnDamping => (-5.0, 12.0),
             LnTopSpeed => (-12.0, 25.0),
-            MotorShare => (0.002, 1.0),
+            MotorShare => (1e-5, 1.0),
             FrictionOfGears => (0.0, 0.9),
             LnDownToUp | LnOwnStiffness(_) => (-4.0, 4.0),
             DeadBand | Coordinate::Friction | FrictionAtRest => (0.0, f64::INFINITY),

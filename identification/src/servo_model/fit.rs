@@ -257,12 +257,8 @@ impl Problem<'_> {
         let mut next = point.clone();
         for (&i, change) in free.iter().zip(step) {
             let coordinate = point.coordinates[i];
-            let change = match coordinate.is_logarithm() {
-                true => change.clamp(-1.0, 1.0),
-                false => *change,
-            };
             let (low, high) = coordinate.range(self.longest_delay_s);
-            next.values[i] = (next.values[i] + change).clamp(low, high);
+            next.values[i] = coordinate.moved(next.values[i], *change).clamp(low, high);
         }
         let changes = next.values.iter().zip(&point.values);
         let changes: Vec<f64> = changes.map(|(new, old)| new - old).collect();
