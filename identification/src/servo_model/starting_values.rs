@@ -220,7 +220,7 @@ fn grid(shown: &Shown, terms: Terms, controllers: usize, own: (f64, &[f64])) -> 
                 points.push(servo);
                 continue;
             }
-            for (factor, share) in [(0.6, 0.9), (1.2, 0.3), (1.2, 0.9)] {
+            for (factor, share) in [(0.6, 0.9), (1.2, 0.3), (1.2, 0.9), (8.0, 0.05)] {
                 let mut limited = servo.clone();
                 limited.set(Coordinate::LnTopSpeed, (factor * shown.top_speed).ln());
                 limited.set(Coordinate::MotorShare, share);

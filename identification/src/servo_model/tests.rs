@@ -1,7 +1,7 @@
 //! The equation against exact answers, and the fit against servos that are known.
 
 use super::coordinates::{Coordinate, FRICTION_SPEED_SHARE, LoadKind, Point, Terms};
-use super::{Alternative, ServoModel, ServoModelOptions, Spread, fit};
+use super::{Alternative, QuantityKind, ServoModel, ServoModelOptions, Spread, fit};
 use crate::data::{Record, Run};
 use crate::results::{Bounds, Interval, Reason};
 use rand::{RngExt, SeedableRng};
@@ -208,6 +208,46 @@ fn a_limited_servo_is_found_again() {
         assert!(
             (value - truth).abs() <= half + 1e-6,
             "{value} {half} {truth}"
+        );
+    }
+}
+
+/// The motor has next to no damping of its own: full drive ends in no speed.
+#[test]
+fn a_servo_whose_acceleration_alone_is_limited_is_found_again() {
+    let full_drive = 2500.0;
+    let undamped = |at: Coordinate| match at {
+        Coordinate::LnDamping => 60f64.ln(),
+        Coordinate::LnStiffness => 3600f64.ln(),
+        Coordinate::MotorShare => 1e-4,
+        Coordinate::LnTopSpeed => (full_drive / (1e-4 * 60f64)).ln(),
+        other => value(other),
+    };
+    let terms = Terms {
+        limit: true,
+        ..Terms::default()
+    };
+    let servo = point(terms, undamped);
+    // Held twice as long, until it rests.
+    let input: Vec<f64> = (strokes(4000).into_iter())
+        .flat_map(|level| [level; 2])
+        .collect();
+    let record = Record::of_run(PERIOD_S, &input, noisy(&servo, &input, 1)).unwrap();
+    let found = fit(&record, &ServoModelOptions::default()).unwrap();
+    assert_eq!(found.terms, terms);
+    for kind in [
+        QuantityKind::Bandwidth,
+        QuantityKind::DampingRatio,
+        QuantityKind::ErrorOfFullDrive,
+        QuantityKind::AccelerationUpwards,
+        QuantityKind::TopSpeedUpwards,
+    ] {
+        let mut all = super::quantities::values(&servo).into_iter();
+        let (_, truth) = all.find(|(name, _)| *name == kind.name()).unwrap();
+        let interval = found.quantity(kind).unwrap().interval;
+        assert!(
+            interval.valid().unwrap().contains(truth),
+            "{kind:?}: {truth} {interval:?}"
         );
     }
 }

@@ -16,6 +16,8 @@ pub(super) enum Kind {
     InClass,
     /// Within the class too, at the edge of it: the drive is there at once, so that only the speed is limited.
     RateLimit,
+    /// Within the class too, at its other edge: only the acceleration is limited.
+    UndampedMotor,
     Stiction,
     Backlash,
     CurrentLimit,
@@ -23,9 +25,10 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    pub(super) const ALL: [Self; 6] = [
+    pub(super) const ALL: [Self; 7] = [
         Self::InClass,
         Self::RateLimit,
+        Self::UndampedMotor,
         Self::Stiction,
         Self::Backlash,
         Self::CurrentLimit,
@@ -35,7 +38,7 @@ impl Kind {
     /// What servos of this kind have beyond the class.
     fn beyond(self, top_speed: f64, between: &mut impl FnMut(f64, f64) -> f64) -> Beyond {
         match self {
-            Self::InClass | Self::RateLimit => Beyond::Nothing,
+            Self::InClass | Self::RateLimit | Self::UndampedMotor => Beyond::Nothing,
             Self::Stiction => Beyond::Stiction {
                 excess: between(0.5, 2.0),
                 until: top_speed * between(0.002, 0.02),
@@ -56,6 +59,7 @@ impl fmt::Display for Kind {
         f.pad(match self {
             Self::InClass => "in class",
             Self::RateLimit => "rate limit",
+            Self::UndampedMotor => "undamped motor",
             Self::Stiction => "stiction",
             Self::Backlash => "backlash",
             Self::CurrentLimit => "current limit",
@@ -83,12 +87,11 @@ pub(super) fn servo(kind: Kind, seed: u64) -> Truth {
             let bandwidth = between(25.0, 70.0);
             let damping = 2.0 * between(0.6, 1.1) * bandwidth;
             let full_drive = between(1.0, 4.0);
-            [
-                bandwidth * bandwidth,
-                damping,
-                full_drive,
-                between(0.2, 0.6),
-            ]
+            let share = match kind {
+                Kind::UndampedMotor => 1e-4,
+                _ => between(0.2, 0.6),
+            };
+            [bandwidth * bandwidth, damping, full_drive, share]
         }
     };
     let top_speed = full_drive * stiffness / (share * damping);
