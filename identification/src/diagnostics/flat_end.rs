@@ -13,7 +13,8 @@ use crate::data::{EXACTLY, Hold, Record, Run, holds, last_quarter, mean_output, 
 use crate::numerics::{dot, square_about_mean};
 use crate::thresholds::{SHORT_LEVEL_SIGNIFICANCE, STOP_GAIN};
 
-/// Commands that a line takes at least: with fewer, a bend is a stop. A run of fewer rests does not show its own offset.
+/// Commands that show a line and its end at least: those of the line, and those of an end that rest at one angle with another. With fewer, a
+/// bend is a stop. A run of fewer rests does not show its own offset.
 const FEWEST: usize = 3;
 
 /// Rests at a flat end.
@@ -111,6 +112,14 @@ fn places(rests: &[Rest]) -> Vec<usize> {
     all.into_iter().step_by(every).collect()
 }
 
+/// How often the command changes, among rests by the command.
+fn changes(rests: &[Rest]) -> usize {
+    let pairs = rests.windows(2);
+    pairs
+        .filter(|pair| pair[0].command < pair[1].command)
+        .count()
+}
+
 /// The line between the ends `sides` (0 the lower, 1 the upper one) that leaves least.
 fn best_split(rests: &[Rest], places: &[usize], sides: &[usize]) -> Option<Split> {
     let all = (0, rests.len());
@@ -162,11 +171,9 @@ impl Split {
         let line = rests.get(inner.clone())?;
         let (first, last) = (line.first()?, line.last()?);
         let range = rests.last()?.command - rests.first()?.command;
-        let commands = 1 + line
-            .windows(2)
-            .filter(|w| w[0].command < w[1].command)
-            .count();
-        if commands < FEWEST || last.command - first.command <= LINE * range {
+        let ends = [&rests[..inner.start], &rests[inner.end..]];
+        let shown = 1 + [line, ends[0], ends[1]].map(changes).iter().sum::<usize>();
+        if shown < FEWEST || last.command - first.command <= LINE * range {
             return None;
         }
         let runs = 1 + rests.iter().map(|rest| rest.run).max()?;
@@ -476,6 +483,13 @@ mod tests {
             at(two[0], 4.0, (6.0, 10.0));
             at(two[1], -9.2, (-10.0, -10.0));
             assert!(one[1].is_none());
+            // Two levels follow.
+            let wide = visits(seed, OFFSETS, |level, _, noise| {
+                level.clamp(-5.0, 2.5) + noise
+            });
+            let wide = of_rests(&wide, 0.0);
+            at(wide[0], 2.5, (6.0, 10.0));
+            at(wide[1], -5.0, (-6.0, -10.0));
         }
         // Short by 0.8: a sensor with steps of 0.5 shows it, one with steps of 1 may have rounded.
         let rests = visits(2, OFFSETS, |level, _, noise| level.clamp(-9.2, 9.2) + noise);
