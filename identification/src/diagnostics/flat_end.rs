@@ -20,14 +20,11 @@ const FEWEST: usize = 3;
 /// Rests at a flat end.
 const FEWEST_AT_END: usize = 2;
 
-/// Share of the range of the commands over which the line must go: a few neighbours show no slope.
-const LINE: f64 = 0.25;
+/// Share of the range of the commands over which the line must go: two of six levels do, a few neighbours show no slope.
+const LINE: f64 = 0.15;
 
 /// Most places at which an end is looked for: of more commands, not all are tried.
-const PLACES: usize = 100;
-
-/// Rounds in which the lower and the upper end are looked for, each beside the other.
-const ROUNDS: usize = 3;
+const PLACES: usize = 50;
 
 /// Commands at which the output rests at one angle, beside those at which it follows.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -122,31 +119,15 @@ fn changes(rests: &[Rest]) -> usize {
 
 /// The line between the ends `sides` (0 the lower, 1 the upper one) that leaves least.
 fn best_split(rests: &[Rest], places: &[usize], sides: &[usize]) -> Option<Split> {
-    let all = (0, rests.len());
-    let mut best: Option<Split> = None;
-    for _ in 0..if sides.len() > 1 { ROUNDS } else { 1 } {
-        for side in sides {
-            let (first, last) = best
-                .as_ref()
-                .map_or(all, |best| (best.inner.start, best.inner.end));
-            for place in places {
-                let inner = match side {
-                    0 => *place..last,
-                    _ => first..*place,
-                };
-                let Some(split) = Split::of(rests, inner) else {
-                    continue;
-                };
-                if best.as_ref().is_none_or(|best| split.square < best.square) {
-                    best = Some(split);
-                }
-            }
-        }
-    }
-    best.filter(|best| {
-        let ends = [best.inner.start > 0, best.inner.end < rests.len()];
-        sides.iter().all(|side| ends[*side])
-    })
+    let all = (vec![0], vec![rests.len()]);
+    let starts = if sides.contains(&0) { places } else { &all.0 };
+    let ends = if sides.contains(&1) { places } else { &all.1 };
+    let inner = starts
+        .iter()
+        .flat_map(|start| ends.iter().map(move |end| *start..*end));
+    inner
+        .filter_map(|inner| Split::of(rests, inner))
+        .min_by(|a, b| a.square.total_cmp(&b.square))
 }
 
 /// A line in the middle of the rests, and what is beyond it at rest at one angle.
