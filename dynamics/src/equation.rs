@@ -183,6 +183,15 @@ pub struct Stops {
 }
 
 impl Stops {
+    /// The same seen by a sensor whose zero is `offset` higher \[output\].
+    #[must_use]
+    pub fn moved_by(self, offset: f64) -> Self {
+        Self {
+            lower: self.lower.map(|end| end + offset),
+            upper: self.upper.map(|end| end + offset),
+        }
+    }
+
     /// Whether there is none.
     #[must_use]
     pub fn are_none(&self) -> bool {

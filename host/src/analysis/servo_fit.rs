@@ -140,7 +140,7 @@ fn fit(
         level,
         radians_per_command: radians,
         against: (linear.model().level().withdrawn()).filter(|reason| reason.is_of_the_record()),
-        stops_at: linear.model().stops(),
+        stops_at: linear.model().stops.clone(),
     };
     let model = match linear {
         Linear::Beside(linear) => servo_model::fit_beside(&data.record, linear, &options, search),

@@ -10,7 +10,7 @@
 //! which holds wherever both hold. For independent records it is wider than it would have to be.
 
 use crate::results::{Bounds, Interval};
-use crate::servo_model::{Quantity, QuantityKind, ServoModel, Unit};
+use crate::servo_model::{Quantity, QuantityKind, ServoModel, Stops, StopsDocument, Unit};
 use serde::{Deserialize, Serialize};
 
 /// Two servo models beside each other.
@@ -18,9 +18,25 @@ use serde::{Deserialize, Serialize};
 pub struct ServoModelComparison {
     /// The quantities that one of the two has, in the order in which they are shown.
     pub quantities: Vec<QuantityPair>,
+    /// The stops, where one of the two has any; left out elsewhere.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stops: Option<StopsOfBoth>,
     /// Intervals of both sides and of their differences; withdrawn where one side has none.
     #[serde(flatten)]
     pub bounds: Bounds<QuantityDifferences>,
+}
+
+/// The stops of both sides.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StopsOfBoth {
+    /// Of the first servo.
+    #[serde(with = "StopsDocument")]
+    pub a: Stops,
+    /// Of the second servo.
+    #[serde(with = "StopsDocument")]
+    pub b: Stops,
+    /// Whether the two differ there: one has a stop where the other one, whose commands go farther, has none.
+    pub differ: bool,
 }
 
 /// A quantity of both sides.
@@ -97,11 +113,34 @@ pub fn compare_servo_models(a: &ServoModel, b: &ServoModel) -> ServoModelCompari
     };
     ServoModelComparison {
         quantities: pairs.iter().filter_map(pair).collect(),
+        stops: stops(a, b),
         bounds: level(a).zip(level(b)).map(|(a, b)| QuantityDifferences {
             level: a.min(b),
             differences: differences(),
         }),
     }
+}
+
+/// `None` where neither has any.
+fn stops(a: &ServoModel, b: &ServoModel) -> Option<StopsOfBoth> {
+    let any = !(a.stops.are_none() && b.stops.are_none());
+    any.then(|| StopsOfBoth {
+        a: a.stops,
+        b: b.stops,
+        differ: has_a_stop_of_its_own(a, b) || has_a_stop_of_its_own(b, a),
+    })
+}
+
+/// Whether `servo` has a stop at an end where `other` has none, and follows commands beyond it by more than its errors.
+fn has_a_stop_of_its_own(servo: &ServoModel, other: &ServoModel) -> bool {
+    let Some(commands) = other.commands else {
+        return false;
+    };
+    let [own, others] = [servo, other].map(|of| of.parameters(0).range());
+    let errors = (other.fit.rmse / other.parameters(0).gain).abs();
+    let below = own[0].is_finite() && others[0].is_infinite();
+    let above = own[1].is_finite() && others[1].is_infinite();
+    (below && commands.least < own[0] - errors) || (above && commands.largest > own[1] + errors)
 }
 
 /// The quantities of both by name: those of the first, then those that only the second has.
@@ -154,6 +193,28 @@ mod tests {
         let y: Vec<f64> = u.iter().enumerate().scan(0.0, follow).collect();
         let record = Record::new(0.01, vec![Run::new(u, y).unwrap()]).unwrap();
         fit(&record, &ServoModelOptions::default()).unwrap()
+    }
+
+    #[test]
+    fn a_stop_that_only_one_has_is_a_difference_where_the_other_one_goes_beyond_it() {
+        let free = model(1.0);
+        let mut stopped = free.clone();
+        let found = |a: &ServoModel, b: &ServoModel| compare_servo_models(a, b).stops;
+        assert_eq!(found(&free, &stopped), None);
+        // Commands of the record go from -3 to 5.
+        for (end, differ) in [(3.0, true), (6.0, false)] {
+            stopped.stops.upper = Some(end);
+            let both = found(&free, &stopped).unwrap();
+            assert_eq!((both.a, both.b), (Stops::default(), stopped.stops));
+            assert_eq!(both.differ, differ, "{end}");
+            assert_eq!(found(&stopped, &free).unwrap().differ, differ, "{end}");
+            assert!(!found(&stopped, &stopped).unwrap().differ);
+        }
+        let text = serde_json::to_string(&compare_servo_models(&free, &stopped)).unwrap();
+        assert!(
+            text.contains(r#""stops":{"a":{},"b":{"upper":6.0},"differ":false}"#),
+            "{text}"
+        );
     }
 
     fn with_interval(mut model: ServoModel, half: f64) -> ServoModel {

@@ -2,10 +2,10 @@
 
 mod advice;
 mod correlogram;
-mod end_level;
 mod explanation;
 mod feedback;
 mod filtered_rows;
+mod flat_end;
 mod held_output;
 mod hum;
 mod initial_rest;
@@ -43,6 +43,7 @@ pub use correlogram::Correlogram;
 pub use explanation::{Bank, Explanation, Resolution};
 pub use feedback::Feedback;
 pub(crate) use feedback::feedback;
+pub(crate) use flat_end::TravelEnd;
 pub use hum::Hum;
 pub(crate) use hum::{HumLine, hum};
 pub use initial_rest::Contradicted;
@@ -74,7 +75,6 @@ pub(crate) use slow_end::{
 pub use standstill_noise::StandstillNoise;
 pub(crate) use standstill_noise::against_standstill;
 pub(crate) use time_fault::TimeFault;
-pub(crate) use travel_end::{TravelEnd, extreme_rests};
 pub use uneven_noise::UnevenNoise;
 pub(crate) use uneven_noise::allow_for_uneven_noise;
 pub(crate) use validity::{Validity, ValidityEvidence};

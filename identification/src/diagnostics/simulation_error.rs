@@ -50,6 +50,11 @@ impl Simulated<'_> {
         self.own_errors.as_deref().unwrap_or(&self.errors)
     }
 
+    /// Whether there are other runs beside it.
+    pub(crate) fn is_one_of_several(&self) -> bool {
+        self.own_errors.is_some()
+    }
+
     /// What a gain, a delay and an offset of its own leave of the errors.
     fn without_own_numbers(&self) -> Vec<f64> {
         let row = |k: usize, speed: &[f64]| [self.output[k], speed[k], 1.0];

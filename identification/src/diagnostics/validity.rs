@@ -3,11 +3,11 @@
 //! This is the one place where that is decided, from the evidence alone, before anything is drawn or written.
 //! Nothing else makes bounds valid; everything else derives its own from the level that is given here.
 
+use crate::diagnostics::flat_end::TravelEnd;
 use crate::diagnostics::misfit::Misfit;
 use crate::diagnostics::rise_at_end::rise_at_end;
 use crate::diagnostics::servo_stopped::ServoStopped;
 use crate::diagnostics::time_fault::TimeFault;
-use crate::diagnostics::travel_end::TravelEnd;
 use crate::estimation::{Excitation, FsfBasis};
 use crate::results::{Bounds, Interval, Metrics, Reason, SelectedBy, Withheld};
 use crate::thresholds::DISAGREEMENT;
@@ -141,7 +141,11 @@ impl Validity {
             left_out_above_hz,
             stopped,
             time_fault,
-            travel_ends: evidence.travel_ends,
+            travel_ends: if stopped.is_some() || time_fault.is_some() {
+                [None; 2]
+            } else {
+                evidence.travel_ends
+            },
             withheld,
             gain_is_supported,
         }

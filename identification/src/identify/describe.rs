@@ -186,6 +186,7 @@ pub(super) fn model(
         residuals: Residuals::default(),
         iterations: fit.iterations,
         converged: fit.converged,
+        stops: (validity.travel_ends.iter().flatten().map(|end| end.rest)).collect(),
         advice: Vec::new(),
     }
 }

@@ -264,11 +264,6 @@ impl Advice {
         )
     }
 
-    /// The output at which the servo stops, where it says that \[output\].
-    pub(crate) fn stop(&self) -> Option<f64> {
-        (self.check == Check::TravelEnd).then_some(self.value)
-    }
-
     /// Whether others may follow from it, which are then to be read after it: that runs are of different kinds, or one behind the other.
     #[must_use]
     pub fn explains_others(&self) -> bool {

@@ -109,6 +109,9 @@ pub struct Model {
     pub iterations: usize,
     /// Whether the iterations came to rest.
     pub converged: bool,
+    /// The outputs at which the servo stops within the range of its commands \[output\], one or two; empty where it does nowhere.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stops: Vec<f64>,
     /// Findings, and what to do about them.
     pub advice: Vec<Advice>,
 }
@@ -168,12 +171,6 @@ impl Model {
     #[must_use]
     pub fn level(&self) -> Bounds<f64> {
         self.bounds.as_ref().map(|bounds| bounds.level)
-    }
-
-    /// The outputs at which the servo stops within the range of its commands \[output\], one or two; empty where it does nowhere.
-    #[must_use]
-    pub fn stops(&self) -> Vec<f64> {
-        self.advice.iter().filter_map(Advice::stop).collect()
     }
 
     /// Takes all bounds away.

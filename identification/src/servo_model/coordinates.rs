@@ -186,7 +186,7 @@ pub(super) struct Point {
     pub(super) friction_speed_share: f64,
     /// What the offset of each run is above the common one \[output\]; empty where all runs have the same.
     pub(super) run_offsets: Vec<f64>,
-    /// Stops that the record shows by itself.
+    /// Stops that the record shows by itself, at the common offset.
     pub(super) stops: Stops,
 }
 
@@ -233,6 +233,7 @@ impl Point {
         let mut servo = self.physics(stretch.controller, number);
         if let Some(own) = self.run_offsets.get(stretch.run) {
             servo.offset = servo.offset + S::constant(*own);
+            servo.stops = servo.stops.moved_by(*own);
         }
         servo
     }

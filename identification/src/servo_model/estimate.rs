@@ -118,25 +118,18 @@ pub fn fit_watched(
         fold_of,
         watch,
     };
-    let mut found = search.found(parts.clone(), &[]);
-    for stops in stops::possible(record, &options.stops_at) {
+    let mut found = search.found_with_runs(parts.clone());
+    let stops = stops::possible(record, &options.stops_at);
+    if !stops.are_none() {
         let stopped = Search {
             shown: shown.with_stops(stops),
             fold_of: search.fold_of.clone(),
             ..search
         };
-        let with_stops = stopped.found(parts.clone(), &[]);
-        if misses(found.held_out(), with_stops.held_out()) {
+        let with_stops = stopped.found_with_runs(parts);
+        // Without a stop the servo has terms in its place. Of two that predict as well, that with fewer is taken.
+        if !misses(with_stops.held_out(), found.held_out()) {
             (search, found) = (stopped, with_stops);
-        }
-    }
-    let own = search.run_offsets(&found);
-    if !own.is_empty() {
-        // Beside errors that are not noise, the mean of a run is no zero of a sensor unless it is most of them: a servo that is lost has one, too.
-        let with_own = search.found(parts, &own);
-        let is_most = with_own.squared_error() < RUN_OFFSETS_LEAVE * found.squared_error();
-        if with_own.has_noise_alone() || is_most {
-            found = with_own;
         }
     }
     if watch.ends() {
@@ -184,6 +177,22 @@ impl Found {
 }
 
 impl Search<'_> {
+    /// The servo behind `parts`, with an offset of each run where that is what its errors say.
+    fn found_with_runs(&self, parts: Vec<Stretch>) -> Found {
+        let found = self.found(parts.clone(), &[]);
+        let own = self.run_offsets(&found);
+        if own.is_empty() {
+            return found;
+        }
+        // Beside errors that are not noise, the mean of a run is no zero of a sensor unless it is most of them: a servo that is lost has one, too.
+        let with_own = self.found(parts, &own);
+        let is_most = with_own.squared_error() < RUN_OFFSETS_LEAVE * found.squared_error();
+        match with_own.has_noise_alone() || is_most {
+            true => with_own,
+            false => found,
+        }
+    }
+
     /// The servo behind `parts`. Each run has an offset where `run_offsets` has what these begin with.
     fn found(&self, mut parts: Vec<Stretch>, run_offsets: &[f64]) -> Found {
         let period_s = self.record.sample_period_s();

@@ -54,6 +54,7 @@ pub use beside_linear::fit_beside;
 pub use command_range::CommandRange;
 pub use coordinates::{Coordinate, LoadKind, Terms};
 pub use estimate::{ServoModelOptions, fit, fit_watched};
+pub(crate) use model::StopsDocument;
 pub use model::{
     Alternative, Covariance, LadderRung, LinearKind, LinearModelFit, LinearModels, ReachedSpeeds,
     ServoFit, ServoModel, ServoResponse,

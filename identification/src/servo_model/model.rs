@@ -74,7 +74,7 @@ pub struct ServoModel {
 /// How a document has stops.
 #[derive(Serialize, Deserialize)]
 #[serde(remote = "Stops")]
-struct StopsDocument {
+pub(crate) struct StopsDocument {
     #[serde(skip_serializing_if = "Option::is_none")]
     lower: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -5,42 +5,19 @@
 
 use crate::data::Record;
 use crate::data::column::mean;
-use crate::diagnostics::{TravelEnd, extreme_rests};
+use crate::diagnostics::TravelEnd;
 use servoid_dynamics::Stops;
 
-/// The stops to be tried: the outputs `known`, or else those that the rests of the record show; with one of them, and in its place, the other
-/// end of what is commanded, which is a stop where a single level lies beyond it. Empty where nothing shows one.
-pub(super) fn possible(record: &Record, known: &[f64]) -> Vec<Stops> {
-    let mut at = known.to_vec();
-    if at.is_empty() {
-        let of_rests = TravelEnd::of_rests(record).into_iter().flatten();
-        at.extend(of_rests.map(|end| end.rest));
+/// The stops to be tried: at the outputs `known`, or else where the rests of the record show them.
+pub(super) fn possible(record: &Record, known: &[f64]) -> Stops {
+    match known {
+        [] => {
+            let of_rests = TravelEnd::of_rests(record).into_iter().flatten();
+            let at: Vec<f64> = of_rests.map(|end| end.rest).collect();
+            among(record, &at)
+        }
+        _ => among(record, known),
     }
-    let shown = among(record, &at);
-    if shown.are_none() {
-        return Vec::new();
-    }
-    let extremes = extreme_rests(record).map(|ends| among(record, &ends));
-    let ends = extremes.unwrap_or_default();
-    let both = Stops {
-        lower: shown.lower.or(ends.lower),
-        upper: shown.upper.or(ends.upper),
-    };
-    let other = match (shown.lower, shown.upper) {
-        (Some(_), None) => Stops {
-            lower: None,
-            ..both
-        },
-        (None, Some(_)) => Stops {
-            upper: None,
-            ..both
-        },
-        _ => Stops::default(),
-    };
-    let mut all = vec![shown, both, other];
-    all.dedup();
-    all.retain(|stops| !stops.are_none());
-    all
 }
 
 /// The lower and the upper stop among some outputs: the output is nowhere beyond a stop, so its mean is between them.
@@ -55,5 +32,53 @@ fn among(record: &Record, at: &[f64]) -> Stops {
     Stops {
         lower: of(|end, middle| end < middle),
         upper: of(|end, middle| end > middle),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Levels that are held for 40 samples behind a lag of three, up to a stop at 6.
+    fn record() -> Record<'static> {
+        let levels = [
+            0.0, 5.0, -10.0, 10.0, -5.0, 8.0, -7.0, 3.0, 9.0, -2.0, 7.0, 1.0,
+        ];
+        let input: Vec<f64> = (0..960).map(|k| levels[k / 40 % 12]).collect();
+        let mut y = 0.0;
+        let follow = |(k, u): (usize, &f64)| {
+            y = f64::min(y + (u - y) / 3.0, 6.0);
+            y + 0.01 * (0.7 * (k * k) as f64).sin()
+        };
+        let output: Vec<f64> = input.iter().enumerate().map(follow).collect();
+        Record::of_run(0.01, input, output).unwrap()
+    }
+
+    #[test]
+    fn stops_that_are_known_are_taken_and_else_those_of_the_rests() {
+        let record = record();
+        let found = possible(&record, &[]);
+        assert_eq!(found.lower, None);
+        assert!((found.upper.unwrap() - 6.0).abs() < 0.01, "{found:?}");
+        let known = possible(&record, &[4.0, -8.0]);
+        assert_eq!((known.lower, known.upper), (Some(-8.0), Some(4.0)));
+        let lower = possible(&record, &[-8.0]);
+        assert_eq!((lower.lower, lower.upper), (Some(-8.0), None));
+    }
+
+    #[test]
+    fn a_record_whose_rests_follow_has_none() {
+        let record = record();
+        let run = &record.runs()[0];
+        let free: Vec<f64> = run
+            .input()
+            .iter()
+            .scan(0.0, |y, u| {
+                *y += (u - *y) / 3.0;
+                Some(*y)
+            })
+            .collect();
+        let record = Record::of_run(0.01, run.input().to_vec(), free).unwrap();
+        assert!(possible(&record, &[]).are_none());
     }
 }

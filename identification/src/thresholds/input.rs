@@ -84,9 +84,6 @@ pub const WAYS_ALIKE: f64 = 2.5;
 /// Evidence: the tests of stops.
 pub const STOP_GAIN: f64 = 0.1;
 
-/// Share of the range by which it must be short of where it would go; see [`STOP_GAIN`].
-pub const STOP_SHARE: f64 = 0.05;
-
 /// Samples in a row at the farthest output, where the model goes beyond it, that count as a stroke to a stop.
 ///
 /// Protects: peaks of the motion, which the noise puts at the farthest output for a sample or two. Evidence: the lines without a stop of the

@@ -97,7 +97,7 @@ pub const SERVO_ERROR_BEYOND_RECORD: f64 = 1.25;
 /// servos with stiction under stairs in coloured noise, 4 missed: a value that is too low is reached for that reason alone.
 pub const SERVO_TOP_SPEED_REACHED: f64 = 0.5;
 
-/// Probability below which a last level that falls short of the line through the others is no chance.
+/// Probability below which last rests that fall short of the line through the others are no chance.
 ///
 /// Protects: bounds of stairs whose last level alone lies beyond a stop. Evidence: the table of stops in docs/method.md.
 pub const SHORT_LEVEL_SIGNIFICANCE: f64 = 1e-4;

@@ -3,10 +3,11 @@
 use super::layout::wrapped;
 use super::metrics::TableRow;
 use super::numbers::percent;
-use super::servo_model::{digits_beside, four_digits, scale_and_unit, under_load};
+use super::servo_model::{digits_beside, four_digits, scale_and_unit, stops_in_words, under_load};
 use crate::data::units::Units;
 use servoid_identification::comparison::{QuantityPair, ServoModelComparison};
 use servoid_identification::results::{Bounds, Interval, with_unit};
+use servoid_identification::servo_model::Stops;
 
 /// Quantities that a sentence names at the most; the table has them all.
 const NAMED: usize = 4;
@@ -21,10 +22,19 @@ pub fn sentence_on_servo_models(
 ) -> String {
     let bounds = match &found.bounds {
         Bounds::Withdrawn(reason) => {
-            return format!(
-                "As machines: no statement about the difference, because for at least one of the two {}; the values stand without intervals.",
-                reason.because()
+            let because = reason.because();
+            let because = format!(
+                "because for at least one of the two {because}; the values stand without intervals"
             );
+            return match found.stops.filter(|stops| stops.differ) {
+                Some(stops) => {
+                    let [of_a, of_b] = [stops.a, stops.b].map(|of| stops_or_none(of, units));
+                    format!(
+                        "As machines they differ: {a} has {of_a}, and {b} has {of_b}. No statement about other differences, {because}."
+                    )
+                }
+                None => format!("As machines: no statement about the difference, {because}."),
+            };
         }
         Bounds::Valid(bounds) => bounds,
     };
@@ -58,6 +68,11 @@ fn in_words(a: &str, b: &str, pair: &QuantityPair, units: Units<'_>) -> Option<S
     let shown = |value: f64| with_unit(four_digits(scale * value), &unit);
     let (of_a, of_b) = (shown(pair.a?), shown(pair.b?));
     Some(format!("{} {of_a} in {a}, {of_b} in {b}", pair.name))
+}
+
+/// "a stop at 6 deg", "no stop"
+fn stops_or_none(stops: Stops, units: Units<'_>) -> String {
+    stops_in_words(stops, units).unwrap_or_else(|| "no stop".to_owned())
 }
 
 /// Both servos quantity by quantity, with what is sure about their difference.
@@ -149,5 +164,15 @@ pub(crate) fn servo_model_rows(found: &ServoModelComparison, units: Units<'_>) -
             cells,
         }
     };
-    found.quantities.iter().enumerate().map(row).collect()
+    let mut rows: Vec<TableRow> = found.quantities.iter().enumerate().map(row).collect();
+    rows.extend(found.stops.map(|stops| {
+        let in_words = |of: Stops| (stops_or_none(of, units), String::new());
+        let mut cells = vec![in_words(stops.a), in_words(stops.b)];
+        cells.extend(bounds.map(|_| Default::default()));
+        TableRow {
+            label: "stops".to_owned(),
+            cells,
+        }
+    }));
+    rows
 }

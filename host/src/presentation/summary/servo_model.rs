@@ -74,7 +74,7 @@ fn whose_controller(document: &ServoModelDocument) -> Option<String> {
 }
 
 /// Where the servo stops.
-fn stops_in_words(stops: Stops, units: Units<'_>) -> Option<String> {
+pub(super) fn stops_in_words(stops: Stops, units: Units<'_>) -> Option<String> {
     let at = |end: f64| with_unit(four_digits(end), units.output.unwrap_or_default());
     match [stops.lower, stops.upper].map(|end| end.map(at)) {
         [None, None] => None,
