@@ -256,14 +256,17 @@ impl Split {
         }
         let leverage = 1.0 / count + by_offsets + arm * arm / self.spread;
         let sd = (self.of_line / self.degrees() * leverage).sqrt();
-        let tail = StudentsT::new(0.0, 1.0, self.degrees()).map(|t| t.sf(mean / sd));
+        let student = StudentsT::new(0.0, 1.0, self.degrees());
+        // A line through one command has no slope, and what lies beside it no chance.
+        let beyond = Some(mean / sd).filter(|beyond| !beyond.is_nan());
+        let tail = beyond.zip(student.ok()).map(|(beyond, t)| t.sf(beyond));
         let extreme = end[if side == 0 { 0 } else { end.len() - 1 }].command;
         let mut at_extreme = end.iter().filter(|rest| rest.command == extreme);
         end.len() >= FEWEST_AT_END
             && mean > step
             && at_extreme.all(|rest| short(rest) > self.largest)
             && self.slope_of(end) / self.slope < STOP_GAIN
-            && tail.is_ok_and(|tail| tail < SHORT_LEVEL_SIGNIFICANCE)
+            && tail.is_some_and(|tail| tail < SHORT_LEVEL_SIGNIFICANCE)
     }
 
     /// Slope of some rests; 0 of a single command.

@@ -1,6 +1,5 @@
 //! The noise one step ahead, across samples that are missing or not believed.
 
-use crate::thresholds::OUTLYING;
 use faer::Mat;
 
 /// Kalman's filter for v = ε/D(z), with the last d values of v as its state, the newest first.
@@ -8,14 +7,16 @@ pub(super) struct NoisePrediction<'a> {
     ar: &'a [f64],
     /// Variance of ε.
     variance: f64,
+    /// Standard deviations from which on an error is not believed.
+    limit: f64,
     state: Vec<f64>,
     /// Covariance of the state; `None` where all of it is known.
     covariance: Option<Mat<f64>>,
 }
 
 impl<'a> NoisePrediction<'a> {
-    /// Before a first sample nothing is known.
-    pub(super) fn new(ar: &'a [f64], variance: f64) -> Self {
+    /// Before a first sample nothing is known. Errors of `limit` standard deviations and more are not believed.
+    pub(super) fn new(ar: &'a [f64], variance: f64, limit: f64) -> Self {
         /// Standard deviation of the unknown past, in those of ε.
         const UNKNOWN: f64 = 1e3;
         let order = ar.len();
@@ -29,6 +30,7 @@ impl<'a> NoisePrediction<'a> {
         Self {
             ar,
             variance,
+            limit,
             state: vec![0.0; order],
             covariance: (order > 0).then(|| Mat::from_fn(order, order, unknown)),
         }
@@ -57,7 +59,7 @@ impl<'a> NoisePrediction<'a> {
         let from_past: f64 = -self.ar.iter().zip(&cross).map(|(d, c)| d * c).sum::<f64>();
         let variance = self.variance + from_past.max(0.0);
         let size = (value - prediction).abs() / (variance + further).sqrt();
-        let believed = size < OUTLYING;
+        let believed = size < self.limit;
         if believed && self.covariance.is_some() {
             let gain = (value - prediction) / variance;
             for (state, cross) in self.state.iter_mut().zip(&cross) {

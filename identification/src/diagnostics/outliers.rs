@@ -1,7 +1,6 @@
 //! Samples that are outlying one step ahead: glitches, bursts, a start elsewhere, the ends of heavy tails.
 //!
-//! The noise v = ε/D(z) is predicted from its past. A sample whose error is beyond [`OUTLYING`] standard
-//! deviations is taken as missing, and so are the rows of the regression that contain it. A taken-out sample is no
+//! The noise v = ε/D(z) is predicted from its past. A sample whose error is beyond a limit is taken as missing, and so are the rows of the regression that contain it. A taken-out sample is no
 //! past for the next ones: they are predicted from the samples before it, with the variance that this has
 //! (Kalman's filter with the last d values of v as its state), so that one glitch does not make d good samples
 //! outlying.
@@ -19,8 +18,8 @@ use crate::diagnostics::simulation_error::{Simulated, one_step_errors};
 use crate::diagnostics::spikes::{Course, spikes};
 use crate::diagnostics::uneven_noise::{motion, squared_speed};
 use crate::estimation::GlsFit;
-use crate::numerics::median;
-use crate::thresholds::{MISFIT_SIGNIFICANCE, MOST_OUTLYING, OUTLYING};
+use crate::numerics::{median, normal_cdf};
+use crate::thresholds::{FALSELY_OUTLYING, MISFIT_SIGNIFICANCE, MOST_OUTLYING, OUTLYING};
 
 /// Ratio of the median of squares to the variance, of Gaussian noise.
 const MEDIAN_OF_SQUARES: f64 = 0.4549;
@@ -71,14 +70,23 @@ impl TakenOut {
     }
 }
 
+/// Number of samples.
+fn count(taken_out: &[TakenOut]) -> usize {
+    taken_out.iter().map(|found| found.samples).sum()
+}
+
 /// What is outlying in a record.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Outliers {
     pub(crate) taken_out: Vec<TakenOut>,
     /// The [`spikes`], which no motion makes, whatever model is wrong.
     pub(crate) spikes: Vec<TakenOut>,
+    /// Standard deviations beyond which a sample was taken out.
+    limit: f64,
     /// Share of samples less than one standard deviation within the limit.
     pub(crate) near_limit: f64,
+    /// Excess kurtosis of the samples that are left, each in its standard deviations.
+    pub(crate) excess: f64,
     /// Whether those in motion were left in the record, because they are more than chance would put there: the
     /// others help the next fit, but are no finding.
     pub(crate) provisional: bool,
@@ -87,7 +95,7 @@ pub(crate) struct Outliers {
 impl Outliers {
     /// Number of samples.
     pub(crate) fn count(&self) -> usize {
-        self.taken_out.iter().map(|found| found.samples).sum()
+        count(&self.taken_out)
     }
 
     /// Marks what is a spike.
@@ -112,16 +120,18 @@ impl Outliers {
     /// spread. With rejection beyond c the influence is ψ(x) = x 1(|x| < c), and the variance E ψ² / (E ψ')²,
     /// E ψ' = 1 - 2 c f(c) with the density f (Huber 1964).
     pub(crate) fn variance_ratio(&self) -> f64 {
-        (1.0 - OUTLYING * self.near_limit).max(0.5).powi(-2)
+        (1.0 - self.limit * self.near_limit).max(0.5).powi(-2)
     }
 }
 
-/// What is outlying among the errors of `fit`; steps of the sensor of size `step` are noise.
+/// What is outlying among the errors of `fit`; steps of the sensor of size `step` are noise. With `smaller` ones, the limit is the
+/// [lower](lower_limit) one where there are any.
 pub(crate) fn outliers(
     runs: &[Simulated<'_>],
     moments: &Moments,
     fit: &GlsFit,
     step: f64,
+    smaller: bool,
 ) -> Outliers {
     let motions: Vec<Vec<f64>> = (runs.iter())
         .map(|run| motion(&squared_speed(run), &fit.ar))
@@ -129,31 +139,43 @@ pub(crate) fn outliers(
     let Some(scale) = Scale::of(runs, &motions, fit, step) else {
         return Outliers::default();
     };
-    let mut seen = Seen::default();
-    for (index, (run, motion)) in runs.iter().zip(&motions).enumerate() {
-        let mut filter = NoisePrediction::new(&fit.ar, scale.even);
-        for (k, error) in run.own_errors().iter().enumerate() {
-            if let Some(size) = filter.next(*error, scale.in_motion * motion[k]) {
-                let in_motion = motion[k] > IN_MOTION * scale.largest_motion;
-                seen.sample((index, k), size, in_motion);
+    let seen_beyond = |limit: f64| {
+        let mut seen = Seen::beyond(limit);
+        for (index, (run, motion)) in runs.iter().zip(&motions).enumerate() {
+            let mut filter = NoisePrediction::new(&fit.ar, scale.even, limit);
+            for (k, error) in run.own_errors().iter().enumerate() {
+                if let Some(size) = filter.next(*error, scale.in_motion * motion[k]) {
+                    let in_motion = motion[k] > IN_MOTION * scale.largest_motion;
+                    seen.sample((index, k), size, in_motion);
+                }
             }
+        }
+        seen
+    };
+    let few = |count: usize| count as f64 <= MOST_OUTLYING * moments.samples() as f64;
+    let are_no_errors = |seen: &Seen| few(seen.count()) && seen.is_unrelated_to_motion();
+    let mut seen = seen_beyond(OUTLYING);
+    if smaller && !seen.outlying.is_empty() && are_no_errors(&seen) {
+        let more = seen_beyond(lower_limit(&seen.sizes));
+        if are_no_errors(&more) {
+            seen = more;
         }
     }
     let mut found = Outliers {
-        near_limit: seen.near as f64 / seen.samples.max(1) as f64,
+        limit: seen.limit,
+        near_limit: seen.near as f64 / seen.sizes.len().max(1) as f64,
+        excess: seen.excess(),
         ..Outliers::default()
     };
     if seen.outlying.is_empty() {
         return found;
     }
-    let few = |count: usize| count as f64 <= MOST_OUTLYING * moments.samples() as f64;
     let spikes = spikes_of(runs, &motions, IN_MOTION * scale.largest_motion);
-    let unrelated = seen.is_unrelated_to_motion();
+    let (rare, unrelated) = (few(seen.count()), seen.is_unrelated_to_motion());
     found.taken_out = seen.outlying;
     if few(spikes.len()) {
         found.mark(spikes);
     }
-    let rare = few(found.count());
     if rare && unrelated {
         return found;
     }
@@ -168,14 +190,43 @@ pub(crate) fn outliers(
     found
 }
 
+/// The limit beyond which samples of these sizes (in standard deviations) are outlying where some are: the lowest at which Gaussian noise has
+/// no more than [`FALSELY_OUTLYING`] of those beyond it (Benjamini and Hochberg 1995), and [`OUTLYING`] at the most.
+///
+/// Smaller outliers have to go, too: a point of a response rests on as many samples as the reference has edges, and two outliers among
+/// these draw the point so far that neither is outlying.
+fn lower_limit(sizes: &[f64]) -> f64 {
+    let count = sizes.len() as f64;
+    let most = (MOST_OUTLYING * count) as usize;
+    let mut largest = sizes.to_vec();
+    let falling = |a: &f64, b: &f64| b.total_cmp(a);
+    if most < largest.len() {
+        largest.select_nth_unstable_by(most, falling);
+        largest.truncate(most);
+    }
+    largest.sort_unstable_by(falling);
+    let falsely = |size: f64| count * 2.0 * normal_cdf(-size);
+    let beyond = largest.iter().zip(1..);
+    let possible =
+        beyond.filter(|(size, found)| falsely(**size) <= FALSELY_OUTLYING * f64::from(*found));
+    possible
+        .last()
+        .map_or(OUTLYING, |(size, _)| size.min(OUTLYING))
+}
+
 /// What the errors one step ahead are, counted sample by sample.
 #[derive(Default)]
 struct Seen {
-    samples: usize,
+    /// Standard deviations from which on a sample is outlying.
+    limit: f64,
+    /// The errors of all of them, in standard deviations.
+    sizes: Vec<f64>,
     /// Those in motion.
     moving: usize,
     /// Those less than one standard deviation within the limit.
     near: usize,
+    /// Of those within the limit: their number, and the sums of their squares and fourth powers.
+    within: [f64; 3],
     /// Stretches of outlying samples.
     outlying: Vec<TakenOut>,
     /// How many of them begin in motion.
@@ -185,12 +236,23 @@ struct Seen {
 }
 
 impl Seen {
+    fn beyond(limit: f64) -> Self {
+        Self {
+            limit,
+            ..Self::default()
+        }
+    }
+
     /// Counts sample `k` of run `index`, both from 0, whose error is `size` standard deviations.
     fn sample(&mut self, (index, k): (usize, usize), size: f64, in_motion: bool) {
-        self.samples += 1;
+        self.sizes.push(size);
         self.moving += usize::from(in_motion);
-        self.near += usize::from((OUTLYING - 1.0..OUTLYING).contains(&size));
-        if size < OUTLYING {
+        self.near += usize::from((self.limit - 1.0..self.limit).contains(&size));
+        if size < self.limit {
+            let square = size * size;
+            for (sum, power) in self.within.iter_mut().zip([1.0, square, square * square]) {
+                *sum += power;
+            }
             return;
         }
         let single = TakenOut {
@@ -213,9 +275,20 @@ impl Seen {
         }
     }
 
+    /// Number of outlying samples.
+    fn count(&self) -> usize {
+        count(&self.outlying)
+    }
+
+    /// Excess kurtosis within the limit; 0 of noise whose tails are no heavier than Gaussian ones.
+    fn excess(&self) -> f64 {
+        let [count, squares, fourths] = self.within;
+        (count * fourths / (squares * squares) - 3.0).max(0.0)
+    }
+
     /// Whether chance would put as many of them into the motion.
     fn is_unrelated_to_motion(&self) -> bool {
-        let share = self.moving as f64 / self.samples.max(1) as f64;
+        let share = self.moving as f64 / self.sizes.len().max(1) as f64;
         let chance = Binomial::new(share, self.outlying.len() as u64);
         let in_motion = self.outlying_in_motion;
         in_motion == 0 || chance.is_ok_and(|chance| chance.sf(in_motion - 1) > MISFIT_SIGNIFICANCE)
@@ -285,5 +358,52 @@ impl Scale {
             in_motion,
             largest_motion,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numerics::normal_upper_quantile;
+    use approx::assert_abs_diff_eq;
+
+    /// Sizes of Gaussian errors at the middle of as many equal shares.
+    fn gaussian(count: u32) -> Vec<f64> {
+        let share = |k: u32| (f64::from(k) + 0.5) / f64::from(count);
+        (0..count)
+            .map(|k| normal_upper_quantile(share(k) / 2.0))
+            .collect()
+    }
+
+    #[test]
+    fn the_limit_is_lower_where_there_are_outliers() {
+        assert_abs_diff_eq!(lower_limit(&gaussian(3600)), OUTLYING);
+        // One outlier hides no other.
+        let one = [gaussian(3599), vec![6.0]].concat();
+        assert_abs_diff_eq!(lower_limit(&one), OUTLYING);
+        // Beyond 4, Gaussian noise has 0.23 of 3600: less than a hundredth of 36.
+        let many: Vec<f64> = (0..36).map(|k| 4.0 + 0.06 * f64::from(k)).collect();
+        assert_abs_diff_eq!(lower_limit(&[gaussian(3564), many].concat()), 4.0);
+        // More than a twentieth are no outliers, and no reason to cut the others.
+        let most = [gaussian(900), vec![5.0; 100]].concat();
+        assert_abs_diff_eq!(lower_limit(&most), OUTLYING);
+        assert_abs_diff_eq!(lower_limit(&Vec::new()), OUTLYING);
+    }
+
+    #[test]
+    fn the_excess_is_that_of_the_tails_that_are_left() {
+        let excess_of = |sizes: &[f64]| {
+            let mut seen = Seen::beyond(OUTLYING);
+            for (k, size) in sizes.iter().enumerate() {
+                seen.sample((0, k), *size, false);
+            }
+            seen.excess()
+        };
+        // The middles of shares lack the last bit of the tails.
+        assert!(excess_of(&gaussian(3600)) < 0.02);
+        // 1 % of 4: m4 = .99 3 + 2.56, m2 = .99 + .16; those beyond the limit do not count.
+        let tails = [gaussian(3564), vec![4.0; 36], vec![50.0; 9]].concat();
+        let exact: f64 = (0.99 * 3.0 + 2.56) / (0.99f64 + 0.16).powi(2) - 3.0;
+        assert_abs_diff_eq!(excess_of(&tails), exact, epsilon = 0.02);
     }
 }

@@ -64,6 +64,9 @@ pub struct FurtherSpread {
     pub slow_end: Option<Vec<f64>>,
     /// What differs from run to run.
     pub runs: Option<RunSpread>,
+    /// What the ends of the noise add to the relative variance of a variance: a third of the excess kurtosis of an estimate, because
+    /// Student's t with ν degrees of freedom has the excess 6/ν and a relative variance 2/ν.
+    pub tails: f64,
 }
 
 /// Noise that is there in motion only.

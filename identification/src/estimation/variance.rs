@@ -60,7 +60,7 @@ impl CurveVariance {
             .map(|i| dot(weights.col_as_slice(i), functions.col_as_slice(i)).max(0.0))
             .collect();
         let gradients = log_variance_gradients(information, fit, &weights, &of_noise);
-        let own = 2.0 / fit.degrees_of_freedom();
+        let own = 2.0 / fit.degrees_of_freedom() + fit.further.tails;
         let order = fit.ar.len();
         // Relative variance of a variance.
         let noise = |i: usize| -> f64 {

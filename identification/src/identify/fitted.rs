@@ -5,6 +5,7 @@ use std::cell::OnceCell;
 use super::candidate::Candidate;
 use super::estimate::Estimate;
 use super::task::Task;
+use crate::data::{Record, Run};
 use crate::diagnostics::{
     EstimatedEnd, Feedback, Linearity, Misfit, PriorOutcome, RunComparison, SlowColumns, SlowEnd,
     UnevenNoise, against_standstill, allow_for_run_offsets, allow_for_run_trends,
@@ -86,6 +87,7 @@ impl Fitted {
         if outliers.count() > 0 {
             fit.spread_further(outliers.variance_ratio(), None);
         }
+        fit.further.tails = outliers.excess / (3.0 * edges(record));
         if !task.disturbances.offsets.is_empty() {
             allow_for_run_offsets(record.runs(), &information.moments, fit);
         }
@@ -103,6 +105,20 @@ impl Fitted {
             && self.misfit.is_none()
             && runs.is_some_and(|runs| allow_for_scatter(runs, period, fit))
     }
+}
+
+/// Number of equal changes of the input that determine a point of the response as well as those of `record`: a point rests on the samples
+/// a certain time after each.
+fn edges(record: &Record) -> f64 {
+    let inputs = record.runs().iter().map(Run::input);
+    let changes = inputs.flat_map(|input| input.windows(2).map(|pair| pair[1] - pair[0]));
+    let [squares, fourths] = changes
+        .filter(|change| !change.is_nan())
+        .map(|change| change * change)
+        .fold([0.0, 0.0], |[a, b], square| {
+            [a + square, b + square * square]
+        });
+    (squares * squares / fourths).max(1.0)
 }
 
 fn linearity(task: &Task<'_>, candidate: &Candidate, estimate: &Estimate) -> Option<Linearity> {

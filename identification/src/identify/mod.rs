@@ -23,7 +23,9 @@ mod task;
 mod undisturbed;
 
 use crate::data::{Moments, Record};
-use crate::diagnostics::{Evidence, Explanation, RunComparison, Validity, gather_advice};
+use crate::diagnostics::{
+    Evidence, Explanation, Linearity, RunComparison, Validity, gather_advice,
+};
 use crate::error::Error;
 use crate::options::Options;
 use crate::results::Model;
@@ -84,6 +86,7 @@ fn explained(
     options.check()?;
     record.check_columns()?;
     let found = Undisturbed::of(record, options)?;
+    let more: Undisturbed<'_>;
     let task = |disturbances, undisturbed| Task {
         record: Some(undisturbed),
         recorded: Some(record),
@@ -92,16 +95,30 @@ fn explained(
         may_go_on,
         disturbances,
     };
+    let follows_motion = |fitted: &Fitted| {
+        let linearity = fitted.linearity.as_ref();
+        linearity.is_some_and(Linearity::errors_follow_motion)
+    };
     let first = task(&found.disturbances, &found.record);
     let fitted = Fitted::tested(&first, found.candidate, found.estimate);
-    let follows_motion = fitted
-        .linearity
-        .is_some_and(|found| found.errors_follow_motion());
-    if !follows_motion || found.disturbances.is_without_errors() {
+    let (follows, disturbances) = (follows_motion(&fitted), &found.disturbances);
+    let is_final = match follows {
+        true => disturbances.is_without_errors(),
+        false => disturbances.outliers.count() == 0,
+    };
+    if is_final {
         return run(&first, fitted);
     }
+    if !follows {
+        more = Undisturbed::without_smaller_outliers(record, options, disturbances.clone())?;
+        let again = task(&more.disturbances, &more.record);
+        let fitted = Fitted::tested(&again, more.candidate, more.estimate);
+        if !follows_motion(&fitted) {
+            return run(&again, fitted);
+        }
+    }
     // Errors of a servo that is not linear are no disturbances.
-    let whole = Undisturbed::with_errors(record, options, &found.disturbances)?;
+    let whole = Undisturbed::with_errors(record, options, disturbances)?;
     let task = task(&whole.disturbances, &whole.record);
     run(
         &task,

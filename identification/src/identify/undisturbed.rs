@@ -27,17 +27,8 @@ pub(super) struct Undisturbed<'a> {
 impl<'a> Undisturbed<'a> {
     pub(super) fn of(record: &'a Record, options: &Options) -> Result<Self, Error> {
         let complete = record.with_complete_inputs();
-        let mut found = Self::without(Disturbances::default(), &complete, options)?;
-        for _ in 0..TURNS {
-            let next = found.searched(&complete, options.detrend);
-            if found.disturbances.are_as(&next) {
-                break;
-            }
-            let Ok(again) = Self::without(next, &complete, options) else {
-                break;
-            };
-            found = again;
-        }
+        let first = Self::without(Disturbances::default(), &complete, options)?;
+        let found = first.in_turns(&complete, options, false);
         if found.disturbances.outliers.provisional {
             let disturbances = Disturbances {
                 outliers: Outliers::default(),
@@ -46,6 +37,34 @@ impl<'a> Undisturbed<'a> {
             return Self::without(disturbances, &complete, options);
         }
         Ok(found)
+    }
+
+    /// Without smaller outliers than those that were `found`, too. Errors of a servo that is not linear may be as large, so it must not be
+    /// seen in the errors that are left without these.
+    pub(super) fn without_smaller_outliers(
+        record: &'a Record,
+        options: &Options,
+        found: Disturbances,
+    ) -> Result<Self, Error> {
+        let complete = record.with_complete_inputs();
+        let first = Self::without(found, &complete, options)?;
+        Ok(first.in_turns(&complete, options, true))
+    }
+
+    /// After turns of search and fit; `smaller` as in [`outliers`].
+    fn in_turns(self, complete: &Record<'a>, options: &Options, smaller: bool) -> Self {
+        let mut found = self;
+        for _ in 0..TURNS {
+            let next = found.searched(complete, options.detrend, smaller);
+            if found.disturbances.are_as(&next) {
+                break;
+            }
+            let Ok(again) = Self::without(next, complete, options) else {
+                break;
+            };
+            found = again;
+        }
+        found
     }
 
     /// With all that may be errors of the model: without the offsets and trends of runs, and spikes, alone.
@@ -75,7 +94,7 @@ impl<'a> Undisturbed<'a> {
     }
 
     /// The disturbances of `complete` in its errors.
-    fn searched(&self, complete: &Record, detrend: Detrend) -> Disturbances {
+    fn searched(&self, complete: &Record, detrend: Detrend, smaller: bool) -> Disturbances {
         let Estimate {
             information, fit, ..
         } = &self.estimate;
@@ -110,10 +129,11 @@ impl<'a> Undisturbed<'a> {
         let as_simulated = next.is_empty();
         next.outliers = Outliers::default();
         let runs = next.removed_from(complete);
-        next.outliers = match as_simulated {
-            true => outliers(&simulated, moments, fit, step),
-            false => outliers(&simulated_whole(&runs, moments, fit), moments, fit, step),
+        let simulated = match as_simulated {
+            true => simulated,
+            false => simulated_whole(&runs, moments, fit),
         };
+        next.outliers = outliers(&simulated, moments, fit, step, smaller);
         next
     }
 

@@ -11,7 +11,8 @@ mod vectors;
 
 pub(crate) use convolution::causal_filter;
 pub(crate) use critical_values::{
-    chi_square_quantile, chi_square_upper_tail, normal_upper_quantile, simultaneous_critical,
+    chi_square_quantile, chi_square_upper_tail, normal_cdf, normal_upper_quantile,
+    simultaneous_critical,
 };
 pub use critical_values::{pointwise_critical, student_critical};
 pub(crate) use lagged_sums::LaggedSums;

@@ -4,7 +4,7 @@ use super::evidence::{Evidence, two_digits};
 use crate::diagnostics::hum::Hum;
 use crate::diagnostics::outliers::TakenOut;
 use crate::results::{Advice, Check};
-use crate::thresholds::{ABOVE_NEIGHBOURS, OUTLYING};
+use crate::thresholds::ABOVE_NEIGHBOURS;
 
 /// Places that are named; the explanation has all.
 const NAMED: usize = 3;
@@ -38,8 +38,8 @@ pub(super) fn outliers(evidence: &Evidence<'_>) -> Option<Advice> {
     Some(Advice::new(
         Check::Outliers,
         format!(
-            "{count} of {} samples {were} left out, because {are} farther than {OUTLYING} standard deviations from what the others \
-             predict: at {}{more}.",
+            "{count} of {} samples {were} left out, because noise does not explain how far {are} from what the others predict: at \
+             {}{more}.",
             evidence.samples,
             places.join(", ")
         ),
