@@ -20,6 +20,10 @@ const FEWEST: usize = 3;
 /// Rests at a flat end.
 const FEWEST_AT_END: usize = 2;
 
+/// Share of the way to a rest below which the last two eighths of a hold agree. Holds that end before the servo rests are no rests, and
+/// scatter about the line more than a stop is short.
+const AT_REST: f64 = 0.05;
+
 /// Share of the range of the commands over which the line must go: two of six levels do, a few neighbours show no slope.
 const LINE: f64 = 0.15;
 
@@ -81,7 +85,7 @@ fn rests_of(run: &Run<'_>) -> Vec<(f64, f64)> {
         let (first, second) = first.zip(second)?;
         let start = run.output()[hold.samples.start];
         let way = (second - start).abs();
-        let is_at_rest = (second - first).abs() < STOP_GAIN * way;
+        let is_at_rest = (second - first).abs() < AT_REST * way;
         (hold.before.is_some() && is_at_rest).then_some((hold.level, 0.5 * (first + second)))
     };
     holds(run, EXACTLY)
