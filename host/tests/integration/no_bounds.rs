@@ -251,10 +251,11 @@ pub fn require_no_bound(value: &Value, place: &str) {
         Value::Object(object) => {
             for (key, value) in object {
                 let place = format!("{place}/{key}");
-                // Limits have bounds of their own evidence, the scatter of strokes and rests. How much runs differ
+                // Limits have bounds of their own evidence, the scatter of strokes and rests; stops are angles, the upper and the lower one. How much runs differ
                 // from each other is a result; how well each of them is known would be a bound.
                 // Models of older versions have a test of fit: its degrees of freedom are no bound.
                 let own_evidence = place.ends_with("/limits")
+                    || place.ends_with("/stops")
                     || place.ends_with("/flight_model/tried")
                     || ["gain_percent", "delay_s", "offset"]
                         .iter()

@@ -23,9 +23,7 @@ mod task;
 mod undisturbed;
 
 use crate::data::{Moments, Record};
-use crate::diagnostics::{
-    Evidence, Explanation, Linearity, RunComparison, Validity, gather_advice,
-};
+use crate::diagnostics::{Evidence, Explanation, RunComparison, Validity, gather_advice};
 use crate::error::Error;
 use crate::options::Options;
 use crate::results::Model;
@@ -85,45 +83,68 @@ fn explained(
 ) -> Result<Identification, Error> {
     options.check()?;
     record.check_columns()?;
-    let found = Undisturbed::of(record, options)?;
-    let more: Undisturbed<'_>;
-    let task = |disturbances, undisturbed| Task {
-        record: Some(undisturbed),
-        recorded: Some(record),
+    let request = Request {
+        record,
         options,
         of_servo,
         may_go_on,
-        disturbances,
     };
-    let follows_motion = |fitted: &Fitted| {
-        let linearity = fitted.linearity.as_ref();
-        linearity.is_some_and(Linearity::errors_follow_motion)
-    };
-    let first = task(&found.disturbances, &found.record);
-    let fitted = Fitted::tested(&first, found.candidate, found.estimate);
-    let (follows, disturbances) = (follows_motion(&fitted), &found.disturbances);
-    let is_final = match follows {
-        true => disturbances.is_without_errors(),
-        false => disturbances.outliers.count() == 0,
-    };
-    if is_final {
-        return run(&first, fitted);
+    let found = Undisturbed::of(record, options)?;
+    let disturbances = found.disturbances.clone();
+    let first = request.identified(found)?;
+    let has_level = first.model.linear && first.model.bounds.valid().is_some();
+    if first.explanation.taken_out.is_empty() || !has_level {
+        return Ok(first);
     }
-    if !follows {
-        more = Undisturbed::without_smaller_outliers(record, options, disturbances.clone())?;
-        let again = task(&more.disturbances, &more.record);
-        let fitted = Fitted::tested(&again, more.candidate, more.estimate);
-        if !follows_motion(&fitted) {
-            return run(&again, fitted);
+    request.identified(Undisturbed::without_smaller_outliers(
+        record,
+        options,
+        disturbances,
+    )?)
+}
+
+/// What is asked for of a record.
+struct Request<'a> {
+    record: &'a Record<'a>,
+    options: &'a Options,
+    of_servo: bool,
+    may_go_on: bool,
+}
+
+impl<'a> Request<'a> {
+    /// The servo behind the record as it was `found`, or with all that may be errors of the model where these follow the motion: errors of a servo
+    /// that is not linear are no disturbances.
+    fn identified(&self, found: Undisturbed<'a>) -> Result<Identification, Error> {
+        let Undisturbed {
+            record,
+            disturbances,
+            candidate,
+            estimate,
+        } = found;
+        let task = self.task(&record, &disturbances);
+        let fitted = Fitted::tested(&task, candidate, estimate);
+        let follows_motion = (fitted.linearity).is_some_and(|found| found.errors_follow_motion());
+        if !follows_motion || disturbances.is_without_errors() {
+            return run(&task, fitted);
+        }
+        let whole = Undisturbed::with_errors(self.record, self.options, &disturbances)?;
+        let task = self.task(&whole.record, &whole.disturbances);
+        run(
+            &task,
+            Fitted::tested(&task, whole.candidate, whole.estimate),
+        )
+    }
+
+    fn task<'b>(&'b self, record: &'b Record<'b>, disturbances: &'b Disturbances) -> Task<'b> {
+        Task {
+            record: Some(record),
+            recorded: Some(self.record),
+            options: self.options,
+            of_servo: self.of_servo,
+            may_go_on: self.may_go_on,
+            disturbances,
         }
     }
-    // Errors of a servo that is not linear are no disturbances.
-    let whole = Undisturbed::with_errors(record, options, disturbances)?;
-    let task = task(&whole.disturbances, &whole.record);
-    run(
-        &task,
-        Fitted::tested(&task, whole.candidate, whole.estimate),
-    )
 }
 
 /// Identifies from moments alone, as saved or collected live. The settling time can be at most the

@@ -39,8 +39,8 @@ impl<'a> Undisturbed<'a> {
         Ok(found)
     }
 
-    /// Without smaller outliers than those that were `found`, too. Errors of a servo that is not linear may be as large, so it must not be
-    /// seen in the errors that are left without these.
+    /// Without smaller outliers than those that were `found`, too. Errors of a servo that is not linear may be as large, so the record
+    /// without these must have a level, and a linear servo.
     pub(super) fn without_smaller_outliers(
         record: &'a Record,
         options: &Options,
