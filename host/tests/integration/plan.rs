@@ -119,7 +119,7 @@ fn the_table_of_references_shows_what_they_give_on_a_servo_that_is_not_linear() 
     assert!(["prbs", "staircase"].contains(&names[0]), "{names:?}");
 }
 
-/// Plan and capture agree on how many runs a band takes, and on when more runs are no advice.
+/// A capture names the runs that its noise alone takes, which are no more than those that the plan tries, and both agree on when more runs are no advice.
 #[test]
 #[ignore = "three seconds: cargo test -p servoid --test integration -- --ignored nobody_is_asked"]
 fn nobody_is_asked_to_record_thousands_of_runs() {
@@ -143,10 +143,10 @@ fn nobody_is_asked_to_record_thousands_of_runs() {
             .parse()
             .unwrap()
     };
-    let ratio =
-        runs(&captured("0.1"), "about", "such runs") / runs(&planned("0.1"), "for ±0.1 %", "runs");
-    // Widths of single runs scatter by some 8 %, and runs go with their square.
-    assert!((0.7..1.4).contains(&ratio), "{ratio}");
+    let of_noise = runs(&captured("0.1"), "by its noise alone", "such runs");
+    let ratio = of_noise / runs(&planned("0.1"), "for ±0.1 %", "runs");
+    // The scatter of runs and slow ends that some of them show widen a band by up to a half, and runs go with its square.
+    assert!((0.4..=1.0).contains(&ratio), "{ratio}");
 }
 
 #[test]
