@@ -11,10 +11,10 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::data::{EXACTLY, Hold, Record, Run, holds, last_quarter, mean_output, sensor_step};
 use crate::numerics::{dot, square_about_mean};
-use crate::thresholds::{SHORT_LEVEL_SIGNIFICANCE, STOP_GAIN};
+use crate::thresholds::{SHORT_LEVEL_SIGNIFICANCE, STOP_GAIN, STOP_SHORT};
 
 /// Commands that show a line and its end at least: those of the line, and those of an end that rest at one angle with another. With fewer, a
-/// bend is a stop. A run of fewer rests does not show its own offset.
+/// bend is a stop. A run of fewer rests does not show its own offset: it is left out beside runs that do.
 const FEWEST: usize = 3;
 
 /// Rests at a flat end.
@@ -60,7 +60,8 @@ struct Rest {
 /// Command and mean output of the holds in which the output comes to rest, by the command.
 fn rests(record: &Record) -> Vec<Rest> {
     let by_run: Vec<Vec<(f64, f64)>> = record.runs().iter().map(rests_of).collect();
-    let show_offsets = by_run.iter().all(|rests| rests.len() >= FEWEST);
+    let shows_offset = |rests: &&Vec<(f64, f64)>| rests.len() >= FEWEST;
+    let show_offsets = by_run.iter().any(|rests| shows_offset(&rests));
     let of_run = |(run, rests): (usize, &Vec<(f64, f64)>)| {
         let run = if show_offsets { run } else { 0 };
         let rest = |&(command, output): &(f64, f64)| Rest {
@@ -68,7 +69,8 @@ fn rests(record: &Record) -> Vec<Rest> {
             command,
             output,
         };
-        rests.iter().map(rest).collect::<Vec<_>>()
+        let known = Some(rests).filter(|rests| !show_offsets || shows_offset(rests));
+        known.into_iter().flatten().map(rest).collect::<Vec<_>>()
     };
     let mut all: Vec<Rest> = by_run.iter().enumerate().flat_map(of_run).collect();
     all.sort_by(|a, b| a.command.total_cmp(&b.command));
@@ -143,6 +145,8 @@ struct Split {
     runs: Vec<(f64, f64, f64)>,
     /// Sum of squares of the commands about these means.
     spread: f64,
+    /// The way of the output along the line.
+    way: f64,
     /// Sum of squares about the line, and the largest distance from it.
     of_line: f64,
     largest: f64,
@@ -177,6 +181,7 @@ impl Split {
         let mut split = Self {
             inner,
             slope: product / spread,
+            way: (product / spread * (last.command - first.command)).abs(),
             runs,
             spread,
             of_line: 0.0,
@@ -267,9 +272,9 @@ impl Split {
         let extreme = end[if side == 0 { 0 } else { end.len() - 1 }].command;
         let mut at_extreme = end.iter().filter(|rest| rest.command == extreme);
         end.len() >= FEWEST_AT_END
-            && mean > step
+            && mean > step.max(STOP_SHORT * self.way)
             && at_extreme.all(|rest| short(rest) > self.largest)
-            && self.slope_of(end) / self.slope < STOP_GAIN
+            && (self.slope_of(end) / self.slope).abs() < STOP_GAIN
             && tail.is_some_and(|tail| tail < SHORT_LEVEL_SIGNIFICANCE)
     }
 

@@ -164,7 +164,7 @@ pub(crate) fn outliers(
     let mut found = Outliers {
         limit: seen.limit,
         near_limit: seen.near as f64 / seen.sizes.len().max(1) as f64,
-        excess: seen.excess(),
+        excess: excess(seen.sizes.iter().copied().filter(|size| *size < seen.limit)),
         ..Outliers::default()
     };
     if seen.outlying.is_empty() {
@@ -183,7 +183,10 @@ pub(crate) fn outliers(
         return found.of_shape();
     }
     if !rare {
-        return Outliers::default();
+        return Outliers {
+            excess: excess(seen.sizes.iter().copied()),
+            ..Outliers::default()
+        };
     }
     found.taken_out = seen.at_rest;
     found.provisional = true;
@@ -214,6 +217,14 @@ fn lower_limit(sizes: &[f64]) -> f64 {
         .map_or(OUTLYING, |(size, _)| size.min(OUTLYING))
 }
 
+/// Excess kurtosis of errors of these sizes; 0 where their tails are no heavier than Gaussian ones.
+fn excess(sizes: impl Iterator<Item = f64>) -> f64 {
+    let powers = sizes.map(|size| [1.0, size.powi(2), size.powi(4)]);
+    let [count, squares, fourths] =
+        powers.fold([0.0; 3], |[a, b, c], [d, e, f]| [a + d, b + e, c + f]);
+    (count * fourths / (squares * squares) - 3.0).max(0.0)
+}
+
 /// What the errors one step ahead are, counted sample by sample.
 #[derive(Default)]
 struct Seen {
@@ -225,8 +236,6 @@ struct Seen {
     moving: usize,
     /// Those less than one standard deviation within the limit.
     near: usize,
-    /// Of those within the limit: their number, and the sums of their squares and fourth powers.
-    within: [f64; 3],
     /// Stretches of outlying samples.
     outlying: Vec<TakenOut>,
     /// How many of them begin in motion.
@@ -249,10 +258,6 @@ impl Seen {
         self.moving += usize::from(in_motion);
         self.near += usize::from((self.limit - 1.0..self.limit).contains(&size));
         if size < self.limit {
-            let square = size * size;
-            for (sum, power) in self.within.iter_mut().zip([1.0, square, square * square]) {
-                *sum += power;
-            }
             return;
         }
         let single = TakenOut {
@@ -278,12 +283,6 @@ impl Seen {
     /// Number of outlying samples.
     fn count(&self) -> usize {
         count(&self.outlying)
-    }
-
-    /// Excess kurtosis within the limit; 0 of noise whose tails are no heavier than Gaussian ones.
-    fn excess(&self) -> f64 {
-        let [count, squares, fourths] = self.within;
-        (count * fourths / (squares * squares) - 3.0).max(0.0)
     }
 
     /// Whether chance would put as many of them into the motion.
@@ -392,18 +391,11 @@ mod tests {
 
     #[test]
     fn the_excess_is_that_of_the_tails_that_are_left() {
-        let excess_of = |sizes: &[f64]| {
-            let mut seen = Seen::beyond(OUTLYING);
-            for (k, size) in sizes.iter().enumerate() {
-                seen.sample((0, k), *size, false);
-            }
-            seen.excess()
-        };
         // The middles of shares lack the last bit of the tails.
-        assert!(excess_of(&gaussian(3600)) < 0.02);
+        assert!(excess(gaussian(3600).into_iter()) < 0.02);
         // 1 % of 4: m4 = .99 3 + 2.56, m2 = .99 + .16; those beyond the limit do not count.
-        let tails = [gaussian(3564), vec![4.0; 36], vec![50.0; 9]].concat();
+        let tails = [gaussian(3564), vec![4.0; 36]].concat();
         let exact: f64 = (0.99 * 3.0 + 2.56) / (0.99f64 + 0.16).powi(2) - 3.0;
-        assert_abs_diff_eq!(excess_of(&tails), exact, epsilon = 0.02);
+        assert_abs_diff_eq!(excess(tails.into_iter()), exact, epsilon = 0.02);
     }
 }

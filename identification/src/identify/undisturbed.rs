@@ -28,15 +28,7 @@ impl<'a> Undisturbed<'a> {
     pub(super) fn of(record: &'a Record, options: &Options) -> Result<Self, Error> {
         let complete = record.with_complete_inputs();
         let first = Self::without(Disturbances::default(), &complete, options)?;
-        let found = first.in_turns(&complete, options, false);
-        if found.disturbances.outliers.provisional {
-            let disturbances = Disturbances {
-                outliers: Outliers::default(),
-                ..found.disturbances
-            };
-            return Self::without(disturbances, &complete, options);
-        }
-        Ok(found)
+        first.in_turns(&complete, options, false)
     }
 
     /// Without smaller outliers than those that were `found`, too. Errors of a servo that is not linear may be as large, so the record
@@ -48,15 +40,21 @@ impl<'a> Undisturbed<'a> {
     ) -> Result<Self, Error> {
         let complete = record.with_complete_inputs();
         let first = Self::without(found, &complete, options)?;
-        Ok(first.in_turns(&complete, options, true))
+        first.in_turns(&complete, options, true)
     }
 
     /// After turns of search and fit; `smaller` as in [`outliers`].
-    fn in_turns(self, complete: &Record<'a>, options: &Options, smaller: bool) -> Self {
+    fn in_turns(
+        self,
+        complete: &Record<'a>,
+        options: &Options,
+        smaller: bool,
+    ) -> Result<Self, Error> {
         let mut found = self;
         for _ in 0..TURNS {
             let next = found.searched(complete, options.detrend, smaller);
             if found.disturbances.are_as(&next) {
+                found.disturbances.outliers = next.outliers;
                 break;
             }
             let Ok(again) = Self::without(next, complete, options) else {
@@ -64,7 +62,14 @@ impl<'a> Undisturbed<'a> {
             };
             found = again;
         }
-        found
+        if found.disturbances.outliers.provisional {
+            let disturbances = Disturbances {
+                outliers: Outliers::default(),
+                ..found.disturbances
+            };
+            return Self::without(disturbances, complete, options);
+        }
+        Ok(found)
     }
 
     /// With all that may be errors of the model: without the offsets and trends of runs, and spikes, alone.

@@ -127,7 +127,7 @@ pub fn fit_watched(
             ..search
         };
         let with_stops = stopped.found_with_runs(parts);
-        // Without a stop the servo has terms in its place. Of two that predict as well, that with fewer is taken.
+        // Without a stop the servo has terms in its place. Of two that predict as well, that with the stop is taken, which the rests show.
         if !misses(with_stops.held_out(), found.held_out()) {
             (search, found) = (stopped, with_stops);
         }
