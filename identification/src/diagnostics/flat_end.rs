@@ -60,8 +60,8 @@ struct Rest {
 /// Command and mean output of the holds in which the output comes to rest, by the command.
 fn rests(record: &Record) -> Vec<Rest> {
     let by_run: Vec<Vec<(f64, f64)>> = record.runs().iter().map(rests_of).collect();
-    let shows_offset = |rests: &&Vec<(f64, f64)>| rests.len() >= FEWEST;
-    let show_offsets = by_run.iter().any(|rests| shows_offset(&rests));
+    let has_enough = |rests: &Vec<(f64, f64)>| rests.len() >= FEWEST;
+    let show_offsets = by_run.iter().any(has_enough);
     let of_run = |(run, rests): (usize, &Vec<(f64, f64)>)| {
         let run = if show_offsets { run } else { 0 };
         let rest = |&(command, output): &(f64, f64)| Rest {
@@ -69,10 +69,10 @@ fn rests(record: &Record) -> Vec<Rest> {
             command,
             output,
         };
-        let known = Some(rests).filter(|rests| !show_offsets || shows_offset(rests));
-        known.into_iter().flatten().map(rest).collect::<Vec<_>>()
+        rests.iter().map(rest).collect::<Vec<_>>()
     };
-    let mut all: Vec<Rest> = by_run.iter().enumerate().flat_map(of_run).collect();
+    let used = (by_run.iter().enumerate()).filter(|(_, rests)| !show_offsets || has_enough(rests));
+    let mut all: Vec<Rest> = used.flat_map(of_run).collect();
     all.sort_by(|a, b| a.command.total_cmp(&b.command));
     all
 }
@@ -115,12 +115,9 @@ fn places(rests: &[Rest]) -> Vec<usize> {
     all.into_iter().step_by(every).collect()
 }
 
-/// How often the command changes, among rests by the command.
-fn changes(rests: &[Rest]) -> usize {
-    let pairs = rests.windows(2);
-    pairs
-        .filter(|pair| pair[0].command < pair[1].command)
-        .count()
+/// Number of different commands, among rests by the command.
+fn commands(rests: &[Rest]) -> usize {
+    rests.chunk_by(|a, b| a.command == b.command).count()
 }
 
 /// The line between the ends `sides` (0 the lower, 1 the upper one) that leaves least.
@@ -161,7 +158,9 @@ impl Split {
         let (first, last) = (line.first()?, line.last()?);
         let range = rests.last()?.command - rests.first()?.command;
         let ends = [&rests[..inner.start], &rests[inner.end..]];
-        let shown = 1 + [line, ends[0], ends[1]].map(changes).iter().sum::<usize>();
+        // Those of the line, and one fewer of each end that there is.
+        let beyond = ends.map(|end| commands(end).saturating_sub(1));
+        let shown = commands(line) + beyond[0] + beyond[1];
         if shown < FEWEST || last.command - first.command <= LINE * range {
             return None;
         }
@@ -311,8 +310,7 @@ impl Split {
 
 /// Sum of squares beside a cubic polynomial of the commands with an offset of each run, or a parabola where four commands leave no more.
 fn square_beside_polynomial(rests: &[Rest]) -> f64 {
-    let commands = rests.chunk_by(|a, b| a.command == b.command).count();
-    let degree = commands.saturating_sub(2).min(3);
+    let degree = commands(rests).saturating_sub(2).min(3);
     let largest = rests
         .iter()
         .map(|rest| rest.command.abs())
@@ -508,5 +506,31 @@ mod tests {
                 assert_eq!(found, [None; 2], "curve {number}, seed {seed}");
             }
         }
+    }
+
+    /// What is not noise but the same at each visit of a level, as of a linkage, may pass for a stop under few levels: in a fifth of these records.
+    /// Where an end is hardly short it does not.
+    #[test]
+    fn few_levels_that_are_off_alike_at_each_visit_may_pass_for_a_stop() {
+        let is_stop = |seed: u64| {
+            let mut random = ChaCha8Rng::seed_from_u64(seed);
+            let mut rests = Vec::new();
+            for command in [-10.0, -10.0 / 3.0, 10.0 / 3.0, 10.0] {
+                let off = random.random_range(-0.173..0.173);
+                for _ in 0..8 {
+                    let noise = random.random_range(-0.05..0.05);
+                    let output = command + off + noise;
+                    rests.push(Rest {
+                        run: 0,
+                        command,
+                        output,
+                    });
+                }
+            }
+            of_rests(&rests, 0.0) != [None; 2]
+        };
+        let stops = (0..400).filter(|seed| is_stop(*seed)).count();
+        // 84 of 400; 99 where an end may be short by however little.
+        assert!(stops < 90, "{stops}");
     }
 }

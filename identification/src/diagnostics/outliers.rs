@@ -1,6 +1,7 @@
 //! Samples that are outlying one step ahead: glitches, bursts, a start elsewhere, the ends of heavy tails.
 //!
-//! The noise v = ε/D(z) is predicted from its past. A sample whose error is beyond a limit is taken as missing, and so are the rows of the regression that contain it. A taken-out sample is no
+//! The noise v = ε/D(z) is predicted from its past. A sample whose error is beyond a limit is taken as missing, and
+//! so are the rows of the regression that contain it. A taken-out sample is no
 //! past for the next ones: they are predicted from the samples before it, with the variance that this has
 //! (Kalman's filter with the last d values of v as its state), so that one glitch does not make d good samples
 //! outlying.
@@ -386,14 +387,14 @@ mod tests {
         // More than a twentieth are no outliers, and no reason to cut the others.
         let most = [gaussian(900), vec![5.0; 100]].concat();
         assert_abs_diff_eq!(lower_limit(&most), OUTLYING);
-        assert_abs_diff_eq!(lower_limit(&Vec::new()), OUTLYING);
+        assert_abs_diff_eq!(lower_limit(&[]), OUTLYING);
     }
 
     #[test]
     fn the_excess_is_that_of_the_tails_that_are_left() {
         // The middles of shares lack the last bit of the tails.
         assert!(excess(gaussian(3600).into_iter()) < 0.02);
-        // 1 % of 4: m4 = .99 3 + 2.56, m2 = .99 + .16; those beyond the limit do not count.
+        // 1 % of 4: m4 = .99 3 + 2.56, m2 = .99 + .16.
         let tails = [gaussian(3564), vec![4.0; 36]].concat();
         let exact: f64 = (0.99 * 3.0 + 2.56) / (0.99f64 + 0.16).powi(2) - 3.0;
         assert_abs_diff_eq!(excess(tails.into_iter()), exact, epsilon = 0.02);

@@ -210,7 +210,7 @@ pub(super) fn other_starts(point: &Point, problem: &Problem<'_>, shown: &Shown) 
 }
 
 /// Bandwidths from slow to fast, short and long delays, and for a limited drive the top speed below and above the
-/// steepest stroke, with more or less of the damping in the motor.
+/// steepest stroke, with more or less of the damping in the motor, and far above it with hardly any: a motor that only its acceleration limits.
 fn grid(shown: &Shown, terms: Terms, controllers: usize, own: (f64, &[f64])) -> Vec<Point> {
     let mut points = Vec::new();
     for bandwidth in [2.0, 6.0, 16.0, 40.0, 90.0] {

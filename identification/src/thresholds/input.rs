@@ -86,8 +86,8 @@ pub const STOP_GAIN: f64 = 0.1;
 
 /// Share of the way of a line by which rests at an end are short of it at the least.
 ///
-/// Protects: linkages, seats of gears and sensors whose errors are the same at each visit of a level from being called stops: four levels off by
-/// 0.5 % of the range passed for one in a tenth of records. Evidence: the tests of stops.
+/// Protects: linkages and sensors whose errors are the same at each visit of a level from being called stops, where an end is hardly short; larger
+/// errors of few levels pass all the same. Evidence: the test of levels that are off alike at each visit.
 pub const STOP_SHORT: f64 = 0.01;
 
 /// Samples in a row at the farthest output, where the model goes beyond it, that count as a stroke to a stop.
