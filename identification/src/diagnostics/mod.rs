@@ -1,7 +1,9 @@
 //! How far to trust a result: tests of its errors, and advice.
 
 mod advice;
+mod answer_scatter;
 mod correlogram;
+mod delayed_response;
 mod explanation;
 mod feedback;
 mod filtered_rows;
@@ -39,6 +41,7 @@ mod validity;
 pub use crate::estimation::{Excitation, OrderCandidate, Solver};
 pub use crate::selection::{Choice, SettlingCandidate};
 pub(crate) use advice::{Evidence, gather_advice};
+pub(crate) use answer_scatter::allow_for_answer_scatter;
 pub use correlogram::Correlogram;
 pub use explanation::{Bank, Explanation, Resolution};
 pub use feedback::Feedback;

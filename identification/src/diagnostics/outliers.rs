@@ -20,7 +20,7 @@ use crate::diagnostics::spikes::{Course, spikes};
 use crate::diagnostics::uneven_noise::{motion, squared_speed};
 use crate::estimation::GlsFit;
 use crate::numerics::{median, normal_cdf};
-use crate::thresholds::{FALSELY_OUTLYING, MISFIT_SIGNIFICANCE, MOST_OUTLYING, OUTLYING};
+use crate::thresholds::{FALSELY_OUTLYING, MOST_OUTLYING, OUTLYING, RESIDUAL_SIGNIFICANCE};
 
 /// Ratio of the median of squares to the variance, of Gaussian noise.
 const MEDIAN_OF_SQUARES: f64 = 0.4549;
@@ -239,8 +239,8 @@ struct Seen {
     near: usize,
     /// Stretches of outlying samples.
     outlying: Vec<TakenOut>,
-    /// How many of them begin in motion.
-    outlying_in_motion: u64,
+    /// How many samples of each of them are in motion.
+    outlying_in_motion: Vec<usize>,
     /// Outlying samples at rest.
     at_rest: Vec<TakenOut>,
 }
@@ -275,9 +275,12 @@ impl Seen {
                 last.samples += 1;
             }
             _ => {
-                self.outlying_in_motion += u64::from(in_motion);
+                self.outlying_in_motion.push(0);
                 self.outlying.push(single);
             }
+        }
+        if let Some(moving) = self.outlying_in_motion.last_mut() {
+            *moving += usize::from(in_motion);
         }
     }
 
@@ -286,12 +289,16 @@ impl Seen {
         count(&self.outlying)
     }
 
-    /// Whether chance would put as many of them into the motion.
+    /// Whether chance would put as many of them into the motion, most of each counting: an answer that is missed is outlying before the
+    /// servo has gathered speed.
     fn is_unrelated_to_motion(&self) -> bool {
         let share = self.moving as f64 / self.sizes.len().max(1) as f64;
         let chance = Binomial::new(share, self.outlying.len() as u64);
-        let in_motion = self.outlying_in_motion;
-        in_motion == 0 || chance.is_ok_and(|chance| chance.sf(in_motion - 1) > MISFIT_SIGNIFICANCE)
+        let stretches = self.outlying.iter().zip(&self.outlying_in_motion);
+        let moving = stretches.filter(|(found, moving)| 2 * **moving > found.samples);
+        let in_motion = moving.count() as u64;
+        in_motion == 0
+            || chance.is_ok_and(|chance| chance.sf(in_motion - 1) > RESIDUAL_SIGNIFICANCE)
     }
 }
 
@@ -398,5 +405,25 @@ mod tests {
         let tails = [gaussian(3564), vec![4.0; 36]].concat();
         let exact: f64 = (0.99 * 3.0 + 2.56) / (0.99f64 + 0.16).powi(2) - 3.0;
         assert_abs_diff_eq!(excess(tails.into_iter()), exact, epsilon = 0.02);
+    }
+
+    /// A motion of 30 rows in each 100; the rows from `start` on, counted from the beginning of the motion, are outlying in 12 of 100 holds.
+    fn unrelated(start: usize, rows: usize) -> bool {
+        let mut seen = Seen::beyond(OUTLYING);
+        for k in 0..10_000 {
+            let in_hold = k % 100;
+            let is_outlying = k / 100 % 8 == 0 && (start..start + rows).contains(&in_hold);
+            let size = if is_outlying { 6.0 } else { 1.0 };
+            seen.sample((0, k), size, (5..35).contains(&in_hold));
+        }
+        seen.is_unrelated_to_motion()
+    }
+
+    #[test]
+    fn outliers_that_begin_before_the_motion_and_go_on_in_it_belong_to_it() {
+        assert!(unrelated(60, 10));
+        assert!(unrelated(0, 6));
+        assert!(!unrelated(3, 10));
+        assert!(!unrelated(10, 1));
     }
 }

@@ -17,9 +17,9 @@
 
 use faer::Mat;
 
+use crate::diagnostics::delayed_response::slope_and_bend;
 use crate::diagnostics::run_scatter::RunComparison;
 use crate::estimation::{GlsFit, RunSpread};
-use crate::numerics::times;
 use crate::thresholds::RUNS_FOR_MEAN;
 
 /// Adds how `runs` differ to the covariance of `fit`; whether they are enough to say.
@@ -57,24 +57,3 @@ pub(crate) fn allow_for_scatter(
 
 /// Gain and delay.
 const SCATTERING: usize = 2;
-
-/// The change of the response for a delay of one sample, and half of what this changes from one sample to the next, in the coordinates of
-/// the fit.
-fn slope_and_bend(fit: &GlsFit) -> [Vec<f64>; 2] {
-    let impulse = fit.impulse();
-    let at = |k: usize| impulse.get(k).copied().unwrap_or(0.0);
-    let each = |of: &dyn Fn(f64, f64, f64) -> f64| -> Vec<f64> {
-        let samples = 0..impulse.len();
-        let values: Vec<f64> = samples
-            .map(|k| of(at(k.wrapping_sub(1)), at(k), at(k + 1)))
-            .collect();
-        match fit.coordinates.impulse_map() {
-            None => values,
-            Some(_) => times(&fit.coordinates.basis.analysis_map(), &values),
-        }
-    };
-    [
-        each(&|before, _, after| (before - after) / 2.0),
-        each(&|before, at, after| (before - 2.0 * at + after) / 2.0),
-    ]
-}

@@ -26,7 +26,7 @@ use serde::{Deserialize, Serialize};
 use crate::data::Moments;
 use crate::diagnostics::filtered_rows::filtered;
 use crate::diagnostics::simulation_error::{Simulated, one_step_errors};
-use crate::estimation::{GlsFit, NoiseInMotion, noise_filter};
+use crate::estimation::{EstimatedPart, GlsFit, noise_filter};
 use crate::numerics::{chi_square_upper_tail, dot, normal_upper_quantile, outer_square};
 use crate::thresholds::RESIDUAL_SIGNIFICANCE;
 
@@ -113,7 +113,7 @@ pub(crate) fn allow_for_uneven_noise(
     let inverse = &fit.solution.inverse;
     let between = |meat: Mat<f64>| &(inverse * meat) * inverse;
     let mut further = between(at_rest) - inverse;
-    let moving = moving.map(|moving| NoiseInMotion {
+    let moving = moving.map(|moving| EstimatedPart {
         covariance: between(moving),
         relative_variance,
     });
@@ -121,7 +121,7 @@ pub(crate) fn allow_for_uneven_noise(
         further += &moving.covariance;
     }
     fit.spread_further(1.0, Some(further));
-    fit.further.in_motion = moving;
+    fit.further.estimated.extend(moving);
     Some(UnevenNoise {
         jitter_s: in_motion.sqrt() * moments.sample_period_s(),
         loudest_over_quietest: found.levels.loudest_over_quietest(),

@@ -58,8 +58,8 @@ impl Default for GlsOptions {
 pub struct FurtherSpread {
     /// Added to (Z_D'Z_D)^-1: noise that is not even, or cut at its tails, and what was estimated for each run.
     pub noise: Option<Mat<f64>>,
-    /// The part of [`Self::noise`] that grows with motion.
-    pub in_motion: Option<NoiseInMotion>,
+    /// The parts of [`Self::noise`] whose size is less sure than that of the whole: noise that grows with motion, and answers that scatter.
+    pub estimated: Vec<EstimatedPart>,
     /// By how much a slow end that is not in the response moves the coordinates and the offset, in standard deviations of ε.
     pub slow_end: Option<Vec<f64>>,
     /// What differs from run to run.
@@ -69,11 +69,11 @@ pub struct FurtherSpread {
     pub tails: f64,
 }
 
-/// Noise that is there in motion only.
-pub struct NoiseInMotion {
+/// A part of a covariance whose size was estimated by itself.
+pub struct EstimatedPart {
     /// Its covariance of the coordinates and the offset, over the variance of ε.
     pub covariance: Mat<f64>,
-    /// Variance of the estimate of its variance, relative to the square of that.
+    /// Variance of the estimate of its size, relative to the square of that.
     pub relative_variance: f64,
 }
 

@@ -19,7 +19,7 @@ pub(crate) use accurate_fit::accurate_fit;
 pub(crate) use conditioning::WELL_CONDITIONED;
 pub use excitation::Excitation;
 pub(crate) use fsf_basis::FsfBasis;
-pub(crate) use gls::{GlsFit, GlsOptions, NoiseInMotion, RunSpread};
+pub(crate) use gls::{EstimatedPart, GlsFit, GlsOptions, RunSpread};
 pub use least_squares::Solver;
 pub(crate) use least_squares::{
     Coordinates, Edges, NormalEquations, RowInformation, complete_bank_rss, filtered_input_moments,

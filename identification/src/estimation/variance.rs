@@ -88,19 +88,23 @@ impl CurveVariance {
         let sd = |v: f64| (fit.variance * v).sqrt();
         let noise_correlation =
             neighbour_correlation(f, product, |i| (variance[i - 1] * variance[i]).sqrt());
-        let in_motion = fit.further.in_motion.as_ref();
-        let in_motion = in_motion.map(|moving| {
-            let covariance = moving.covariance.as_ref().submatrix(0, 0, p + 1, p);
-            (covariance * &functions, moving.relative_variance)
-        });
-        let of_motion = |i: usize| match &in_motion {
-            Some((moving, relative_variance)) if variance[i] > 0.0 => {
-                let share = dot(moving.col_as_slice(i), functions.col_as_slice(i)) / variance[i];
+        let estimated: Vec<(Mat<f64>, f64)> = (fit.further.estimated.iter())
+            .map(|part| {
+                let covariance = part.covariance.as_ref().submatrix(0, 0, p + 1, p);
+                (covariance * &functions, part.relative_variance)
+            })
+            .collect();
+        let of_estimated = |i: usize| -> f64 {
+            let of = |(part, relative_variance): &(Mat<f64>, f64)| {
+                let share = dot(part.col_as_slice(i), functions.col_as_slice(i)) / variance[i];
                 relative_variance * share * share
+            };
+            match variance[i] > 0.0 {
+                true => estimated.iter().map(of).sum(),
+                false => 0.0,
             }
-            _ => 0.0,
         };
-        let noise_degrees: Vec<f64> = (0..f).map(|i| 2.0 / (noise(i) + of_motion(i))).collect();
+        let noise_degrees: Vec<f64> = (0..f).map(|i| 2.0 / (noise(i) + of_estimated(i))).collect();
         let noise_sd: Vec<f64> = variance.iter().copied().map(sd).collect();
         let Some(spread) = &fit.further.runs else {
             return Self {

@@ -100,7 +100,7 @@ impl Regularised {
         fit.solution.coordinates = self.coordinates;
         fit.solution.inverse = self.covariance;
         fit.further.noise = None;
-        fit.further.in_motion = None;
+        fit.further.estimated.clear();
     }
 }
 
