@@ -2,6 +2,7 @@
 
 mod advice;
 mod answer_scatter;
+mod clustered_errors;
 mod correlogram;
 mod delayed_response;
 mod explanation;
@@ -14,6 +15,7 @@ mod initial_rest;
 mod input_origin;
 mod lag_drift;
 mod late_command;
+mod level_scatter;
 mod linearity;
 mod misfit;
 mod moves_again;
@@ -52,6 +54,7 @@ pub(crate) use hum::{HumLine, hum};
 pub use initial_rest::Contradicted;
 pub(crate) use initial_rest::contradicted_rest;
 pub(crate) use input_origin::explained_by_output;
+pub(crate) use level_scatter::allow_for_level_scatter;
 pub(crate) use linearity::test_linearity;
 pub use linearity::{BetweenRuns, Linearity};
 pub(crate) use misfit::{BothEstimators, followed_after, rank, settlings, unexcited_above_hz};

@@ -58,7 +58,7 @@ impl Default for GlsOptions {
 pub struct FurtherSpread {
     /// Added to (Z_D'Z_D)^-1: noise that is not even, or cut at its tails, and what was estimated for each run.
     pub noise: Option<Mat<f64>>,
-    /// The parts of [`Self::noise`] whose size is less sure than that of the whole: noise that grows with motion, and answers that scatter.
+    /// The parts of [`Self::noise`] whose size is less sure than that of the whole: noise that grows with motion, answers and levels that scatter.
     pub estimated: Vec<EstimatedPart>,
     /// By how much a slow end that is not in the response moves the coordinates and the offset, in standard deviations of ε.
     pub slow_end: Option<Vec<f64>>,
@@ -240,6 +240,12 @@ impl GlsFit {
             further += more;
         }
         self.further.noise = Some(further);
+    }
+
+    /// Adds a part to the covariance whose size was estimated by itself.
+    pub(crate) fn spread_by(&mut self, part: EstimatedPart) {
+        self.spread_further(1.0, Some(part.covariance.clone()));
+        self.further.estimated.push(part);
     }
 
     /// Covariance of θ and, as last row and column, the offset: (n+1) x (n+1).

@@ -8,8 +8,9 @@ use super::task::Task;
 use crate::data::{Record, Run};
 use crate::diagnostics::{
     EstimatedEnd, Feedback, Linearity, Misfit, PriorOutcome, RunComparison, SlowColumns, SlowEnd,
-    UnevenNoise, against_standstill, allow_for_answer_scatter, allow_for_run_offsets,
-    allow_for_run_trends, allow_for_scatter, allow_for_uneven_noise, simulated, test_linearity,
+    UnevenNoise, against_standstill, allow_for_answer_scatter, allow_for_level_scatter,
+    allow_for_run_offsets, allow_for_run_trends, allow_for_scatter, allow_for_uneven_noise,
+    simulated, test_linearity,
 };
 use crate::error::Error;
 
@@ -88,6 +89,7 @@ impl Fitted {
             fit.spread_further(outliers.variance_ratio(), None);
         }
         allow_for_answer_scatter(&runs, fit);
+        allow_for_level_scatter(&runs, &information.moments, fit);
         fit.further.tails = outliers.excess / (3.0 * edges(record));
         if !task.disturbances.offsets.is_empty() {
             allow_for_run_offsets(record.runs(), &information.moments, fit);

@@ -1,0 +1,81 @@
+//! Errors that go together: those of one answer, or of one level.
+//!
+//! Errors one step ahead that contain an effect γ_c of their cluster c, ε(k) = γ_c w(k) + independent errors, show the variance of γ by
+//!
+//! ```text
+//! v = sum_c [(sum_k w ε)² - sum_k (w ε)²] / sum_c [(sum_k w²)² - sum_k w⁴],     k in cluster c.
+//! ```
+//!
+//! Each bracket is a sum over all pairs of different members of a cluster, whose mean is 0 where errors are independent, be they even or not (a covariance of
+//! clusters less that of single errors: Liang and Zeger 1986). Members are rows, or clusters of rows.
+
+use crate::numerics::normal_upper_quantile;
+use crate::thresholds::RESIDUAL_SIGNIFICANCE;
+
+/// Sums over the members of a cluster.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Cluster {
+    /// Of w ε.
+    pub(super) product: f64,
+    /// Of w².
+    pub(super) weight: f64,
+    squared_products: f64,
+    fourth_products: f64,
+    squared_weights: f64,
+}
+
+impl Cluster {
+    /// Adds a member: a row with its w ε and w², or a cluster of rows with the sums of these.
+    pub(super) fn add(&mut self, product: f64, weight: f64) {
+        self.product += product;
+        self.weight += weight;
+        self.squared_products += product.powi(2);
+        self.fourth_products += product.powi(4);
+        self.squared_weights += weight.powi(2);
+    }
+
+    /// The rows of `weights` w and of errors, where both are there.
+    pub(super) fn of_rows(weights: &[f64], errors: &[f64]) -> Self {
+        let mut cluster = Self::default();
+        for (weight, error) in weights.iter().zip(errors) {
+            if !error.is_nan() {
+                cluster.add(weight * error, weight * weight);
+            }
+        }
+        cluster
+    }
+}
+
+/// How effects scatter.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct EffectScatter {
+    /// Variance of an effect.
+    pub(super) variance: f64,
+    /// Number of equal clusters that would determine as much.
+    pub(super) count: f64,
+}
+
+impl EffectScatter {
+    /// Of the effects of `clusters`, of which the fit has taken as many as `fitted`; `None` where they do not scatter beyond chance.
+    pub(super) fn of(clusters: &[Cluster], fitted: f64) -> Option<Self> {
+        let sum = |of: fn(&Cluster) -> f64| clusters.iter().map(of).sum::<f64>();
+        let pairs = sum(|c| c.product.powi(2) - c.squared_products);
+        let chance = sum(|c| c.squared_products.powi(2) - c.fourth_products);
+        let count = sum(|c| c.weight).powi(2) / sum(|c| c.weight.powi(2));
+        let beyond_chance =
+            pairs > normal_upper_quantile(RESIDUAL_SIGNIFICANCE) * (2.0 * chance).sqrt();
+        if !beyond_chance || count <= fitted {
+            return None;
+        }
+        let own = sum(|c| c.weight.powi(2) - c.squared_weights);
+        Some(Self {
+            variance: pairs / own * count / (count - fitted),
+            count: count - fitted,
+        })
+    }
+
+    /// Variance of the estimate of the variance, relative to its square.
+    pub(super) fn relative_variance(&self) -> f64 {
+        2.0 / self.count
+    }
+}

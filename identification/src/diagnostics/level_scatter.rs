@@ -1,0 +1,200 @@
+//! Levels that the servo takes a little too high or too low.
+//!
+//! A command that was rounded where it was written, friction, and a sensor whose scale is not even let the servo rest off each level by a δ of
+//! its own, as if the command had been off:
+//!
+//! ```text
+//! y = Σ_c δ_c x_c + ...,     x_c = G(z) (1 from the beginning of hold c to its end, 0 elsewhere),     ε = Σ_c δ_c D(z) x_c + independent errors.
+//! ```
+//!
+//! Errors one step ahead are then not independent within a hold, and where a level is off by the same at each visit, not from visit to visit either. What δ
+//! [varies](super::clustered_errors) beyond chance, from visit to visit and from level to level, is in the covariance: A^-1 C C' A^-1 times this variance, C being the
+//! cross moments of the rows with the D(z) x_c of each visit, or of all visits to a level.
+
+use faer::Mat;
+
+use crate::data::{EXACTLY, HELD, Hold, Moments, holds};
+use crate::diagnostics::clustered_errors::{Cluster, EffectScatter};
+use crate::diagnostics::filtered_rows::{filtered, only, with_history};
+use crate::diagnostics::simulation_error::{Simulated, one_step_errors};
+use crate::estimation::{EstimatedPart, GlsFit, noise_filter};
+use crate::numerics::LaggedSums;
+
+/// The gain and the offset of the fit take the effects of two levels.
+const FITTED: f64 = 2.0;
+
+/// Adds to the covariance of `fit` how far levels of `runs` are off, where that is beyond chance.
+pub(crate) fn allow_for_level_scatter(runs: &[Simulated<'_>], moments: &Moments, fit: &mut GlsFit) {
+    let visits = visits(runs, fit);
+    let of_visits: Vec<Cluster> = visits.iter().map(|visit| visit.errors).collect();
+    let Some(all) = EffectScatter::of(&of_visits, FITTED) else {
+        return;
+    };
+    let levels: Vec<&[Visit]> = visits
+        .chunk_by(|a, b| a.hold.level == b.hold.level)
+        .collect();
+    let of_levels: Vec<Cluster> = levels.iter().map(|visits| cluster_of(visits)).collect();
+    let of_level = EffectScatter::of(&of_levels, FITTED);
+    let cross = CrossMoments::new(runs, moments, fit).of(&visits);
+    let common = of_level.map_or(0.0, |found| found.variance.min(all.variance));
+    let each = all.variance - common;
+    let mut parts = Vec::new();
+    if each > 0.0 {
+        parts.push((each, all, cross.clone()));
+    }
+    if let Some(found) = of_level {
+        let mut first = 0;
+        let by_level = levels.iter().map(|visits| {
+            let columns = first..first + visits.len();
+            first = columns.end;
+            columns
+        });
+        let by_level: Vec<_> = by_level.collect();
+        let cross = Mat::from_fn(cross.nrows(), levels.len(), |i, level| {
+            by_level[level].clone().map(|visit| cross[(i, visit)]).sum()
+        });
+        parts.push((found.variance, found, cross));
+    }
+    // The runs may be the beginning of a longer record.
+    let rows: f64 = runs.iter().map(|run| run.errors.len() as f64).sum();
+    let whole = (fit.rows as f64 / rows).max(1.0);
+    for (variance, found, cross) in parts {
+        let moved = &fit.solution.inverse * cross;
+        let scale = whole * variance / fit.variance;
+        fit.spread_by(EstimatedPart {
+            covariance: faer::Scale(scale) * (&moved * moved.transpose()),
+            relative_variance: found.relative_variance(),
+        });
+    }
+}
+
+/// A level that is held.
+struct Visit {
+    run: usize,
+    hold: Hold,
+    errors: Cluster,
+}
+
+/// All visits of all levels, level by level.
+fn visits(runs: &[Simulated<'_>], fit: &GlsFit) -> Vec<Visit> {
+    let d = noise_filter(&fit.ar);
+    let step = step_response(fit);
+    let mut visits: Vec<Visit> = Vec::new();
+    for (index, run) in runs.iter().enumerate() {
+        let errors = one_step_errors(run.own_errors(), &fit.ar);
+        let held = holds(&run.run, EXACTLY).into_iter();
+        for hold in held.filter(|hold| hold.samples.len() >= HELD) {
+            let length = hold.samples.len();
+            let answer: Vec<f64> = (0..length).map(|k| at(&step, k)).collect();
+            let errors = Cluster::of_rows(&filtered(&answer, &d), &errors[hold.samples.clone()]);
+            visits.push(Visit {
+                run: index,
+                hold,
+                errors,
+            });
+        }
+    }
+    visits.sort_by(|a, b| a.hold.level.total_cmp(&b.hold.level));
+    visits
+}
+
+/// The visits as members of the cluster of their level.
+fn cluster_of(visits: &[Visit]) -> Cluster {
+    let mut cluster = Cluster::default();
+    for visit in visits {
+        cluster.add(visit.errors.product, visit.errors.weight);
+    }
+    cluster
+}
+
+/// The step response of the fit, which stays where it is after N samples.
+fn step_response(fit: &GlsFit) -> Vec<f64> {
+    let impulse = fit.impulse().into_iter();
+    impulse
+        .scan(0.0, |sum, h| {
+            *sum += h;
+            Some(*sum)
+        })
+        .collect()
+}
+
+fn at(step: &[f64], k: usize) -> f64 {
+    step[k.min(step.len() - 1)]
+}
+
+/// Cross moments of the rows of the regression with the answers to levels.
+struct CrossMoments<'a> {
+    runs: &'a [Simulated<'a>],
+    moments: &'a Moments,
+    fit: &'a GlsFit,
+    d: Vec<f64>,
+    step: Vec<f64>,
+}
+
+impl<'a> CrossMoments<'a> {
+    fn new(runs: &'a [Simulated<'a>], moments: &'a Moments, fit: &'a GlsFit) -> Self {
+        Self {
+            runs,
+            moments,
+            fit,
+            d: noise_filter(&fit.ar),
+            step: step_response(fit),
+        }
+    }
+
+    /// One column for each visit; the offset last.
+    fn of(&self, visits: &[Visit]) -> Mat<f64> {
+        let lags = self.fit.coordinates.basis.settling();
+        let gain: f64 = self.d.iter().sum();
+        let mut by_lag = Mat::<f64>::zeros(lags, visits.len());
+        let mut with_offset = vec![0.0; visits.len()];
+        let history = lags - 1 + self.fit.ar.len();
+        for (index, run) in self.runs.iter().enumerate() {
+            let input = with_history(&run.run, history, self.moments.centre.0);
+            let input = filtered(&input, &self.d);
+            let rows =
+                (run.run).complete_rows(self.moments.input_lags(), self.moments.output_lags());
+            for (column, visit) in visits.iter().enumerate() {
+                if visit.run != index {
+                    continue;
+                }
+                let start = visit.hold.samples.start;
+                let answer = self.answer(visit, run.errors.len());
+                let within: Vec<_> = (rows.iter())
+                    .map(|rows| {
+                        rows.start.clamp(start, start + answer.len()) - start
+                            ..rows.end.clamp(start, start + answer.len()) - start
+                    })
+                    .filter(|rows| !rows.is_empty())
+                    .collect();
+                let answer = only(&within, answer);
+                with_offset[column] = gain * answer.iter().sum::<f64>();
+                let first = start + history + 1 - lags;
+                let mut sums = LaggedSums::new(lags, 1);
+                sums.add(&input[first..first + lags - 1 + answer.len()], &[&answer]);
+                by_lag
+                    .col_as_slice_mut(column)
+                    .copy_from_slice(&sums.sums()[0]);
+            }
+        }
+        let by_coordinate = self.fit.coordinates.compress(by_lag);
+        let p = by_coordinate.nrows();
+        Mat::from_fn(p + 1, visits.len(), |i, j| match i {
+            i if i < p => by_coordinate[(i, j)],
+            _ => with_offset[j],
+        })
+    }
+
+    /// D(z) x from the beginning of the hold until the servo has left it, within a run of so many `samples`.
+    fn answer(&self, visit: &Visit, samples: usize) -> Vec<f64> {
+        let held = visit.hold.samples.len();
+        let length =
+            (held + self.step.len() + self.d.len()).min(samples - visit.hold.samples.start);
+        let left = |k: usize| match k.checked_sub(held) {
+            Some(since) => at(&self.step, since),
+            None => 0.0,
+        };
+        let answer: Vec<f64> = (0..length).map(|k| at(&self.step, k) - left(k)).collect();
+        filtered(&answer, &self.d)
+    }
+}
