@@ -91,7 +91,7 @@ fn explained(
     };
     let found = Undisturbed::of(record, options)?;
     // The search for smaller outliers goes on from the fit without the larger ones.
-    let kept = found.has_outliers().then(|| found.clone());
+    let kept = (found.may_have_smaller_outliers()).then(|| found.clone());
     request.with_response(found, |first| {
         let Some(kept) = kept.filter(|_| first.asks_for_smaller_outliers()) else {
             return Ok(first.identification());

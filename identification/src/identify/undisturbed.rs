@@ -32,9 +32,9 @@ impl<'a> Undisturbed<'a> {
         first.in_turns(&complete, options, false)
     }
 
-    /// Whether outliers were taken out.
-    pub(super) fn has_outliers(&self) -> bool {
-        !self.disturbances.outliers.taken_out.is_empty()
+    /// Whether a search for smaller outliers, too, may find others.
+    pub(super) fn may_have_smaller_outliers(&self) -> bool {
+        self.disturbances.outliers.may_have_smaller
     }
 
     /// Without smaller outliers, too. Errors of a servo that is not linear may be as large, so the record without the larger ones must
@@ -65,6 +65,8 @@ impl<'a> Undisturbed<'a> {
                 break;
             };
             found = again;
+            // Only a search that finds the same again says that there are none.
+            found.disturbances.outliers.may_have_smaller = true;
         }
         if found.disturbances.outliers.provisional {
             let disturbances = Disturbances {
