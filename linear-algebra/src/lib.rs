@@ -80,7 +80,7 @@ pub fn inverse_of_square(lower: &Mat<f64>) -> Mat<f64> {
 
 /// The lower triangle of (L L')^-1.
 #[must_use]
-pub fn lower_inverse_of_square(lower: &Mat<f64>) -> Mat<f64> {
+fn lower_inverse_of_square(lower: &Mat<f64>) -> Mat<f64> {
     let inverse = inverse_of_lower(lower);
     let mut square = Mat::zeros(lower.nrows(), lower.nrows());
     // A sixth of the operations of a general product: both factors are triangular, and half of a symmetric result is enough.

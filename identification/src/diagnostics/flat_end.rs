@@ -9,6 +9,7 @@ use std::ops::Range;
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
+use super::split_squares::{Rest, SplitSquares};
 use crate::data::{EXACTLY, Hold, Record, Run, holds, last_quarter, mean_output, sensor_step};
 use crate::numerics::{dot, square_about_mean};
 use crate::thresholds::{SHORT_LEVEL_SIGNIFICANCE, STOP_GAIN, STOP_SHORT};
@@ -47,14 +48,6 @@ impl TravelEnd {
     pub(crate) fn of_rests(record: &Record) -> [Option<Self>; 2] {
         of_rests(&rests(record), sensor_step(record).unwrap_or_default())
     }
-}
-
-/// Where the output comes to rest under a command.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Rest {
-    run: usize,
-    command: f64,
-    output: f64,
 }
 
 /// Command and mean output of the holds in which the output comes to rest, by the command.
@@ -99,10 +92,11 @@ fn rests_of(run: &Run<'_>) -> Vec<(f64, f64)> {
 
 fn of_rests(rests: &[Rest], step: f64) -> [Option<TravelEnd>; 2] {
     let places = places(rests);
+    let squares = SplitSquares::new(rests, &places);
     // Two first: a line that has a stop of its own falls short of nothing.
     let found = [&[1, 0][..], &[1], &[0]]
         .into_iter()
-        .filter_map(|sides| best_split(rests, &places, sides))
+        .filter_map(|sides| best_split(rests, (&places, &squares), sides))
         .find(|split| split.is_flat(rests, step));
     found.map_or([None; 2], |split| [1, 0].map(|side| split.end(rests, side)))
 }
@@ -121,16 +115,39 @@ fn commands(rests: &[Rest]) -> usize {
 }
 
 /// The line between the ends `sides` (0 the lower, 1 the upper one) that leaves least.
-fn best_split(rests: &[Rest], places: &[usize], sides: &[usize]) -> Option<Split> {
+fn best_split(
+    rests: &[Rest],
+    (places, squares): (&[usize], &SplitSquares),
+    sides: &[usize],
+) -> Option<Split> {
     let all = (vec![0], vec![rests.len()]);
     let starts = if sides.contains(&0) { places } else { &all.0 };
     let ends = if sides.contains(&1) { places } else { &all.1 };
     let inner = starts
         .iter()
         .flat_map(|start| ends.iter().map(move |end| *start..*end));
-    inner
+    let lines = inner.filter(|inner| is_line(rests, inner)).collect();
+    let worth_a_pass = squares.least(lines).into_iter();
+    worth_a_pass
         .filter_map(|inner| Split::of(rests, inner))
         .min_by(|a, b| a.square.total_cmp(&b.square))
+}
+
+/// Whether `inner` are rests of a line, with enough commands in it and beside it.
+fn is_line(rests: &[Rest], inner: &Range<usize>) -> bool {
+    let Some([first, .., last]) = rests.get(inner.clone()) else {
+        return false;
+    };
+    let range = rests[rests.len() - 1].command - rests[0].command;
+    let few = |rests: &[Rest]| {
+        let commands = rests.chunk_by(|a, b| a.command == b.command);
+        commands.take(FEWEST).count()
+    };
+    // Those of the line, and one fewer of each end that there is.
+    let ends = [&rests[..inner.start], &rests[inner.end..]];
+    let beyond = ends.map(|end| few(end).saturating_sub(1));
+    last.command - first.command > LINE * range
+        && few(&rests[inner.clone()]) + beyond[0] + beyond[1] >= FEWEST
 }
 
 /// A line in the middle of the rests, and what is beyond it at rest at one angle.
@@ -156,14 +173,6 @@ impl Split {
     fn of(rests: &[Rest], inner: Range<usize>) -> Option<Self> {
         let line = rests.get(inner.clone())?;
         let (first, last) = (line.first()?, line.last()?);
-        let range = rests.last()?.command - rests.first()?.command;
-        let ends = [&rests[..inner.start], &rests[inner.end..]];
-        // Those of the line, and one fewer of each end that there is.
-        let beyond = ends.map(|end| commands(end).saturating_sub(1));
-        let shown = commands(line) + beyond[0] + beyond[1];
-        if shown < FEWEST || last.command - first.command <= LINE * range {
-            return None;
-        }
         let runs = 1 + rests.iter().map(|rest| rest.run).max()?;
         let mut sums = vec![(0.0, 0.0, 0.0); runs];
         for rest in line {
@@ -450,6 +459,27 @@ mod tests {
     }
 
     const OFFSETS: [f64; 3] = [-1.0, 0.3, 1.2];
+
+    #[test]
+    fn no_line_leaves_less_than_the_one_of_those_that_are_worth_a_pass() {
+        for seed in 0..20 {
+            for noisy in [0.0, 1.0] {
+                let rests = visits(seed, OFFSETS, |level, _, noise| {
+                    level.clamp(-5.0, 9.8) + noisy * noise
+                });
+                let places = places(&rests);
+                let squares = SplitSquares::new(&rests, &places);
+                let pairs = places
+                    .iter()
+                    .flat_map(|a| places.iter().map(move |b| *a..*b));
+                let lines = pairs.filter(|line| is_line(&rests, line));
+                let all = lines.filter_map(|line| Split::of(&rests, line));
+                let least = all.min_by(|a, b| a.square.total_cmp(&b.square)).unwrap();
+                let found = best_split(&rests, (&places, &squares), &[1, 0]).unwrap();
+                assert_eq!(found.inner, least.inner, "seed {seed}");
+            }
+        }
+    }
 
     #[test]
     fn levels_beyond_a_stop_are_short_of_the_line_whatever_the_offsets_of_runs() {

@@ -34,6 +34,7 @@ mod servo_stopped;
 mod simulation_error;
 mod slow_end;
 mod spikes;
+mod split_squares;
 mod standstill_noise;
 mod time_fault;
 mod travel_end;

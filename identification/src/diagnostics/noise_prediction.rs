@@ -46,6 +46,13 @@ impl<'a> NoisePrediction<'a> {
             .zip(&self.state)
             .map(|(d, v)| d * v)
             .sum::<f64>();
+        let size_by = |variance: f64| (value - prediction).abs() / (variance + further).sqrt();
+        // As most samples are: believed, after others that were.
+        let after_known = (self.covariance.is_none()).then(|| size_by(self.variance));
+        if let Some(size) = after_known.filter(|size| *size < self.limit) {
+            self.remember(value);
+            return Some(size);
+        }
         let cross: Vec<f64> = match &self.covariance {
             None => Vec::new(),
             Some(covariance) => (0..order)
@@ -58,7 +65,7 @@ impl<'a> NoisePrediction<'a> {
         };
         let from_past: f64 = -self.ar.iter().zip(&cross).map(|(d, c)| d * c).sum::<f64>();
         let variance = self.variance + from_past.max(0.0);
-        let size = (value - prediction).abs() / (variance + further).sqrt();
+        let size = size_by(variance);
         let believed = size < self.limit;
         if believed && self.covariance.is_some() {
             let gain = (value - prediction) / variance;
@@ -66,12 +73,17 @@ impl<'a> NoisePrediction<'a> {
                 *state += gain * cross;
             }
         }
-        if order > 0 {
-            self.state.rotate_right(1);
-            self.state[0] = if believed { value } else { prediction };
-        }
+        self.remember(if believed { value } else { prediction });
         self.covariance = self.next_covariance(&cross, variance, believed);
         (!value.is_nan()).then_some(size)
+    }
+
+    /// Makes `newest` the last value of v.
+    fn remember(&mut self, newest: f64) {
+        let mut value = newest;
+        for state in &mut self.state {
+            std::mem::swap(state, &mut value);
+        }
     }
 
     fn next_covariance(&self, cross: &[f64], variance: f64, believed: bool) -> Option<Mat<f64>> {

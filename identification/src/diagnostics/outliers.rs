@@ -91,6 +91,8 @@ pub(crate) struct Outliers {
     /// Whether those in motion were left in the record, because they are more than chance would put there: the
     /// others help the next fit, but are no finding.
     pub(crate) provisional: bool,
+    /// Whether a search for smaller ones, too, may find others.
+    pub(crate) may_have_smaller: bool,
 }
 
 impl Outliers {
@@ -156,8 +158,13 @@ pub(crate) fn outliers(
     let few = |count: usize| count as f64 <= MOST_OUTLYING * moments.samples() as f64;
     let are_no_errors = |seen: &Seen| few(seen.count()) && seen.is_unrelated_to_motion();
     let mut seen = seen_beyond(OUTLYING);
-    if smaller && !seen.outlying.is_empty() && are_no_errors(&seen) {
-        let more = seen_beyond(lower_limit(&seen.sizes));
+    let lower = match !seen.outlying.is_empty() && are_no_errors(&seen) {
+        true => lower_limit(&seen.sizes),
+        false => OUTLYING,
+    };
+    let may_have_smaller = lower < OUTLYING;
+    if smaller && may_have_smaller {
+        let more = seen_beyond(lower);
         if are_no_errors(&more) {
             seen = more;
         }
@@ -166,6 +173,7 @@ pub(crate) fn outliers(
         limit: seen.limit,
         near_limit: seen.near as f64 / seen.sizes.len().max(1) as f64,
         excess: excess(seen.sizes.iter().copied().filter(|size| *size < seen.limit)),
+        may_have_smaller,
         ..Outliers::default()
     };
     if seen.outlying.is_empty() {

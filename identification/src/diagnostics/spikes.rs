@@ -17,26 +17,26 @@ pub(super) struct Course<'a> {
     pub(super) in_motion: Vec<bool>,
 }
 
-/// The distance of each sample from the lines through the two samples before and the two after it, where it is on one side of
-/// both in all `courses`, which are of one length: the least of all. 0 elsewhere, and where one of these samples is missing.
-fn stand_out<const COURSES: usize>(courses: [&[f64]; COURSES]) -> Vec<f64> {
-    let mut distances = vec![0.0; courses[0].len()];
-    for k in 2..distances.len().saturating_sub(2) {
-        let all = courses.map(|course| {
-            [
-                course[k] - (2.0 * course[k - 1] - course[k - 2]),
-                course[k] - (2.0 * course[k + 1] - course[k + 2]),
-            ]
-        });
-        let all = || all.as_flattened().iter();
-        if all().all(|by| *by > 0.0) || all().all(|by| *by < 0.0) {
-            distances[k] = all().fold(f64::INFINITY, |least, by| least.min(by.abs()));
+/// The lowest and the highest of what each sample is above the lines through the two samples before and the two after it. NaN where
+/// one of these is missing.
+fn above_lines(course: &[f64]) -> impl Iterator<Item = (f64, f64)> {
+    course.windows(5).map(|five| {
+        let after = five[2] - (2.0 * five[1] - five[0]);
+        let before = five[2] - (2.0 * five[3] - five[4]);
+        match (after + before).is_nan() {
+            true => (f64::NAN, f64::NAN),
+            false => (after.min(before), after.max(before)),
         }
-    }
-    distances
+    })
 }
 
-/// How far each sample stands out, in output and errors, and in the output alone.
+/// How far a sample stands out that is between `lowest` and `highest` above its lines: the least of all where it is on one side
+/// of all, else 0.
+fn distance(lowest: f64, highest: f64) -> f64 {
+    lowest.max(-highest).max(0.0)
+}
+
+/// How far each sample stands out, in output and errors, and in the output alone. 0 where one of its neighbours is missing.
 struct Distances {
     both: Vec<f64>,
     measured: Vec<f64>,
@@ -44,10 +44,17 @@ struct Distances {
 
 impl Distances {
     fn of(course: &Course<'_>) -> Self {
-        Self {
-            both: stand_out([course.measured, course.errors]),
-            measured: stand_out([course.measured]),
+        let count = course.measured.len();
+        let (mut both, mut measured) = (vec![0.0; count], vec![0.0; count]);
+        let pairs = above_lines(course.measured).zip(above_lines(course.errors));
+        let distances = both.iter_mut().zip(&mut measured).skip(2).zip(pairs);
+        for ((both, measured), (output, errors)) in distances {
+            *measured = distance(output.0, output.1);
+            if !(output.0 + errors.0).is_nan() {
+                *both = distance(output.0.min(errors.0), output.1.max(errors.1));
+            }
         }
+        Self { both, measured }
     }
 }
 

@@ -64,8 +64,6 @@ impl<'a> Touched<'a> {
         };
         for run in runs {
             let measured = run.run.output();
-            let errors = run.errors.iter().filter(|error| !error.is_nan());
-            let usual = median(errors.map(|error| error.abs()).collect()).unwrap_or_default();
             let far = |far: f64, y: &f64| far.max(sign * y);
             let farthest = measured.iter().fold(f64::NEG_INFINITY, far);
             let nearest = measured
@@ -74,10 +72,15 @@ impl<'a> Touched<'a> {
             let notable = (NOTABLE * (farthest - nearest)).max(step);
             let zero = centre + offset(run);
             let beyond = |k: usize| sign * (run.output[k] + zero) - farthest;
-            let is_there = |k: &usize| {
-                beyond(*k) > notable && sign * measured[*k] > farthest - FARTHEST * usual
-            };
-            let samples: Vec<usize> = (0..measured.len()).filter(is_there).collect();
+            let mut samples: Vec<usize> = (0..measured.len())
+                .filter(|k| beyond(*k) > notable)
+                .collect();
+            // The model of most records goes nowhere beyond their outputs.
+            if !samples.is_empty() {
+                let errors = run.errors.iter().filter(|error| !error.is_nan());
+                let usual = median(errors.map(|error| error.abs()).collect()).unwrap_or_default();
+                samples.retain(|k| sign * measured[*k] > farthest - FARTHEST * usual);
+            }
             let stretches = samples.chunk_by(|before, after| *after == before + 1);
             let mut by_sample = vec![0.0; measured.len()];
             for stretch in stretches.filter(|stretch| stretch.len() >= STOP_SAMPLES) {
@@ -97,7 +100,7 @@ impl<'a> Touched<'a> {
 
     /// The end of the travel there, beyond chance.
     fn end(mut self, fit: &GlsFit) -> Option<TravelEnd> {
-        if !self.is_beyond_chance(fit) {
+        if self.strokes.is_empty() || !self.is_beyond_chance(fit) {
             return None;
         }
         self.strokes.sort_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));

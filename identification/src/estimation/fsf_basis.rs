@@ -120,11 +120,17 @@ impl FsfBasis {
     /// at the frequencies of the bank). Inverse of [`FsfBasis::impulse_map`] when the bank is complete.
     pub fn analysis_map(&self) -> Mat<f64> {
         let circle = Circle::new(self.settling);
-        Mat::from_fn(self.frequencies, self.settling, |j, i| match j {
-            0 => 1.0,
-            j if j % 2 == 1 => circle.cos(j.div_ceil(2) * i),
-            j => -circle.sin(j / 2 * i),
-        })
+        let mut map = Mat::zeros(self.frequencies, self.settling);
+        for i in 0..self.settling {
+            let column = map.col_as_slice_mut(i);
+            column[0] = 1.0;
+            let pairs = column[1..].chunks_exact_mut(2);
+            for (pair, (sin, cos)) in pairs.zip(circle.multiples(i).skip(1)) {
+                pair[0] = cos;
+                pair[1] = -sin;
+            }
+        }
+        map
     }
 
     /// Rows Q(m)', m = 0..N-1, of eq. (5): N x n, from parameters to step response.
@@ -162,10 +168,8 @@ impl FsfBasis {
         let scale = 1.0 / self.settling as f64;
         (0..self.settling)
             .map(|i| {
-                let pairs = theta[1..].chunks_exact(2).enumerate().map(|(l, pair)| {
-                    let at = (l + 1) * i;
-                    pair[0] * circle.cos(at) - pair[1] * circle.sin(at)
-                });
+                let pairs = theta[1..].chunks_exact(2).zip(circle.multiples(i).skip(1));
+                let pairs = pairs.map(|(pair, (sin, cos))| pair[0] * cos - pair[1] * sin);
                 scale * (theta[0] + 2.0 * pairs.sum::<f64>())
             })
             .collect()

@@ -54,7 +54,7 @@ impl Default for GlsOptions {
 }
 
 /// What a covariance has beside that of even noise.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct FurtherSpread {
     /// Added to (Z_D'Z_D)^-1: noise that is not even, or cut at its tails, and what was estimated for each run.
     pub noise: Option<Mat<f64>>,
@@ -70,6 +70,7 @@ pub struct FurtherSpread {
 }
 
 /// A part of a covariance whose size was estimated by itself.
+#[derive(Clone)]
 pub struct EstimatedPart {
     /// Its covariance of the coordinates and the offset, over the variance of ε.
     pub covariance: Mat<f64>,
@@ -78,6 +79,7 @@ pub struct EstimatedPart {
 }
 
 /// Differences between the runs of one servo, as far as the mean of these runs has them.
+#[derive(Clone)]
 pub struct RunSpread {
     /// Directions of the coordinates and the offset, one in each column, of which each has one standard deviation of ε.
     pub directions: Mat<f64>,
@@ -88,6 +90,7 @@ pub struct RunSpread {
 }
 
 /// A generalised least-squares fit.
+#[derive(Clone)]
 pub struct GlsFit {
     /// The bank and its coordinates.
     pub coordinates: Coordinates,

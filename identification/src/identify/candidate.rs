@@ -13,6 +13,7 @@ use crate::selection::{Choice, Search, choose_settling, longest_settling, odd_at
 const WORTHWHILE_ROWS: f64 = 0.01;
 
 /// A plan and its data.
+#[derive(Clone)]
 pub(super) struct Candidate {
     pub(super) plan: Plan,
     /// With the lags of the plan.

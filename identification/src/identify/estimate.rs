@@ -9,6 +9,7 @@ use crate::estimation::{
 };
 
 /// A fit and what it was made from.
+#[derive(Clone)]
 pub(super) struct Estimate {
     pub(super) coordinates: Coordinates,
     pub(super) information: RowInformation,

@@ -90,17 +90,15 @@ fn explained(
         may_go_on,
     };
     let found = Undisturbed::of(record, options)?;
-    let disturbances = found.disturbances.clone();
-    let first = request.identified(found)?;
-    let has_level = first.model.linear && first.model.bounds.valid().is_some();
-    if first.explanation.taken_out.is_empty() || !has_level {
-        return Ok(first);
-    }
-    request.identified(Undisturbed::without_smaller_outliers(
-        record,
-        options,
-        disturbances,
-    )?)
+    // The search for smaller outliers goes on from the fit without the larger ones.
+    let kept = (found.may_have_smaller_outliers()).then(|| found.clone());
+    request.with_response(found, |first| {
+        let Some(kept) = kept.filter(|_| first.asks_for_smaller_outliers()) else {
+            return Ok(first.identification());
+        };
+        let found = kept.without_smaller_outliers(record, options)?;
+        request.with_response(found, |last| Ok(last.identification()))
+    })
 }
 
 /// What is asked for of a record.
@@ -112,9 +110,13 @@ struct Request<'a> {
 }
 
 impl<'a> Request<'a> {
-    /// The servo behind the record as it was `found`, or with all that may be errors of the model where these follow the motion: errors of a servo
-    /// that is not linear are no disturbances.
-    fn identified(&self, found: Undisturbed<'a>) -> Result<Identification, Error> {
+    /// What follows from the response of the record as it was `found`, or with all that may be errors of the model where these follow the
+    /// motion: errors of a servo that is not linear are no disturbances.
+    fn with_response(
+        &self,
+        found: Undisturbed<'a>,
+        then: impl FnOnce(Response<'_>) -> Result<Identification, Error>,
+    ) -> Result<Identification, Error> {
         let Undisturbed {
             record,
             disturbances,
@@ -125,14 +127,12 @@ impl<'a> Request<'a> {
         let fitted = Fitted::tested(&task, candidate, estimate);
         let follows_motion = (fitted.linearity).is_some_and(|found| found.errors_follow_motion());
         if !follows_motion || disturbances.is_without_errors() {
-            return run(&task, fitted);
+            return then(Response::new(&task, fitted)?);
         }
         let whole = Undisturbed::with_errors(self.record, self.options, &disturbances)?;
         let task = self.task(&whole.record, &whole.disturbances);
-        run(
-            &task,
-            Fitted::tested(&task, whole.candidate, whole.estimate),
-        )
+        let fitted = Fitted::tested(&task, whole.candidate, whole.estimate);
+        then(Response::new(&task, fitted)?)
     }
 
     fn task<'b>(&'b self, record: &'b Record<'b>, disturbances: &'b Disturbances) -> Task<'b> {
@@ -163,40 +163,76 @@ pub fn identify_moments(moments: &Moments, options: &Options) -> Result<Identifi
         may_go_on: false,
         disturbances: &Disturbances::default(),
     };
-    run(
-        &task,
-        Fitted::new(&task, Candidate::of_moments(moments, options)?)?,
-    )
+    let fitted = Fitted::new(&task, Candidate::of_moments(moments, options)?)?;
+    Ok(Response::new(&task, fitted)?.identification())
 }
 
-fn run(task: &Task<'_>, first: Fitted) -> Result<Identification, Error> {
-    let samples = first.candidate.moments.samples();
-    let fitted = gates::pass(task, first)?.with_honest_covariance(task);
-    let mut fitted = allowing_for_slow_end(task, prior::under_prior(task, fitted));
-    let mut described = Described::new(task, &fitted);
-    let runs = task.record.and_then(|record| {
-        RunComparison::of(&described.model, &task.disturbances.with_offsets(record))
-    });
-    if fitted.add_scatter(task, runs.as_ref()) {
-        described = Described::new(task, &fitted);
+/// A response with its bounds, after all gates.
+struct Response<'a> {
+    task: &'a Task<'a>,
+    samples: usize,
+    fitted: Fitted,
+    described: Described,
+    runs: Option<RunComparison>,
+}
+
+impl<'a> Response<'a> {
+    fn new(task: &'a Task<'a>, first: Fitted) -> Result<Self, Error> {
+        let samples = first.candidate.moments.samples();
+        let fitted = gates::pass(task, first)?.with_honest_covariance(task);
+        let mut fitted = allowing_for_slow_end(task, prior::under_prior(task, fitted));
+        let mut described = Described::new(task, &fitted);
+        let runs = task.record.and_then(|record| {
+            RunComparison::of(&described.model, &task.disturbances.with_offsets(record))
+        });
+        if fitted.add_scatter(task, runs.as_ref()) {
+            described = Described::new(task, &fitted);
+        }
+        Ok(Self {
+            task,
+            samples,
+            fitted,
+            described,
+            runs,
+        })
     }
-    let Described {
-        responses,
-        allowances,
-        validity,
-        mut model,
-    } = described;
-    model.residuals = assess::residuals(task, &fitted, &model);
-    let explanation = describe::explanation(task, fitted, &responses, &allowances, (&model, runs));
-    model.advice = gather_advice(&Evidence {
-        model: &model,
-        validity: &validity,
-        explanation: &explanation,
-        options: task.options,
-        recorded: task.recorded,
-        samples,
-    });
-    Ok(Identification { model, explanation })
+
+    /// Whether smaller outliers have to go, too: there are larger ones, the servo is linear, and bounds hold.
+    fn asks_for_smaller_outliers(&self) -> bool {
+        let model = &self.described.model;
+        !self.task.disturbances.outliers.taken_out.is_empty()
+            && model.linear
+            && model.bounds.valid().is_some()
+    }
+
+    /// With tests of the residuals and advice.
+    fn identification(self) -> Identification {
+        let Self {
+            task,
+            samples,
+            fitted,
+            described,
+            runs,
+        } = self;
+        let Described {
+            responses,
+            allowances,
+            validity,
+            mut model,
+        } = described;
+        model.residuals = assess::residuals(task, &fitted, &model);
+        let explanation =
+            describe::explanation(task, fitted, &responses, &allowances, (&model, runs));
+        model.advice = gather_advice(&Evidence {
+            model: &model,
+            validity: &validity,
+            explanation: &explanation,
+            options: task.options,
+            recorded: task.recorded,
+            samples,
+        });
+        Identification { model, explanation }
+    }
 }
 
 /// A fit with its bounds.

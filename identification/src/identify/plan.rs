@@ -11,6 +11,7 @@ use crate::results::SelectedBy;
 use crate::selection::{Choice, is_wide};
 
 /// A decided structure. Gates that want another one make another plan.
+#[derive(Clone)]
 pub(super) struct Plan {
     pub(super) basis: FsfBasis,
     pub(super) selected_by: SelectedBy,

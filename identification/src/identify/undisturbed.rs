@@ -17,6 +17,7 @@ use crate::options::{Detrend, Options};
 const TURNS: usize = 5;
 
 /// A record without its disturbances, and the fit to it.
+#[derive(Clone)]
 pub(super) struct Undisturbed<'a> {
     pub(super) record: Record<'a>,
     pub(super) disturbances: Disturbances,
@@ -31,16 +32,19 @@ impl<'a> Undisturbed<'a> {
         first.in_turns(&complete, options, false)
     }
 
-    /// Without smaller outliers than those that were `found`, too. Errors of a servo that is not linear may be as large, so the record
-    /// without these must have a level, and a linear servo.
+    /// Whether a search for smaller outliers, too, may find others.
+    pub(super) fn may_have_smaller_outliers(&self) -> bool {
+        self.disturbances.outliers.may_have_smaller
+    }
+
+    /// Without smaller outliers, too. Errors of a servo that is not linear may be as large, so the record without the larger ones must
+    /// have a level, and a linear servo.
     pub(super) fn without_smaller_outliers(
+        self,
         record: &'a Record,
         options: &Options,
-        found: Disturbances,
     ) -> Result<Self, Error> {
-        let complete = record.with_complete_inputs();
-        let first = Self::without(found, &complete, options)?;
-        first.in_turns(&complete, options, true)
+        self.in_turns(&record.with_complete_inputs(), options, true)
     }
 
     /// After turns of search and fit; `smaller` as in [`outliers`].
@@ -61,6 +65,8 @@ impl<'a> Undisturbed<'a> {
                 break;
             };
             found = again;
+            // Only a search that finds the same again says that there are none.
+            found.disturbances.outliers.may_have_smaller = true;
         }
         if found.disturbances.outliers.provisional {
             let disturbances = Disturbances {

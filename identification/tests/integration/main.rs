@@ -17,6 +17,7 @@ mod poor_records;
 mod prior;
 mod real_data;
 mod run_gains;
+mod scattering_holds;
 mod servo_model;
 mod smooth;
 mod streaming;

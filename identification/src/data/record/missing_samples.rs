@@ -6,11 +6,20 @@ use std::ops::Range;
 impl Run<'_> {
     /// Number of samples that lack the input or the output.
     pub fn missing(&self) -> usize {
-        self.input
-            .iter()
-            .zip(self.output.iter())
-            .filter(|(u, y)| u.is_nan() || y.is_nan())
-            .count()
+        self.missing_samples().count()
+    }
+
+    /// Samples that lack the input or the output, with their values. Most blocks lack none, and to see that costs a fraction of a
+    /// look at each sample.
+    fn missing_samples(&self) -> impl Iterator<Item = (usize, f64, f64)> {
+        const BLOCK: usize = 64;
+        let has_gap = |values: &[f64]| values.iter().fold(false, |gap, value| gap | value.is_nan());
+        let blocks = self.input.chunks(BLOCK).zip(self.output.chunks(BLOCK));
+        let blocks = (0..).step_by(BLOCK).zip(blocks);
+        let with_gaps = blocks.filter(move |(_, (u, y))| has_gap(u) || has_gap(y));
+        let samples = with_gaps.flat_map(|(first, (u, y))| (first..).zip(u.iter().zip(y)));
+        let samples = samples.map(|(k, (u, y))| (k, *u, *y));
+        samples.filter(|(_, u, y)| u.is_nan() || y.is_nan())
     }
 
     /// The longest stretches of complete rows. Row k is complete when the output is known from
@@ -26,8 +35,7 @@ impl Run<'_> {
         };
         // The first row whose history no earlier gap interrupts.
         let mut from = history.max(outputs - 1);
-        let samples = self.input.iter().zip(self.output.iter()).enumerate();
-        for (k, (u, y)) in samples.filter(|(_, (u, y))| u.is_nan() || y.is_nan()) {
+        for (k, u, y) in self.missing_samples() {
             if from < k {
                 spans.push(from..k);
             }

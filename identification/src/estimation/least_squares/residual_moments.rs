@@ -61,10 +61,13 @@ pub(crate) fn residual_moments_of_lags(
 /// sum of s(k-i) s(k-j), i, j = 0..=order, for the modelled output s = h*u.
 fn modelled_moments(moments: &Moments, impulse: &[f64], order: usize) -> Mat<f64> {
     let n = impulse.len();
+    let lags = n + order;
+    let mut late = Mat::<f64>::zeros(lags, order + 1);
+    for i in 0..=order {
+        late.col_as_slice_mut(i)[i..i + n].copy_from_slice(impulse);
+    }
     // The modelled output of lag i against input lag b.
-    let response = Mat::from_fn(n + order, order + 1, |b, i| {
-        dot(impulse, &moments.uu.col_as_slice(b)[i..i + n])
-    });
+    let response = moments.uu.as_ref().submatrix(0, 0, lags, lags) * late;
     Mat::from_fn(order + 1, order + 1, |i, j| {
         dot(impulse, &response.col_as_slice(i)[j..j + n])
     })

@@ -3,6 +3,7 @@
 use faer::Mat;
 
 /// A least-squares solution.
+#[derive(Clone)]
 pub struct Solution {
     /// Coordinates, then the offset relative to the centre of the moments.
     pub coordinates: Vec<f64>,

@@ -3,9 +3,7 @@
 use faer::Mat;
 
 use super::kernel::{Entries, Kernel, NUMBERS};
-use crate::numerics::{
-    backward_solve, dot, factorised, forward_solve, lower_inverse_of_square, mirror,
-};
+use crate::numerics::{backward_solve, dot, factorised, forward_solve, inverse_of_lower, mirror};
 
 /// An estimate of the impulse response without a prior, in standard deviations of ε.
 pub(super) struct Free<'a> {
@@ -73,11 +71,15 @@ impl Marginal {
         prior
     }
 
-    /// Its derivatives by the numbers of all kernels: tr((S^-1 - αα') dK), α = S^-1 h.
+    /// Its derivatives by the numbers of all kernels: tr(L^-1 dK L^-T) - α'dK α, α = S^-1 h.
     pub(super) fn gradient(&self) -> Vec<f64> {
-        let inverse = lower_inverse_of_square(&self.factor);
+        let whiten = inverse_of_lower(&self.factor);
         let alpha = backward_solve(&self.factor, &self.whitened);
-        let slopes = |kernel: &Entries| kernel.weighted_slopes(&inverse, &alpha);
+        let slopes = |kernel: &Entries| {
+            let of_noise = kernel.slopes(alpha.len(), |j| &whiten.col_as_slice(j)[j..]);
+            let of_response = kernel.slopes(1, |j| &alpha[j..=j]);
+            [0, 1, 2].map(|k| of_noise[k] - of_response[k])
+        };
         self.kernels.iter().flat_map(slopes).collect()
     }
 }

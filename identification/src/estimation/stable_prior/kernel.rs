@@ -107,28 +107,41 @@ impl Entries {
         }
     }
 
-    /// The sums over the symmetric weights W - xx' times the derivatives of K by its three numbers. Of W the lower triangle is read.
-    pub(super) fn weighted_slopes(&self, weights: &Mat<f64>, x: &[f64]) -> [f64; NUMBERS] {
-        let samples = x.len();
+    /// The sums of x'K'x over the rows x of a matrix, K' being the derivatives of K by its three numbers. `column` gives the column of each
+    /// sample, without the rows before that it has nothing in: as many as `rows` at the most, and never more than the one before.
+    ///
+    /// As in [`Entries::add_times`], what a row has before a sample follows from its neighbour, for all rows together.
+    pub(super) fn slopes<'a>(
+        &self,
+        rows: usize,
+        column: impl Fn(usize) -> &'a [f64],
+    ) -> [f64; NUMBERS] {
+        let likeness = self.like.get(1).copied().unwrap_or(0.0);
         let mut sums = [0.0; NUMBERS];
-        let mut products = vec![0.0; samples];
-        let (ones, apart): (Vec<f64>, Vec<f64>) = (0..samples).map(|i| (1.0, i as f64)).unzip();
-        for j in 0..samples {
-            let of_column = weights.col_as_slice(j)[j..].iter().zip(&x[j..]);
-            let weights = of_column.map(|(weight, with)| weight - x[j] * with);
-            let below = &mut products[j..];
-            for (product, (k, weight)) in below.iter_mut().zip(self.below(j).zip(weights)) {
-                *product = k * weight;
+        // Of each row: the sample, and those before it times ρ^k and times k ρ^k, k samples later.
+        let mut states = [(); 3].map(|()| vec![0.0; rows]);
+        for (j, decay) in self.decay.iter().enumerate() {
+            let column = column(j);
+            let [now, before, apart] = states.each_mut().map(|s| &mut s[rows - column.len()..]);
+            for (now, x) in now.iter_mut().zip(column) {
+                *now = decay * x;
             }
-            // What is below the diagonal counts twice. i + j = (i - j) + 2 j.
-            let (sum, apart) = (dot(below, &ones), dot(below, &apart));
-            let all = 2.0 * sum - below[0];
+            let all = dot(now, now) + 2.0 * dot(now, before);
+            let by_distance = 2.0 * dot(now, apart);
             sums[0] += all;
-            sums[1] += 2.0 * apart + all * (2 * j + 2) as f64;
-            sums[2] += 2.0 * apart;
+            // i + j = 2 j - (j - i), both from 1.
+            sums[1] += all * (2 * j + 2) as f64 - by_distance;
+            sums[2] += by_distance;
+            for (before, now) in before.iter_mut().zip(now.iter()) {
+                *before = likeness * (*before + now);
+            }
+            for (apart, before) in apart.iter_mut().zip(before.iter()) {
+                *apart = likeness * *apart + before;
+            }
         }
         let decay = (-self.kernel.log_decay).exp();
         let length = (-self.kernel.log_length).exp();
-        [sums[0], sums[1] * decay / 2.0, sums[2] * length]
+        let [all, by_sum, by_distance] = sums.map(|sum| self.size * sum);
+        [all, by_sum * decay / 2.0, by_distance * length]
     }
 }
