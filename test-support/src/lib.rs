@@ -35,6 +35,7 @@ pub mod loggers;
 pub mod metrics_coverage;
 pub mod oracle;
 pub mod plants;
+pub mod scattering_holds;
 pub mod scattering_runs;
 pub mod servo_means;
 pub mod servos;

@@ -31,7 +31,7 @@ pub(crate) fn allow_for_answer_scatter(runs: &[Simulated<'_>], fit: &mut GlsFit)
     // The runs may be the beginning of a longer record, whose mean is of more answers.
     let rows: f64 = runs.iter().map(|run| run.errors.len() as f64).sum();
     let seen = (rows / fit.rows as f64).min(1.0);
-    let variance = seen * scatter.variance / (scatter.count + FITTED) / fit.variance;
+    let variance = seen * scatter.variance / scatter.count / fit.variance;
     let [slope, bend] = slope_and_bend(fit);
     let size = slope.len();
     let covariance = Mat::from_fn(size + 1, size + 1, |i, j| match (i, j) {

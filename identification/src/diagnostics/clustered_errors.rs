@@ -53,6 +53,8 @@ pub(super) struct EffectScatter {
     pub(super) variance: f64,
     /// Number of equal clusters that would determine as much.
     pub(super) count: f64,
+    /// Those that the fit has left.
+    left: f64,
 }
 
 impl EffectScatter {
@@ -64,18 +66,20 @@ impl EffectScatter {
         let count = sum(|c| c.weight).powi(2) / sum(|c| c.weight.powi(2));
         let beyond_chance =
             pairs > normal_upper_quantile(RESIDUAL_SIGNIFICANCE) * (2.0 * chance).sqrt();
-        if !beyond_chance || count <= fitted {
+        if !beyond_chance {
             return None;
         }
         let own = sum(|c| c.weight.powi(2) - c.squared_weights);
+        let left = (count - fitted).max(1.0);
         Some(Self {
-            variance: pairs / own * count / (count - fitted),
-            count: count - fitted,
+            variance: pairs / own * count / left,
+            count,
+            left,
         })
     }
 
     /// Variance of the estimate of the variance, relative to its square.
     pub(super) fn relative_variance(&self) -> f64 {
-        2.0 / self.count
+        2.0 / self.left
     }
 }
