@@ -4,10 +4,10 @@
 //! search once a stretch.
 
 use super::coordinates::Point;
-use super::descent_of_offsets::OfRun;
+use super::descent_of_offsets::{OfRun, about_mean};
 use crate::numerics::{backward_solve, cholesky, forward_solve};
 use faer::Mat;
-use servoid_dynamics::{Dual, PARAMETERS, ServoParameters, Slopes};
+use servoid_dynamics::{Dual, PARAMETERS, Slopes};
 
 /// Coordinates that a servo has at the most, those of further controllers among them.
 pub(super) const MOST: usize = 28;
@@ -35,8 +35,9 @@ impl Sums {
         }
     }
 
-    /// Leaves the sums for offsets of the runs that are always at their best.
+    /// Leaves the sums for offsets of the runs that are always at their best, about a mean that stays.
     pub(super) fn eliminate_runs(&mut self) {
+        about_mean(&mut self.runs);
         for run in self.runs.iter().filter(|run| run.square > 0.0) {
             for (i, cross) in run.cross.iter().enumerate() {
                 let share = cross / run.square;
@@ -83,19 +84,6 @@ impl Products {
             let from = i / 4 * 4;
             for (sum, slope) in self.normal[i][from..].iter_mut().zip(&slopes[from..]) {
                 *sum += weighted * slope;
-            }
-        }
-    }
-
-    /// Adds what is of the offset to the sums of its run.
-    pub(super) fn add_to_run(&self, run: &mut OfRun, chain: &[[f64; MOST]; PARAMETERS]) {
-        const OFFSET: usize = ServoParameters::<f64>::OFFSET;
-        run.square += self.normal[OFFSET][OFFSET];
-        run.gradient += self.gradient[OFFSET];
-        for (p, by_p) in chain.iter().enumerate() {
-            let product = self.normal[p.min(OFFSET)][p.max(OFFSET)];
-            for (sum, change) in run.cross.iter_mut().zip(by_p) {
-                *sum += product * change;
             }
         }
     }
