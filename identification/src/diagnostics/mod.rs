@@ -1,6 +1,7 @@
 //! How far to trust a result: tests of its errors, and advice.
 
 mod advice;
+mod common_offset;
 mod correlogram;
 mod explanation;
 mod feedback;

@@ -3,7 +3,7 @@
 use servoid_identification::nonlinear::split_by_direction;
 use servoid_identification::results::Model;
 use servoid_identification::servo_model::{
-    LinearKind, ServoModel, ServoModelOptions, Terms, fit_beside,
+    LinearKind, QuantityKind, ServoModel, ServoModelOptions, Terms, fit_beside,
 };
 use servoid_identification::{Frequencies, NoiseOrder, Options, Record, Run, Settling, identify};
 use servoid_test_support::servos::{Limit, Linear, PERIOD, limited, measured, sizes};
@@ -165,4 +165,36 @@ fn the_direction_split_model_simulates_as_it_was_fitted() {
         (percent - split.simulation_percent).abs() < 1e-6,
         "{percent}"
     );
+}
+
+/// Three runs of unlike length, whose sensor's zeros are 0.4, -0.5 and 1.6 further up: the mean is 0.5, each run once; by samples it would be 0.02. The
+/// servo stops at 3 where the zero is 0.
+fn runs_of_unlike_length(stop: f64) -> Record<'static> {
+    let servo = Linear::second_order(0.97, 0.0213, 0.7, 50.0);
+    let run = |(index, (repeats, zero)): (u64, (usize, f64))| {
+        let command = command().repeat(repeats);
+        let output = servo.respond(&command, 0.0, 0.0);
+        let stopped: Vec<f64> = output.iter().map(|y| y.min(stop) + zero).collect();
+        let output = measured(&stopped, 1.0, 40 + index);
+        Run::new(command, output).unwrap().with_input_at_rest(0.0)
+    };
+    let runs = (0..).zip([(2, 0.4), (5, -0.5), (1, 1.6)]).map(run);
+    Record::new(PERIOD, runs.collect()).unwrap()
+}
+
+#[test]
+fn linear_model_servo_model_and_stop_have_one_common_offset() {
+    let (linear, servo) = both(&runs_of_unlike_length(f64::INFINITY));
+    assert!((linear.offset - 0.5).abs() < 0.02, "{}", linear.offset);
+    let offset = servo.quantity(QuantityKind::Offset).unwrap().value;
+    assert!((offset - 0.5).abs() < 0.02, "{offset}");
+    for (found, zero) in servo.run_offsets.iter().zip([0.4, -0.5, 1.6]) {
+        assert!((found - (zero - 0.5)).abs() < 0.02, "{found} {zero}");
+    }
+    let (linear, servo) = both(&runs_of_unlike_length(3.0));
+    assert!((linear.stops[0] - 3.5).abs() < 0.05, "{:?}", linear.stops);
+    assert_eq!(servo.stops.upper, Some(linear.stops[0]));
+    for (found, zero) in servo.run_offsets.iter().zip([0.4, -0.5, 1.6]) {
+        assert!((found - (zero - 0.5)).abs() < 0.05, "{found} {zero}");
+    }
 }
