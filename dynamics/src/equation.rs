@@ -195,6 +195,12 @@ impl Stops {
         }
     }
 
+    /// How many there are.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        [self.lower, self.upper].into_iter().flatten().count()
+    }
+
     /// Whether there is none.
     #[must_use]
     pub fn are_none(&self) -> bool {
