@@ -2,7 +2,7 @@
 
 use super::references::{NoiseKind, PERIOD_S, Reference};
 use super::servos::{Kind, servo};
-use super::truth::{Beyond, Truth};
+use super::truth::Truth;
 use crate::data::{Record, Run};
 use crate::results::Interval;
 use crate::servo_model::{ServoModel, ServoModelOptions, fit, quantities};
@@ -168,15 +168,7 @@ fn intervals(truth: &Truth, found: &ServoModel) -> Vec<Judged> {
 /// The true quantities by name: outside of the class only those whose meaning does not depend on it.
 fn truths(truth: &Truth) -> Vec<(&'static str, f64)> {
     let mut all = quantities::values(&truth.point);
-    let is_known = |name: &str| match (truth.beyond, name) {
-        (Beyond::Nothing, _) | (_, "delay" | "gain" | "offset") => true,
-        // The controller and the motor upwards are those of the equation.
-        (Beyond::UnequalSides { .. }, name) => {
-            matches!(name, "bandwidth at small signals" | "acceleration upwards")
-        }
-        _ => false,
-    };
-    all.retain(|(name, _)| is_known(name));
+    all.retain(|(name, _)| truth.is_in_class() || matches!(*name, "delay" | "gain" | "offset"));
     if !truth.is_in_class() {
         all.push(("top speed upwards", truth.top_speed(true)));
         all.push(("top speed downwards", truth.top_speed(false)));
