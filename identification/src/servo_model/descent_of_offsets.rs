@@ -9,8 +9,6 @@
 //! with gradients and crosses [about a mean](about_mean) that keeps the mean of the changes at zero.
 
 use super::coordinates::{Coordinate, Point};
-use super::descent_step::MOST;
-use servoid_dynamics::{PARAMETERS, Slopes};
 
 /// Sums over the samples of one run.
 #[derive(Clone)]
@@ -65,37 +63,6 @@ pub(super) fn about_mean(runs: &mut [OfRun]) {
         run.gradient -= gradient;
         for (own, mean) in run.cross.iter_mut().zip(&cross) {
             *own -= mean;
-        }
-    }
-}
-
-/// Sums over a stretch of products with the derivative by the zero of the sensor, by the parameters of the servo.
-#[derive(Default)]
-pub(super) struct ProductsOfZero {
-    square: f64,
-    gradient: f64,
-    cross: Slopes,
-}
-
-impl ProductsOfZero {
-    /// A sample, with `weighted` the weight times the derivative by the zero.
-    #[inline(always)]
-    pub(super) fn add(&mut self, weighted: f64, by_zero: f64, error: f64, slopes: &Slopes) {
-        self.square += weighted * by_zero;
-        self.gradient += weighted * error;
-        for (sum, slope) in self.cross.iter_mut().zip(slopes) {
-            *sum += weighted * slope;
-        }
-    }
-
-    /// Adds them by coordinates, of which `chain` has the derivatives of the parameters.
-    pub(super) fn add_to(&self, run: &mut OfRun, chain: &[[f64; MOST]; PARAMETERS]) {
-        run.square += self.square;
-        run.gradient += self.gradient;
-        for (product, by_parameter) in self.cross.iter().zip(chain) {
-            for (sum, change) in run.cross.iter_mut().zip(by_parameter) {
-                *sum += product * change;
-            }
         }
     }
 }

@@ -109,6 +109,37 @@ impl Products {
     }
 }
 
+/// Sums over a stretch of products with the derivative by the zero of the sensor, by the parameters of the servo.
+#[derive(Default)]
+pub(super) struct ProductsOfZero {
+    square: f64,
+    gradient: f64,
+    cross: Slopes,
+}
+
+impl ProductsOfZero {
+    /// A sample, with `weighted` the weight times the derivative by the zero.
+    #[inline(always)]
+    pub(super) fn add(&mut self, weighted: f64, by_zero: f64, error: f64, slopes: &Slopes) {
+        self.square += weighted * by_zero;
+        self.gradient += weighted * error;
+        for (sum, slope) in self.cross.iter_mut().zip(slopes) {
+            *sum += weighted * slope;
+        }
+    }
+
+    /// Adds them by coordinates, of which `chain` has the derivatives of the parameters.
+    pub(super) fn add_to(&self, run: &mut OfRun, chain: &[[f64; MOST]; PARAMETERS]) {
+        run.square += self.square;
+        run.gradient += self.gradient;
+        for (product, by_parameter) in self.cross.iter().zip(chain) {
+            for (sum, change) in run.cross.iter_mut().zip(by_parameter) {
+                *sum += product * change;
+            }
+        }
+    }
+}
+
 /// Solves (J'WJ + damping) step = J'We for the free coordinates.
 pub(super) fn solve(sums: &Sums, free: &[usize], damping: f64) -> Option<Vec<f64>> {
     let largest = free

@@ -4,8 +4,8 @@
 //! An error beyond a clip counts in proportion to its size (Huber), so that a lost run does not decide.
 
 use super::coordinates::Point;
-use super::descent_of_offsets::{OfRun, ProductsOfZero, move_offsets};
-use super::descent_step::{MOST, Products, Sums, by_coordinates, solve};
+use super::descent_of_offsets::{OfRun, move_offsets};
+use super::descent_step::{MOST, Products, ProductsOfZero, Sums, by_coordinates, solve};
 use super::search_progress::Watch;
 use super::stretches::Stretch;
 use servoid_dynamics::{Grid, Slopes, simulate, simulate_with_slopes};

@@ -35,7 +35,7 @@ pub(super) fn hidden_parts(
     rows: &[Vec<Row>],
     noise: &NoiseAtRest,
 ) -> Vec<HiddenPart> {
-    let fit = Fit {
+    let errors = FitErrors {
         stretches,
         point,
         grid,
@@ -43,15 +43,15 @@ pub(super) fn hidden_parts(
         noise,
     };
     let parts = [
-        fit.part(current_limit::shortfall),
-        fit.part(stiction::shortfall),
-        fit.part(unequal_sides::shortfalls),
+        errors.part(current_limit::shortfall),
+        errors.part(stiction::shortfall),
+        errors.part(unequal_sides::shortfalls),
     ];
     parts.into_iter().flatten().collect()
 }
 
 /// Where parts are looked for.
-struct Fit<'a> {
+struct FitErrors<'a> {
     stretches: &'a [Stretch],
     point: &'a Point,
     grid: &'a Grid,
@@ -59,7 +59,7 @@ struct Fit<'a> {
     noise: &'a NoiseAtRest,
 }
 
-impl Fit<'_> {
+impl FitErrors<'_> {
     fn part<const N: usize>(&self, shortfalls: Shortfalls<N>) -> Option<HiddenPart> {
         let of_stretch = |stretch: &Stretch| {
             let servo = self.point.servo_of(stretch, |_, value| value);
