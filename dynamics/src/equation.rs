@@ -172,8 +172,11 @@ pub struct DriveLimit<S> {
     pub motor_damping: S,
 }
 
-/// The outputs at which the shaft meets a stop: it takes all speed, and holds the shaft until that is driven back. They are not estimated with
-/// the other numbers: a record shows them by itself.
+/// The outputs at which the shaft meets a stop: it takes all speed, and holds the shaft until that is driven back.
+///
+/// A stop is an angle of the mechanism. It is known by the output that the sensor shows there, which a record shows by itself: that stays where it is
+/// when offset and gain are estimated, and the angle is [what follows](ServoParameters::range). Where the zero of the sensor moves, the angle
+/// stays, and the output there [moves with the zero](Self::seen_from).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stops {
     /// The least output, where there is a stop \[output\].
@@ -183,13 +186,19 @@ pub struct Stops {
 }
 
 impl Stops {
-    /// The same seen by a sensor whose zero is `offset` higher \[output\].
+    /// The same angles seen by a sensor whose zero is `higher` \[output\].
     #[must_use]
-    pub fn moved_by(self, offset: f64) -> Self {
+    pub fn seen_from(self, higher: f64) -> Self {
         Self {
-            lower: self.lower.map(|end| end + offset),
-            upper: self.upper.map(|end| end + offset),
+            lower: self.lower.map(|end| end + higher),
+            upper: self.upper.map(|end| end + higher),
         }
+    }
+
+    /// How many there are.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        [self.lower, self.upper].into_iter().flatten().count()
     }
 
     /// Whether there is none.
@@ -290,8 +299,13 @@ pub(crate) mod place {
 }
 
 impl<S: Scalar> ServoParameters<S> {
-    /// The place of the offset in [`Self::in_order`].
-    pub const OFFSET: usize = place::OFFSET;
+    /// The same servo behind a sensor whose zero is `higher` \[output\]: it moves alike, and all outputs are as much higher.
+    #[must_use]
+    pub fn seen_from(mut self, higher: f64) -> Self {
+        self.offset = self.offset + S::constant(higher);
+        self.stops = self.stops.seen_from(higher);
+        self
+    }
 
     /// All numbers, in one order for all servos; 0 for those that this one does not have.
     #[must_use]

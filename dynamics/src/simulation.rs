@@ -110,7 +110,8 @@ pub fn simulate<S: Scalar>(
     });
 }
 
-/// [`simulate`] with the derivatives of each sample by the parameters, in the order of [`ServoParameters::in_order`].
+/// [`simulate`] with the derivatives of each sample by the parameters, in the order of [`ServoParameters::in_order`], and by the zero of the
+/// sensor: that by the offset of a servo whose stops [move](crate::Stops::seen_from) with it.
 ///
 /// They are those of [`Dual`](crate::Dual) numbers, several times as fast.
 pub fn simulate_with_slopes(
@@ -118,7 +119,7 @@ pub fn simulate_with_slopes(
     grid: &Grid,
     start: &Start<f64>,
     input: &[f64],
-    mut each: impl FnMut(usize, f64, &Slopes),
+    mut each: impl FnMut(usize, f64, &Slopes, f64),
 ) {
     let edge = DelayedEdge::new(physics.delay_s, grid);
     let whole_s = grid.step_s();
@@ -140,8 +141,8 @@ pub fn simulate_with_slopes(
         },
     };
     period.repeat(state, before, input, |k, state| {
-        let (output, slopes) = state.output(physics);
-        each(k, output, &slopes);
+        let (output, slopes, by_zero) = state.output(physics);
+        each(k, output, &slopes, by_zero);
     });
 }
 

@@ -13,6 +13,8 @@ pub(crate) struct SlopedState {
     plain: State<f64>,
     angle: Slopes,
     speed: Slopes,
+    /// Its derivatives by the zero of the sensor: those by the offset, but that stops stay where they are.
+    by_zero: State<f64>,
 }
 
 impl SlopedState {
@@ -20,11 +22,16 @@ impl SlopedState {
     pub(crate) fn new(physics: &ServoParameters<f64>, output: f64, rate: f64) -> Self {
         let per_output = 1.0 / physics.gain;
         let angle = (output - physics.offset) * per_output;
-        Self::at(physics, angle, rate * per_output)
+        Self::at(physics, angle, rate * per_output, -per_output)
+    }
+
+    /// At rest at a stop, whose output is known, at the angle `end`.
+    fn stopped(physics: &ServoParameters<f64>, end: f64) -> Self {
+        Self::at(physics, end, 0.0, 0.0)
     }
 
     /// At an angle and a speed that follow from an output and its rate.
-    fn at(physics: &ServoParameters<f64>, angle: f64, speed: f64) -> Self {
+    fn at(physics: &ServoParameters<f64>, angle: f64, speed: f64, angle_by_zero: f64) -> Self {
         let per_output = 1.0 / physics.gain;
         let plain = State { angle, speed };
         let (mut angle, mut speed) = (Slopes::default(), Slopes::default());
@@ -35,6 +42,10 @@ impl SlopedState {
             plain,
             angle,
             speed,
+            by_zero: State {
+                angle: angle_by_zero,
+                speed: 0.0,
+            },
         }
     }
 
@@ -49,13 +60,18 @@ impl SlopedState {
         (value, slope)
     }
 
-    /// The measured output.
+    /// The measured output, with its derivatives by the parameters and by the zero of the sensor.
     #[inline(always)]
-    pub(crate) fn output(&self, physics: &ServoParameters<f64>) -> (f64, Slopes) {
+    pub(crate) fn output(&self, physics: &ServoParameters<f64>) -> (f64, Slopes, f64) {
         let mut slopes = self.angle.map(|slope| slope * physics.gain);
         slopes[place::GAIN] += self.plain.angle;
         slopes[place::OFFSET] += 1.0;
-        (self.plain.angle * physics.gain + physics.offset, slopes)
+        let by_zero = self.by_zero.angle * physics.gain + 1.0;
+        (
+            self.plain.angle * physics.gain + physics.offset,
+            slopes,
+            by_zero,
+        )
     }
 }
 
@@ -307,6 +323,11 @@ impl<'a> Advance for SlopedStepper<'a> {
                 *slope += by.command * of_command;
             }
         }
+        let zero = &mut state.by_zero;
+        let of_command = command.slopes.map_or(0.0, |slopes| slopes[place::OFFSET]);
+        let by_zero = by.middle * zero.angle + by_speed * zero.speed + by.command * of_command;
+        zero.angle += (zero.speed + by_zero) * half_s;
+        zero.speed = by_zero;
         // The middle moves with the length of the step too.
         slopes[place::DELAY] += (by.length + by.middle * speed * 0.5) * self.by_delay;
         for (i, slope) in state.angle.iter_mut().enumerate() {
@@ -319,7 +340,7 @@ impl<'a> Advance for SlopedStepper<'a> {
             speed: after,
         };
         if let Some(end) = self.plain.stop_before(state.plain.angle) {
-            *state = SlopedState::at(self.physics, end, 0.0);
+            *state = SlopedState::stopped(self.physics, end);
         }
     }
 }

@@ -123,6 +123,13 @@ impl<S: Scalar> Stepper<S> {
         self
     }
 
+    /// The same with the limit of the drive towards smaller θ times `factor`, at one stiffness.
+    #[must_use]
+    pub fn with_limit_downwards(mut self, factor: S) -> Self {
+        self.down.largest = self.down.largest.map(|most| most * factor);
+        self
+    }
+
     /// One step under the command `command`.
     #[inline(always)]
     pub fn advance(&self, state: &mut State<S>, command: S) {

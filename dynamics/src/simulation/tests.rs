@@ -1,6 +1,7 @@
 //! The derivatives by hand against dual numbers, and speeds against their formula.
 
 use super::*;
+use crate::equation::place;
 use crate::{AtRest, DriveLimit, Dual, Friction, Load, PARAMETERS, Stops};
 
 type Number = Dual<PARAMETERS>;
@@ -190,7 +191,7 @@ fn slopes_are_those_of_dual_numbers() {
                     slow.push(y);
                 },
             );
-            simulate_with_slopes(&servo, &grid, &start, &input, |_, y, slopes| {
+            simulate_with_slopes(&servo, &grid, &start, &input, |_, y, slopes, _| {
                 fast.push((y, *slopes));
             });
             for place in 0..PARAMETERS {
@@ -209,4 +210,51 @@ fn slopes_are_those_of_dual_numbers() {
             }
         }
     }
+}
+
+/// A servo that runs into both stops and leaves them: where the zero of the sensor moves, the output at a stop moves with it; where the offset is
+/// estimated, the output there stays. Before and between, both are the derivative by the offset.
+#[test]
+fn at_a_stop_the_output_follows_the_zero_of_the_sensor_and_not_the_offset() {
+    let stops = Stops {
+        lower: Some(-3.0),
+        upper: Some(6.0),
+    };
+    let input = input();
+    let grid = Grid::new(0.002, 0.0, 0.0008);
+    let start = Start::at_rest(1.0, None);
+    let mut checked = 0;
+    for free in servos() {
+        let servo = ServoParameters { stops, ..free };
+        let outputs = |servo: ServoParameters| {
+            let mut outputs = Vec::new();
+            simulate(&servo, &grid, &start, &input, |_, y| outputs.push(y));
+            outputs
+        };
+        let difference = |moved: &dyn Fn(f64) -> ServoParameters| {
+            const STEP: f64 = 1e-6;
+            let [more, less] = [STEP, -STEP].map(|step| outputs(moved(step)));
+            let slopes = more.iter().zip(less).map(|(a, b)| (a - b) / (2.0 * STEP));
+            slopes.collect::<Vec<f64>>()
+        };
+        let by_zero = difference(&|change| servo.seen_from(change));
+        let by_offset = difference(&|change| ServoParameters {
+            offset: servo.offset + change,
+            ..servo
+        });
+        simulate_with_slopes(&servo, &grid, &start, &input, |k, y, slopes, zero| {
+            let is_at_stop = y == 6.0 || y == -3.0;
+            if is_at_stop {
+                assert_eq!((zero, slopes[place::OFFSET]), (1.0, 0.0), "{k} {servo:?}");
+                checked += 1;
+            }
+            // The derivative jumps where a step of the integration meets a stop, or friction stops the shaft, a step earlier or later.
+            let smooth = free.friction.is_none();
+            for (exact, found) in [(by_zero[k], zero), (by_offset[k], slopes[place::OFFSET])] {
+                let holds = (exact - found).abs() < 1e-3;
+                assert!(holds || !smooth, "{k}: {exact} {found} {servo:?}");
+            }
+        });
+    }
+    assert!(checked > 1000, "{checked}");
 }

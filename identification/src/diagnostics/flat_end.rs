@@ -11,6 +11,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::split_squares::{Rest, SplitSquares};
 use crate::data::{EXACTLY, Hold, Record, Run, holds, last_quarter, mean_output, sensor_step};
+use crate::diagnostics::common_offset::common_offset;
 use crate::numerics::{dot, square_about_mean};
 use crate::thresholds::{SHORT_LEVEL_SIGNIFICANCE, STOP_GAIN, STOP_SHORT};
 
@@ -297,20 +298,20 @@ impl Split {
         if spread > 0.0 { product / spread } else { 0.0 }
     }
 
-    /// The end of one side, at the mean offset of the runs.
+    /// The end of one side, at the [common offset](common_offset) of the runs that show theirs.
     fn end(&self, rests: &[Rest], side: usize) -> Option<TravelEnd> {
         let mut end = self.beyond(rests, side);
         if side == 0 {
             end.reverse();
         }
         let (first, last) = (end.first()?, end.last()?);
-        let known = || self.runs.iter().filter(|(_, _, count)| *count > 0.0);
-        let offsets: f64 = known().map(|(u, y, _)| y - self.slope * u).sum();
+        let known = self.runs.iter().filter(|(_, _, count)| *count > 0.0);
+        let offsets: Vec<f64> = known.map(|(u, y, _)| y - self.slope * u).collect();
         let outputs: f64 = end.iter().map(|rest| self.beside_run(rest)).sum();
         let mut commands: Vec<f64> = end.iter().map(|rest| rest.command).collect();
         commands.dedup();
         Some(TravelEnd {
-            rest: outputs / end.len() as f64 + offsets / known().count() as f64,
+            rest: outputs / end.len() as f64 + common_offset(&offsets)?,
             commands: (first.command, last.command),
             count: commands.len(),
         })

@@ -3,6 +3,7 @@
 mod advice;
 mod answer_scatter;
 mod clustered_errors;
+mod common_offset;
 mod correlogram;
 mod delayed_response;
 mod explanation;

@@ -14,13 +14,14 @@ use faer::Mat;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use crate::data::{Moments, Run};
+use crate::diagnostics::common_offset::common_offset;
 use crate::diagnostics::part_means::part_means;
 use crate::diagnostics::simulation_error::Simulated;
 use crate::estimation::{GlsFit, noise_filter};
 use crate::numerics::{cholesky, inverse_of_square};
 use crate::thresholds::RESIDUAL_SIGNIFICANCE;
 
-/// The offset of each run from the common one \[output\]; empty where runs do not differ beyond chance.
+/// What the offset of each run is above the [common one](common_offset) \[output\]; empty where runs do not differ beyond chance.
 pub(crate) type RunOffsets = Vec<f64>;
 
 /// The offsets of `runs`, if they differ by more than parts of `settling` samples of one run do, or they are `wanted`.
@@ -29,7 +30,7 @@ pub(crate) fn run_offsets(runs: &[Simulated<'_>], settling: usize, wanted: bool)
     differing_means(&errors, settling, wanted)
 }
 
-/// What the mean of each of `runs` is above the common one, if they differ by more than parts of `settling` values of one run
+/// What the mean of each of `runs` is above that of all, each run once, if they differ by more than parts of `settling` values of one run
 /// do, or they are `wanted`; else none.
 pub(crate) fn differing_means(runs: &[&[f64]], settling: usize, wanted: bool) -> Vec<f64> {
     let parts: Vec<Vec<f64>> = runs
@@ -43,9 +44,9 @@ pub(crate) fn differing_means(runs: &[&[f64]], settling: usize, wanted: bool) ->
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let means: Vec<f64> = parts.iter().map(|parts| mean(parts)).collect();
     let count: usize = parts.iter().map(Vec::len).sum();
-    let common = mean(&parts.concat());
+    let of_parts = mean(&parts.concat());
     let between: f64 = (parts.iter().zip(&means))
-        .map(|(parts, mean)| parts.len() as f64 * (mean - common).powi(2))
+        .map(|(parts, mean)| parts.len() as f64 * (mean - of_parts).powi(2))
         .sum();
     let within: f64 = (parts.iter().zip(&means))
         .flat_map(|(parts, mean)| parts.iter().map(move |part| (part - mean).powi(2)))
@@ -56,9 +57,9 @@ pub(crate) fn differing_means(runs: &[&[f64]], settling: usize, wanted: bool) ->
         && FisherSnedecor::new(degrees.0, degrees.1).is_ok_and(|f| {
             f.sf(between / degrees.0 / (within / degrees.1)) < RESIDUAL_SIGNIFICANCE
         });
-    match differ || wanted {
-        true => means.iter().map(|mean| mean - common).collect(),
-        false => Vec::new(),
+    match common_offset(&means).filter(|_| differ || wanted) {
+        Some(common) => means.iter().map(|mean| mean - common).collect(),
+        None => Vec::new(),
     }
 }
 

@@ -230,12 +230,11 @@ impl Point {
         stretch: &Stretch,
         number: impl Fn(usize, f64) -> S,
     ) -> ServoParameters<S> {
-        let mut servo = self.physics(stretch.controller, number);
-        if let Some(own) = self.run_offsets.get(stretch.run) {
-            servo.offset = servo.offset + S::constant(*own);
-            servo.stops = servo.stops.moved_by(*own);
+        let servo = self.physics(stretch.controller, number);
+        match self.run_offsets.get(stretch.run) {
+            Some(own) => servo.seen_from(*own),
+            None => servo,
         }
-        servo
     }
 
     /// The servo with the controller number `controller`, where `number` makes a number of a coordinate's index and

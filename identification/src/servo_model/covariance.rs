@@ -7,7 +7,7 @@
 //! equation may lack without the record showing it is added as an error that is constant over windows, and as those of
 //! [parts of a known shape](super::hidden_parts).
 
-use super::coordinates::{Coordinate, Point};
+use super::coordinates::Point;
 use super::descent_step::MOST;
 use super::discrepancy;
 use super::error_row::Row;
@@ -101,17 +101,19 @@ pub(super) fn uncertainty(problem: &Problem<'_>, point: &Point, blocks: usize) -
     let missing = Row {
         error: f64::NAN,
         slope: [0.0; MOST],
+        by_zero: 0.0,
     };
     let empty = |stretch: &super::stretches::Stretch| vec![missing.clone(); stretch.input.len()];
     let mut rows: Vec<Vec<Row>> = problem.stretches.iter().map(empty).collect();
-    problem.each_slope(point, |s, k, error, slope| {
+    problem.each_slope(point, |s, k, error, slope, by_zero| {
         rows[s][k] = Row {
             error,
             slope: *slope,
+            by_zero,
         };
     });
-    if let Some(offset) = own_offset_of_runs(point) {
-        run_offsets::eliminate(problem.stretches, &mut rows, offset);
+    if !point.run_offsets.is_empty() {
+        run_offsets::eliminate(problem.stretches, &mut rows, point.run_offsets.len());
     }
     let all = errors(&rows);
     let (ar, sigma) = noise(&all);
@@ -164,13 +166,6 @@ pub(super) fn uncertainty(problem: &Problem<'_>, point: &Point, blocks: usize) -
         has_hidden_part: hidden_parts.iter().any(|part| part.is_seen),
         discrepancy,
     }
-}
-
-/// The place of the common offset, where each run has one of its own.
-fn own_offset_of_runs(point: &Point) -> Option<usize> {
-    let offset = |at: &Coordinate| *at == Coordinate::Offset;
-    let place = point.coordinates.iter().position(offset);
-    place.filter(|_| !point.run_offsets.is_empty())
 }
 
 /// Root mean square of all that are known.

@@ -16,7 +16,7 @@ pub(super) fn shortfall(
     servo: &ServoParameters,
     stretch: &Stretch,
     grid: &Grid,
-) -> Option<Vec<f64>> {
+) -> Option<Vec<[f64; 1]>> {
     let most = servo.limit?.up * SHARE;
     let outputs = |most: f64| {
         let servo = *servo;
@@ -29,7 +29,7 @@ pub(super) fn shortfall(
         .outputs(stretch, grid)
     };
     let (free, limited) = (outputs(f64::INFINITY), outputs(most));
-    Some(free.iter().zip(limited).map(|(y, z)| y - z).collect())
+    Some(free.iter().zip(limited).map(|(y, z)| [y - z]).collect())
 }
 
 /// A servo whose motor has a largest torque.

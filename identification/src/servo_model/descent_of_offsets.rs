@@ -1,4 +1,12 @@
 //! Offsets of the runs in a step of the descent: at the minimum over them for whatever the coordinates are.
+//!
+//! They are what the zero of the sensor is above the common offset, and their mean is zero. So a step changes them by
+//!
+//! ```text
+//! change = (gradient - cross · changes of the coordinates)/square
+//! ```
+//!
+//! with gradients and crosses [about a mean](about_mean) that keeps the mean of the changes at zero.
 
 use super::coordinates::{Coordinate, Point};
 
@@ -40,21 +48,33 @@ impl OfRun {
     }
 }
 
-/// Moves the offsets of `point`, whose coordinates have changed by `changes`. What they have in common goes to the common offset.
+/// Takes from gradients and crosses what would move the mean of the offsets of the runs that count.
+pub(super) fn about_mean(runs: &mut [OfRun]) {
+    let counting = || runs.iter().filter(|run| run.square > 0.0);
+    let all: f64 = counting().map(|run| run.square.recip()).sum();
+    let mean = |of: &dyn Fn(&OfRun) -> f64| {
+        let shares = counting().map(|run| of(run) / run.square);
+        shares.sum::<f64>() / all
+    };
+    let count = runs.first().map_or(0, |run| run.cross.len());
+    let gradient = mean(&|run| run.gradient);
+    let cross: Vec<f64> = (0..count).map(|i| mean(&|run| run.cross[i])).collect();
+    for run in runs.iter_mut().filter(|run| run.square > 0.0) {
+        run.gradient -= gradient;
+        for (own, mean) in run.cross.iter_mut().zip(&cross) {
+            *own -= mean;
+        }
+    }
+}
+
+/// Moves the offsets of `point`, whose coordinates have changed by `changes`. The zero of a run that does not count stays where it is.
 pub(super) fn move_offsets(point: &mut Point, runs: &[OfRun], changes: &[f64]) {
-    let moves: Vec<Option<f64>> = runs.iter().map(|run| run.change(changes)).collect();
-    for (offset, change) in point.run_offsets.iter_mut().zip(&moves) {
-        *offset += change.unwrap_or(0.0);
-    }
-    let moved = || point.run_offsets.iter().zip(&moves);
-    let counting = || moved().filter(|(_, change)| change.is_some());
-    let mean = counting().map(|(offset, _)| offset).sum::<f64>() / counting().count() as f64;
-    if mean.is_nan() {
-        return;
-    }
-    let common = point.get(Coordinate::Offset).unwrap_or(0.0);
-    point.set(Coordinate::Offset, common + mean);
-    for offset in &mut point.run_offsets {
-        *offset -= mean;
+    let of_coordinates = point.coordinates.iter().zip(changes);
+    let common: f64 = of_coordinates
+        .filter(|(at, _)| **at == Coordinate::Offset)
+        .map(|(_, change)| change)
+        .sum();
+    for (offset, run) in point.run_offsets.iter_mut().zip(runs) {
+        *offset += run.change(changes).unwrap_or(-common);
     }
 }

@@ -4,10 +4,10 @@
 //! search once a stretch.
 
 use super::coordinates::Point;
-use super::descent_of_offsets::OfRun;
+use super::descent_of_offsets::{OfRun, about_mean};
 use crate::numerics::{backward_solve, cholesky, forward_solve};
 use faer::Mat;
-use servoid_dynamics::{Dual, PARAMETERS, ServoParameters, Slopes};
+use servoid_dynamics::{Dual, PARAMETERS, Slopes};
 
 /// Coordinates that a servo has at the most, those of further controllers among them.
 pub(super) const MOST: usize = 28;
@@ -35,8 +35,9 @@ impl Sums {
         }
     }
 
-    /// Leaves the sums for offsets of the runs that are always at their best.
+    /// Leaves the sums for offsets of the runs that are always at their best, about a mean that stays.
     pub(super) fn eliminate_runs(&mut self) {
+        about_mean(&mut self.runs);
         for run in self.runs.iter().filter(|run| run.square > 0.0) {
             for (i, cross) in run.cross.iter().enumerate() {
                 let share = cross / run.square;
@@ -87,19 +88,6 @@ impl Products {
         }
     }
 
-    /// Adds what is of the offset to the sums of its run.
-    pub(super) fn add_to_run(&self, run: &mut OfRun, chain: &[[f64; MOST]; PARAMETERS]) {
-        const OFFSET: usize = ServoParameters::<f64>::OFFSET;
-        run.square += self.normal[OFFSET][OFFSET];
-        run.gradient += self.gradient[OFFSET];
-        for (p, by_p) in chain.iter().enumerate() {
-            let product = self.normal[p.min(OFFSET)][p.max(OFFSET)];
-            for (sum, change) in run.cross.iter_mut().zip(by_p) {
-                *sum += product * change;
-            }
-        }
-    }
-
     /// Adds them by coordinates, of which `chain` has the derivatives of the parameters.
     pub(super) fn add_to(&self, sums: &mut Sums, chain: &[[f64; MOST]; PARAMETERS]) {
         let count = sums.gradient.len();
@@ -116,6 +104,37 @@ impl Products {
                 for (j, product) in row.iter().enumerate().take(count) {
                     sums.normal[(i, j)] += change * product;
                 }
+            }
+        }
+    }
+}
+
+/// Sums over a stretch of products with the derivative by the zero of the sensor, by the parameters of the servo.
+#[derive(Default)]
+pub(super) struct ProductsOfZero {
+    square: f64,
+    gradient: f64,
+    cross: Slopes,
+}
+
+impl ProductsOfZero {
+    /// A sample, with `weighted` the weight times the derivative by the zero.
+    #[inline(always)]
+    pub(super) fn add(&mut self, weighted: f64, by_zero: f64, error: f64, slopes: &Slopes) {
+        self.square += weighted * by_zero;
+        self.gradient += weighted * error;
+        for (sum, slope) in self.cross.iter_mut().zip(slopes) {
+            *sum += weighted * slope;
+        }
+    }
+
+    /// Adds them by coordinates, of which `chain` has the derivatives of the parameters.
+    pub(super) fn add_to(&self, run: &mut OfRun, chain: &[[f64; MOST]; PARAMETERS]) {
+        run.square += self.square;
+        run.gradient += self.gradient;
+        for (product, by_parameter) in self.cross.iter().zip(chain) {
+            for (sum, change) in run.cross.iter_mut().zip(by_parameter) {
+                *sum += product * change;
             }
         }
     }

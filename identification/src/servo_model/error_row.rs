@@ -9,4 +9,6 @@ pub(super) struct Row {
     pub(super) error: f64,
     /// By each coordinate.
     pub(super) slope: [f64; MOST],
+    /// By the zero of the sensor.
+    pub(super) by_zero: f64,
 }

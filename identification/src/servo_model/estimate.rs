@@ -24,7 +24,7 @@ use crate::error::Error;
 use crate::results::{Bounds, Noise, Reason, fit_percent, pointwise_critical};
 use crate::thresholds::RUN_OFFSETS_LEAVE;
 use faer::Mat;
-use servoid_dynamics::Grid;
+use servoid_dynamics::{Grid, Stops};
 
 /// Longest step of the integration in the search from far away \[s\], and the most steps in a sample period: what is faster does
 /// not show in samples so far apart.
@@ -115,34 +115,40 @@ pub fn fit_watched(
         shown,
         record,
         options,
-        fold_of,
+        fold_of: &fold_of,
         watch,
     };
-    let mut found = search.found_with_runs(parts.clone());
-    let stops = stops::possible(record, &options.stops_at);
-    if !stops.are_none() {
-        let stopped = Search {
-            shown: shown.with_stops(stops),
-            fold_of: search.fold_of.clone(),
-            ..search
-        };
-        let with_stops = stopped.found_with_runs(parts);
-        // Without a stop the servo has terms in its place. Of two that predict as well, that with the stop is taken, which the rests show.
-        if !misses(with_stops.held_out(), found.held_out()) {
-            (search, found) = (stopped, with_stops);
-        }
-    }
+    let searched = |stops: Stops| {
+        search.shown = shown.with_stops(stops);
+        search.found_with_runs(parts.clone())
+    };
+    let choices = stops::choices(stops::possible(record, &options.stops_at));
+    let found = preferred(choices.into_iter().map(searched).collect());
     if watch.ends() {
         return Err(Error::SearchEnded);
     }
-    Ok(describe(record, options, &search.shown, &found))
+    let shown = shown.with_stops(found.best().stops);
+    Ok(describe(record, options, &shown, &found))
+}
+
+/// Of servos that predict as well as the best, the one with most stops: without a stop the servo has terms in its place, and the rests show it. Of
+/// those with as many, the one that predicts better.
+fn preferred(mut all: Vec<Found>) -> Found {
+    all.sort_by(|a, b| {
+        let by_stops = b.best().stops.count().cmp(&a.best().stops.count());
+        by_stops.then(a.total().total_cmp(&b.total()))
+    });
+    let best = (0..all.len()).min_by(|&a, &b| all[a].total().total_cmp(&all[b].total()));
+    let best = all[best.expect("a servo without stops")].held_out();
+    let as_good = all.iter().position(|found| !misses(found.held_out(), best));
+    all.swap_remove(as_good.expect("the best is as good as itself"))
 }
 
 /// What a servo is looked for with.
 struct Search<'a> {
     record: &'a Record<'a>,
     options: &'a ServoModelOptions,
-    fold_of: Vec<usize>,
+    fold_of: &'a [usize],
     shown: Shown,
     watch: &'a dyn Watch,
 }
@@ -158,6 +164,11 @@ struct Found {
 impl Found {
     fn best(&self) -> &Point {
         &self.candidates.possible[0].point
+    }
+
+    /// Squared errors in all that was not seen.
+    fn total(&self) -> f64 {
+        self.climbed.best().total()
     }
 
     fn squared_error(&self) -> f64 {
@@ -198,7 +209,7 @@ impl Search<'_> {
         let period_s = self.record.sample_period_s();
         let ladder = Ladder {
             stretches: &mut parts,
-            fold_of: &self.fold_of,
+            fold_of: self.fold_of,
             grid: Grid::new(
                 period_s,
                 self.record.sample_phase_s(),
@@ -216,7 +227,7 @@ impl Search<'_> {
         let climbed = ladder.climbed();
         let candidates = Candidates::of(
             &mut parts,
-            &self.fold_of,
+            self.fold_of,
             &self.shown,
             &climbed,
             &self.descent(&climbed.best().fit),

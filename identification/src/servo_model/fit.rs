@@ -3,9 +3,9 @@
 //! The errors are those of the whole simulation, not of one step ahead, since prediction is what the model is for.
 //! An error beyond a clip counts in proportion to its size (Huber), so that a lost run does not decide.
 
-use super::coordinates::{Coordinate, Point};
+use super::coordinates::Point;
 use super::descent_of_offsets::{OfRun, move_offsets};
-use super::descent_step::{MOST, Products, Sums, by_coordinates, solve};
+use super::descent_step::{MOST, Products, ProductsOfZero, Sums, by_coordinates, solve};
 use super::search_progress::Watch;
 use super::stretches::Stretch;
 use servoid_dynamics::{Grid, Slopes, simulate, simulate_with_slopes};
@@ -86,53 +86,57 @@ impl Problem<'_> {
         let mut sums = Sums::zero(point.values.len(), point.run_offsets.len());
         for stretch in self.stretches {
             let mut products = Products::default();
-            self.each_parameter_slope(stretch, point, |_, error, slopes| {
+            let mut of_zero = ProductsOfZero::default();
+            self.each_parameter_slope(stretch, point, |_, error, slopes, by_zero| {
                 sums.cost += clipped_square(error, self.clip);
-                products.add(huber_weight(error, self.clip), error, slopes);
+                let weight = huber_weight(error, self.clip);
+                products.add(weight, error, slopes);
+                of_zero.add(weight * by_zero, by_zero, error, slopes);
             });
             let chain = by_coordinates(point, stretch.controller);
             products.add_to(&mut sums, &chain);
             if let Some(run) = sums.runs.get_mut(stretch.run) {
-                products.add_to_run(run, &chain);
+                of_zero.add_to(run, &chain);
             }
         }
         sums.eliminate_runs();
         sums
     }
 
-    /// Hands sample, error and the derivatives of the output by the parameters of the servo to `each`.
+    /// Hands sample, error and the derivatives of the output by the parameters of the servo and by the zero of the sensor to `each`.
     fn each_parameter_slope(
         &self,
         stretch: &Stretch,
         point: &Point,
-        mut each: impl FnMut(usize, f64, &Slopes),
+        mut each: impl FnMut(usize, f64, &Slopes, f64),
     ) {
         let physics = point.servo_of(stretch, |_, value| value);
         let (grid, start) = (&self.grid, &stretch.start);
-        simulate_with_slopes(&physics, grid, start, &stretch.input, |k, y, slopes| {
+        let input = &stretch.input;
+        simulate_with_slopes(&physics, grid, start, input, |k, y, slopes, by_zero| {
             let measured = stretch.output[k];
             if !measured.is_nan() && (self.used)(stretch.block(k)) {
-                each(k, measured - y, slopes);
+                each(k, measured - y, slopes, by_zero);
             }
         });
     }
 
-    /// Hands stretch, sample, error and the derivatives of the output by the coordinates to `each`.
+    /// Hands stretch, sample, error and the derivatives of the output by the coordinates and by the zero of the sensor to `each`.
     pub(super) fn each_slope(
         &self,
         point: &Point,
-        mut each: impl FnMut(usize, usize, f64, &[f64; MOST]),
+        mut each: impl FnMut(usize, usize, f64, &[f64; MOST], f64),
     ) {
         for (s, stretch) in self.stretches.iter().enumerate() {
             let chain = by_coordinates(point, stretch.controller);
-            self.each_parameter_slope(stretch, point, |k, error, slopes| {
+            self.each_parameter_slope(stretch, point, |k, error, slopes, by_zero| {
                 let mut by_coordinate = [0.0; MOST];
                 for (slope, of_parameter) in slopes.iter().zip(&chain) {
                     for (sum, change) in by_coordinate.iter_mut().zip(of_parameter) {
                         *sum += slope * change;
                     }
                 }
-                each(s, k, error, &by_coordinate);
+                each(s, k, error, &by_coordinate, by_zero);
             });
         }
     }
@@ -241,14 +245,12 @@ impl Problem<'_> {
         None
     }
 
-    /// Coordinates that the gradient does not push beyond their range. Where each run has an offset, these hold the common one.
+    /// Coordinates that the gradient does not push beyond their range.
     fn free(&self, point: &Point, gradient: &[f64]) -> Vec<usize> {
         let inside = |i: &usize| {
             let (low, high) = point.coordinates[*i].range(self.longest_delay_s);
             let (value, downhill) = (point.values[*i], gradient[*i]);
-            let inside = !(value <= low && downhill < 0.0 || value >= high && downhill > 0.0);
-            let own = !point.run_offsets.is_empty();
-            inside && !(own && point.coordinates[*i] == Coordinate::Offset)
+            !(value <= low && downhill < 0.0 || value >= high && downhill > 0.0)
         };
         (0..point.values.len()).filter(inside).collect()
     }
@@ -293,4 +295,91 @@ pub(super) fn clipped_square(error: f64, clip: f64) -> f64 {
 fn huber_weight(error: f64, clip: f64) -> f64 {
     let size = error.abs();
     if size < clip { 1.0 } else { clip / size }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::coordinates::{Coordinate, FRICTION_SPEED_SHARE, Terms};
+    use super::super::stretches::stretches;
+    use super::*;
+    use crate::data::{Record, Run};
+    use servoid_dynamics::Stops;
+
+    /// Two runs of a lag into a stop at 3, with the zero of the sensor 0.5 apart, and a servo that is a little off in all.
+    fn off() -> (Record<'static>, Point) {
+        let input: Vec<f64> = (0..600)
+            .map(|k| [0.0, 5.0, -4.0, 4.5, 1.0][k / 40 % 5])
+            .collect();
+        let run = |zero: f64| {
+            let follow = |y: &mut f64, u: &f64| {
+                *y = f64::min(*y + 0.3 * (u - *y), 3.0);
+                Some(*y + zero)
+            };
+            let output: Vec<f64> = input.iter().scan(0.0, follow).collect();
+            Run::new(input.clone(), output).unwrap()
+        };
+        let record = Record::new(0.01, vec![run(0.5), run(0.0)]).unwrap();
+        let coordinates = Terms::default().coordinates(1);
+        let value = |at: &Coordinate| match at {
+            Coordinate::Delay => 0.012,
+            Coordinate::LnStiffness => 1500f64.ln(),
+            Coordinate::LnDamping => 60f64.ln(),
+            Coordinate::Gain => 0.97,
+            Coordinate::Offset => 0.3,
+            _ => 0.0,
+        };
+        let point = Point {
+            terms: Terms::default(),
+            values: coordinates.iter().map(value).collect(),
+            coordinates,
+            radians: 1.0,
+            friction_speed_share: FRICTION_SPEED_SHARE,
+            run_offsets: vec![0.2, -0.2],
+            stops: Stops {
+                lower: None,
+                upper: Some(3.25),
+            },
+        };
+        (record, point)
+    }
+
+    /// The derivatives by the offsets of the runs are those of differences of the cost, also at the stop. A descent leaves the mean of the offsets
+    /// where it is, and finds how far they are apart.
+    #[test]
+    fn offsets_of_runs_descend_by_the_derivatives_of_the_cost() {
+        let (record, point) = off();
+        let (parts, _) = stretches(&record, &[]);
+        let problem = Problem {
+            stretches: &parts,
+            grid: Grid::new(0.01, 0.0, 1e-3),
+            used: &|_| true,
+            clip: 1e9,
+            longest_delay_s: 0.2,
+            converged: 1e-9,
+            watch: &(),
+        };
+        let cost = |change: &dyn Fn(&mut Point, f64)| {
+            const STEP: f64 = 1e-6;
+            let at = |step: f64| {
+                let mut moved = point.clone();
+                change(&mut moved, step);
+                problem.cost_below(&moved, f64::INFINITY)
+            };
+            (at(STEP) - at(-STEP)) / (2.0 * STEP)
+        };
+        let sums = problem.sums(&point);
+        let apart = cost(&|point, step| {
+            point.run_offsets[0] += step;
+            point.run_offsets[1] -= step;
+        });
+        let found = -2.0 * (sums.runs[0].gradient - sums.runs[1].gradient);
+        // Differences of a cost of some hundreds are exact to a millionth.
+        assert!((apart / found - 1.0).abs() < 1e-4, "{apart} {found}");
+        let mut lowest = point.clone();
+        problem.descend(&mut lowest, 30);
+        let mean = lowest.run_offsets.iter().sum::<f64>();
+        assert!(mean.abs() < 1e-9, "{mean}");
+        let zeros = lowest.run_offsets[0] - lowest.run_offsets[1];
+        assert!((zeros - 0.5).abs() < 1e-3, "{zeros}");
+    }
 }

@@ -9,14 +9,15 @@ use super::error_row::Row;
 use super::noise_at_rest::NoiseAtRest;
 use super::score_test::score_test;
 use super::stretches::Stretch;
-use super::{current_limit, stiction};
+use super::{current_limit, stiction, unequal_sides};
 use servoid_dynamics::{Grid, ServoParameters};
 
 /// The standard deviation of the size of a part before a record is looked at, relative to that of its shape.
 const BEFOREHAND: f64 = 2.0;
 
-/// What a part would take from the output of a servo in each sample of a stretch \[output\]; `None` for a servo that cannot have it.
-type Shortfall = fn(&ServoParameters, &Stretch, &Grid) -> Option<Vec<f64>>;
+/// What a part would take from the output of a servo in each sample of a stretch \[output\]; `None` for a servo that cannot have it. It comes
+/// last, after parts that the equation has and the fit may have left out.
+type Shortfalls<const N: usize> = fn(&ServoParameters, &Stretch, &Grid) -> Option<Vec<[f64; N]>>;
 
 /// What a record says of a part.
 pub(super) struct HiddenPart {
@@ -34,37 +35,63 @@ pub(super) fn hidden_parts(
     rows: &[Vec<Row>],
     noise: &NoiseAtRest,
 ) -> Vec<HiddenPart> {
-    let shortfalls: [Shortfall; 2] = [current_limit::shortfall, stiction::shortfall];
-    let looked_for = |shortfall: Shortfall| {
-        let of_stretch = |stretch: &Stretch| {
-            let servo = point.servo_of(stretch, |_, value| value);
-            let samples = shortfall(&servo, stretch, grid)?;
-            Some(samples.into_iter().map(|error| [error]).collect())
-        };
-        let shape: Vec<_> = stretches.iter().map(of_stretch).collect::<Option<_>>()?;
-        part(&shape, point.values.len(), rows, noise)
+    let errors = FitErrors {
+        stretches,
+        point,
+        grid,
+        rows,
+        noise,
     };
-    shortfalls.into_iter().filter_map(looked_for).collect()
+    let parts = [
+        errors.part(current_limit::shortfall),
+        errors.part(stiction::shortfall),
+        errors.part(unequal_sides::shortfalls),
+    ];
+    parts.into_iter().flatten().collect()
 }
 
-/// A part that takes `shape`, by stretch and sample, from the output.
-fn part(
-    shape: &[Vec<[f64; 1]>],
+/// Where parts are looked for.
+struct FitErrors<'a> {
+    stretches: &'a [Stretch],
+    point: &'a Point,
+    grid: &'a Grid,
+    rows: &'a [Vec<Row>],
+    noise: &'a NoiseAtRest,
+}
+
+impl FitErrors<'_> {
+    fn part<const N: usize>(&self, shortfalls: Shortfalls<N>) -> Option<HiddenPart> {
+        let of_stretch = |stretch: &Stretch| {
+            let servo = self.point.servo_of(stretch, |_, value| value);
+            shortfalls(&servo, stretch, self.grid)
+        };
+        let shapes: Vec<_> = self
+            .stretches
+            .iter()
+            .map(of_stretch)
+            .collect::<Option<_>>()?;
+        part(&shapes, self.point.values.len(), self.rows, self.noise)
+    }
+}
+
+/// A part that takes the last of `shapes`, by stretch and sample, from the output.
+fn part<const N: usize>(
+    shapes: &[Vec<[f64; N]>],
     count: usize,
     rows: &[Vec<Row>],
     noise: &NoiseAtRest,
 ) -> Option<HiddenPart> {
-    let score = score_test(rows, count, shape, noise)?;
+    let score = score_test(rows, count, shapes, noise)?;
     let size = (score.information + BEFOREHAND.powi(-2)).powf(-0.5);
     let mut hidden = [0.0; MOST];
-    let samples = rows.iter().flatten().zip(shape.iter().flatten());
-    for (row, [error]) in samples.filter(|(row, _)| !row.error.is_nan()) {
+    let samples = rows.iter().flatten().zip(shapes.iter().flatten());
+    for (row, shapes) in samples.filter(|(row, _)| !row.error.is_nan()) {
         for (hidden, slope) in hidden.iter_mut().zip(row.slope) {
-            *hidden += size * error * slope;
+            *hidden += size * shapes[N - 1] * slope;
         }
     }
     Some(HiddenPart {
-        is_seen: score.is_beyond_chance(),
+        is_seen: score.last_is_beyond_chance(),
         hidden,
     })
 }

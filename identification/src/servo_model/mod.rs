@@ -43,6 +43,7 @@ mod stepped_outputs;
 mod stiction;
 mod stops;
 mod stretches;
+mod unequal_sides;
 mod validity;
 
 #[cfg(test)]

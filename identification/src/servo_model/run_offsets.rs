@@ -2,9 +2,11 @@
 //!
 //! The zero of a sensor may move between two runs of one servo. Offsets of runs are no coordinates: there may be dozens. A step of
 //! the descent eliminates them from the normal equations, and the derivatives by which the covariance is computed are
-//! those less what the offsets make up for (R. Frisch and F. V. Waugh 1933). The common offset is their mean.
+//! those less what the offsets make up for (R. Frisch and F. V. Waugh 1933). The common offset is their mean, each run once, as
+//! [elsewhere](crate::diagnostics): the offsets of the runs begin with the mean zero, and keep it.
 
 use super::coordinates::Point;
+use super::descent_of_offsets::{OfRun, about_mean};
 use super::descent_step::MOST;
 use super::discrepancy::{self, WINDOWS};
 use super::error_row::Row;
@@ -66,32 +68,25 @@ pub(super) fn find(point: &mut Point, stretches: &mut [Stretch], grid: &Grid, ru
     find_starts(stretches, point, grid);
 }
 
-/// Takes from the derivatives what differences between the offsets of the runs make up for. `offset` is the place of the
-/// common one, whose derivative in a run is that by the run's own.
-pub(super) fn eliminate(stretches: &[Stretch], rows: &mut [Vec<Row>], offset: usize) {
-    let runs = stretches.iter().map(|stretch| stretch.run + 1).max();
-    let mut totals = vec![[0.0; MOST]; runs.unwrap_or(0)];
+/// Takes from the derivatives what differences between the offsets of `runs` runs make up for. Their mean stays: the common offset has a
+/// derivative of its own.
+pub(super) fn eliminate(stretches: &[Stretch], rows: &mut [Vec<Row>], runs: usize) {
+    let mut sums = vec![OfRun::zero(MOST); runs];
     for (stretch, rows) in stretches.iter().zip(rows.iter()) {
-        let total = &mut totals[stretch.run];
+        let sum = &mut sums[stretch.run];
         for row in rows.iter().filter(|row| !row.error.is_nan()) {
-            for (total, slope) in total.iter_mut().zip(row.slope) {
-                *total += slope * row.slope[offset];
+            sum.square += row.by_zero * row.by_zero;
+            for (sum, slope) in sum.cross.iter_mut().zip(row.slope) {
+                *sum += slope * row.by_zero;
             }
         }
     }
-    let seen: Vec<&[f64; MOST]> = totals.iter().filter(|total| total[offset] > 0.0).collect();
-    // The mean weighs all runs alike, so it is left to a run in proportion to 1 / its squares.
-    let parts: f64 = seen.iter().map(|total| total[offset].recip()).sum();
-    let of_mean: [f64; MOST] = std::array::from_fn(|i| {
-        let own = seen.iter().map(|total| total[i] / total[offset]);
-        own.sum::<f64>() / parts
-    });
+    about_mean(&mut sums);
     for (stretch, rows) in stretches.iter().zip(rows) {
-        let total = &totals[stretch.run];
+        let sum = &sums[stretch.run];
         for row in rows.iter_mut().filter(|row| !row.error.is_nan()) {
-            let by_offset = row.slope[offset];
-            for (i, slope) in row.slope.iter_mut().enumerate() {
-                *slope += by_offset * (of_mean[i] - total[i]) / total[offset];
+            for (slope, cross) in row.slope.iter_mut().zip(&sum.cross) {
+                *slope -= row.by_zero * cross / sum.square;
             }
         }
     }

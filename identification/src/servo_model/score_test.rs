@@ -27,6 +27,11 @@ impl Score {
     pub(super) fn is_beyond_chance(&self) -> bool {
         chi_square_upper_tail(self.chi_square, self.columns) < SERVO_LACK_OF_FIT
     }
+
+    /// Whether the last column explains more of what the others leave than chance does.
+    pub(super) fn last_is_beyond_chance(&self) -> bool {
+        chi_square_upper_tail(self.deviations.powi(2), 1) < SERVO_LACK_OF_FIT
+    }
 }
 
 /// Tests `columns`, by stretch and sample, against the errors of `rows`, whose first `count` derivatives the fit has followed.

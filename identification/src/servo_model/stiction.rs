@@ -16,13 +16,13 @@ pub(super) fn shortfall(
     servo: &ServoParameters,
     stretch: &Stretch,
     grid: &Grid,
-) -> Option<Vec<f64>> {
+) -> Option<Vec<[f64; 1]>> {
     let sticking = ServoParameters {
         friction: Some(sticking(servo)?),
         ..*servo
     };
     let [free, stuck] = [servo, &sticking].map(|servo| outputs(servo, stretch, grid));
-    Some(free.iter().zip(stuck).map(|(y, z)| y - z).collect())
+    Some(free.iter().zip(stuck).map(|(y, z)| [y - z]).collect())
 }
 
 /// The friction of a servo, with more of it at rest and at the lowest speeds alone.

@@ -20,6 +20,28 @@ pub(super) fn possible(record: &Record, known: &[f64]) -> Stops {
     }
 }
 
+/// The stops that are tried together: each is taken or left by its own evidence.
+pub(super) fn choices(found: Stops) -> Vec<Stops> {
+    let (none, lower, upper) = (
+        Stops::default(),
+        Stops {
+            upper: None,
+            ..found
+        },
+        Stops {
+            lower: None,
+            ..found
+        },
+    );
+    let mut all = vec![none];
+    for choice in [lower, upper, found] {
+        if !all.contains(&choice) {
+            all.push(choice);
+        }
+    }
+    all
+}
+
 /// The lower and the upper stop among some outputs: the output is nowhere beyond a stop, so its mean is between them.
 fn among(record: &Record, at: &[f64]) -> Stops {
     let outputs = record.runs().iter().flat_map(|run| run.output());
@@ -64,6 +86,18 @@ mod tests {
         assert_eq!((known.lower, known.upper), (Some(-8.0), Some(4.0)));
         let lower = possible(&record, &[-8.0]);
         assert_eq!((lower.lower, lower.upper), (Some(-8.0), None));
+    }
+
+    #[test]
+    fn each_stop_is_tried_with_and_without_the_other() {
+        let counts = |lower, upper| {
+            let all = choices(Stops { lower, upper });
+            all.iter().map(Stops::count).collect::<Vec<_>>()
+        };
+        assert_eq!(counts(None, None), [0]);
+        assert_eq!(counts(Some(-1.0), None), [0, 1]);
+        assert_eq!(counts(None, Some(1.0)), [0, 1]);
+        assert_eq!(counts(Some(-1.0), Some(1.0)), [0, 1, 1, 2]);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use servoid_identification::nonlinear::split_by_direction;
 use servoid_identification::results::Model;
 use servoid_identification::servo_model::{
-    LinearKind, ServoModel, ServoModelOptions, Terms, fit_beside,
+    LinearKind, QuantityKind, ServoModel, ServoModelOptions, Terms, fit_beside,
 };
 use servoid_identification::{Frequencies, NoiseOrder, Options, Record, Run, Settling, identify};
 use servoid_test_support::servos::{Limit, Linear, PERIOD, limited, measured, sizes};
@@ -165,4 +165,58 @@ fn the_direction_split_model_simulates_as_it_was_fitted() {
         (percent - split.simulation_percent).abs() < 1e-6,
         "{percent}"
     );
+}
+
+/// A servo of second order with 50 rad/s and a damping ratio of 0.7, 21.3 ms late, whose shaft stops at `stop` and stands there until it is driven back.
+fn up_to(stop: f64, command: &[f64]) -> Vec<f64> {
+    const STEPS: usize = 40;
+    let step_s = PERIOD / STEPS as f64;
+    let late = (0.0213 / step_s).round() as usize;
+    let (mut angle, mut speed, mut output) = (0.0, 0.0, Vec::new());
+    for step in 0..command.len() * STEPS {
+        if step % STEPS == 0 {
+            output.push(angle);
+        }
+        let command = step
+            .checked_sub(late)
+            .map_or(0.0, |since| command[since / STEPS]);
+        speed += step_s * (2500.0 * (command - angle) - 70.0 * speed);
+        angle += step_s * speed;
+        if angle > stop {
+            (angle, speed) = (stop, 0.0);
+        }
+    }
+    output
+}
+
+/// Three runs of unlike length, whose sensor's zeros are 0.4, -0.5 and 1.6 further up: the mean is 0.5, each run once; by samples it would be -0.01. The
+/// servo stops at `stop` where the zero is 0.
+fn runs_of_unlike_length(stop: f64) -> Record<'static> {
+    let run = |(index, (repeats, zero)): (u64, (usize, f64))| {
+        let command = sizes(1.0, 60).repeat(repeats);
+        let output: Vec<f64> = up_to(stop, &command).iter().map(|y| y + zero).collect();
+        let output = measured(&output, 1.0, 40 + index);
+        Run::new(command, output).unwrap().with_input_at_rest(0.0)
+    };
+    let runs = (0..).zip([(2, 0.4), (5, -0.5), (1, 1.6)]).map(run);
+    Record::new(PERIOD, runs.collect()).unwrap()
+}
+
+#[test]
+fn linear_model_servo_model_and_stop_have_one_common_offset() {
+    let (linear, servo) = both(&runs_of_unlike_length(f64::INFINITY));
+    assert!((linear.offset - 0.5).abs() < 0.02, "{}", linear.offset);
+    let offset = servo.quantity(QuantityKind::Offset).unwrap().value;
+    assert!((offset - 0.5).abs() < 0.02, "{offset}");
+    for (found, zero) in servo.run_offsets.iter().zip([0.4, -0.5, 1.6]) {
+        assert!((found - (zero - 0.5)).abs() < 0.02, "{found} {zero}");
+    }
+    let (linear, servo) = both(&runs_of_unlike_length(3.0));
+    assert!((linear.stops[0] - 3.5).abs() < 0.05, "{:?}", linear.stops);
+    // Apart by rounding alone: the linear model has the offsets of the runs taken out before.
+    let apart = servo.stops.upper.unwrap() - linear.stops[0];
+    assert!(apart.abs() < 1e-9, "{apart}");
+    for (found, zero) in servo.run_offsets.iter().zip([0.4, -0.5, 1.6]) {
+        assert!((found - (zero - 0.5)).abs() < 0.05, "{found} {zero}");
+    }
 }

@@ -22,10 +22,11 @@ pub(super) enum Kind {
     Backlash,
     CurrentLimit,
     QuantisedDrive,
+    UnequalSides,
 }
 
 impl Kind {
-    pub(super) const ALL: [Self; 7] = [
+    pub(super) const ALL: [Self; 8] = [
         Self::InClass,
         Self::RateLimit,
         Self::UndampedMotor,
@@ -33,6 +34,7 @@ impl Kind {
         Self::Backlash,
         Self::CurrentLimit,
         Self::QuantisedDrive,
+        Self::UnequalSides,
     ];
 
     /// What servos of this kind have beyond the class.
@@ -50,6 +52,10 @@ impl Kind {
                 share: between(0.4, 0.8),
             },
             Self::QuantisedDrive => Beyond::QuantisedDrive { step: 0.01 },
+            Self::UnequalSides => Beyond::UnequalSides {
+                limit: between(-0.3, 0.3).exp(),
+                motor: between(-0.3, 0.3).exp(),
+            },
         }
     }
 }
@@ -64,6 +70,7 @@ impl fmt::Display for Kind {
             Self::Backlash => "backlash",
             Self::CurrentLimit => "current limit",
             Self::QuantisedDrive => "quantised drive",
+            Self::UnequalSides => "unequal sides",
         })
     }
 }

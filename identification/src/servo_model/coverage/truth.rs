@@ -34,6 +34,14 @@ pub(super) enum Beyond {
         /// The largest torque, as a share of full drive at standstill.
         share: f64,
     },
+    /// Where the shaft turns or is driven towards smaller θ, limit of the drive and damping of the motor are these times as large; the controller is
+    /// the same.
+    UnequalSides {
+        /// Of the limit.
+        limit: f64,
+        /// Of the motor's damping.
+        motor: f64,
+    },
     /// The drive has steps.
     QuantisedDrive {
         /// One step, as a share of full drive upwards.
@@ -138,9 +146,8 @@ impl Machine {
     fn acceleration(&self, state: Moving, command: f64) -> f64 {
         let p = &self.p;
         let drive = self.drive(command - state.angle, state.speed);
-        let motor_damping = p.limit.map_or(0.0, |limit| limit.motor_damping);
         let load = p.load.at(state.angle);
-        let free = self.torque(drive - motor_damping * state.speed) - load;
+        let free = self.torque(drive - self.motor_damping(state.speed) * state.speed) - load;
         let friction = self.friction(state.speed, drive + load);
         if state.speed != 0.0 {
             free - friction * state.speed.signum()
@@ -168,7 +175,20 @@ impl Machine {
             _ => wanted,
         };
         let side = if wanted < 0.0 { limit.down_to_up } else { 1.0 };
-        (wanted * side).clamp(-limit.up * side, limit.up * side)
+        let most = match self.beyond {
+            Beyond::UnequalSides { limit: more, .. } if wanted < 0.0 => limit.up * side * more,
+            _ => limit.up * side,
+        };
+        (wanted * side).clamp(-most, most)
+    }
+
+    /// B at a speed.
+    fn motor_damping(&self, speed: f64) -> f64 {
+        let own = self.p.limit.map_or(0.0, |limit| limit.motor_damping);
+        match self.beyond {
+            Beyond::UnequalSides { motor, .. } if speed < 0.0 => own * motor,
+            _ => own,
+        }
     }
 
     /// What the limit of the current leaves of the motor's torque.
