@@ -78,6 +78,14 @@ impl EffectScatter {
         })
     }
 
+    /// Without so much of the variance.
+    pub(super) fn without(self, variance: f64) -> Self {
+        Self {
+            variance: (self.variance - variance).max(0.0),
+            ..self
+        }
+    }
+
     /// Variance of the estimate of the variance, relative to its square.
     pub(super) fn relative_variance(&self) -> f64 {
         2.0 / self.left

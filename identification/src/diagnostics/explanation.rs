@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::data::Quantisation;
 use crate::diagnostics::feedback::Feedback;
+use crate::diagnostics::hold_scatter::HoldScatter;
 use crate::diagnostics::hum::Hum;
 use crate::diagnostics::initial_rest::Contradicted;
 use crate::diagnostics::linearity::Linearity;
@@ -115,6 +116,9 @@ pub struct Explanation {
     /// By how much the noise varies, where it does beyond chance.
     #[serde(default)]
     pub uneven_noise: Option<UnevenNoise>,
+    /// By how much holds differ, where they do beyond chance.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hold_scatter: Option<HoldScatter>,
     /// That the response goes on beyond N, where it does.
     #[serde(default)]
     pub slow_end: Option<SlowEnd>,
@@ -195,6 +199,9 @@ impl Explanation {
         }
         if let Some(uneven) = &self.uneven_noise {
             sentences.push(uneven.in_words(model.bounds.valid().is_some()));
+        }
+        if let Some(scatter) = &self.hold_scatter {
+            sentences.push(scatter.in_words(model.bounds.valid().is_some()));
         }
         sentences.extend(self.prior.as_ref().map(PriorOutcome::in_words));
         if let Some(errors) = &self.model_errors {

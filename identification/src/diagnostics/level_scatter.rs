@@ -13,7 +13,7 @@
 
 use faer::Mat;
 
-use crate::data::{EXACTLY, HELD, Hold, Moments, holds};
+use crate::data::{EXACTLY, HELD, Hold, Moments, Run, holds};
 use crate::diagnostics::clustered_errors::{Cluster, EffectScatter};
 use crate::diagnostics::filtered_rows::{filtered, only, with_history};
 use crate::diagnostics::simulation_error::{Simulated, one_step_errors};
@@ -23,49 +23,62 @@ use crate::numerics::LaggedSums;
 /// The gain and the offset of the fit take the effects of two levels.
 const FITTED: f64 = 2.0;
 
+/// Standard deviations by which levels are off \[input\].
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct OffLevels {
+    /// Another time at each visit.
+    pub(super) visits: f64,
+    /// Alike at each visit.
+    pub(super) levels: f64,
+}
+
 /// Adds to the covariance of `fit` how far levels of `runs` are off, where that is beyond chance.
-pub(crate) fn allow_for_level_scatter(runs: &[Simulated<'_>], moments: &Moments, fit: &mut GlsFit) {
+pub(super) fn allow_for_level_scatter(
+    runs: &[Simulated<'_>],
+    moments: &Moments,
+    fit: &mut GlsFit,
+) -> Option<OffLevels> {
     let visits = visits(runs, fit);
     let of_visits: Vec<Cluster> = visits.iter().map(|visit| visit.errors).collect();
-    let Some(all) = EffectScatter::of(&of_visits, FITTED) else {
-        return;
-    };
+    let all = EffectScatter::of(&of_visits, FITTED)?;
     let levels: Vec<&[Visit]> = visits
         .chunk_by(|a, b| a.hold.level == b.hold.level)
         .collect();
     let of_levels: Vec<Cluster> = levels.iter().map(|visits| cluster_of(visits)).collect();
-    let of_level = EffectScatter::of(&of_levels, FITTED);
-    let cross = CrossMoments::new(runs, moments, fit).of(&visits);
-    let common = of_level.map_or(0.0, |found| found.variance.min(all.variance));
-    let each = all.variance - common;
-    let mut parts = Vec::new();
-    if each > 0.0 {
-        parts.push((each, all, cross.clone()));
-    }
-    if let Some(found) = of_level {
-        let mut first = 0;
-        let by_level = levels.iter().map(|visits| {
-            let columns = first..first + visits.len();
-            first = columns.end;
-            columns
-        });
-        let by_level: Vec<_> = by_level.collect();
-        let cross = Mat::from_fn(cross.nrows(), levels.len(), |i, level| {
-            by_level[level].clone().map(|visit| cross[(i, visit)]).sum()
-        });
-        parts.push((found.variance, found, cross));
-    }
+    let alike = EffectScatter::of(&of_levels, FITTED);
+    let each = all.without(alike.map_or(0.0, |found| found.variance));
+    let of_each = CrossMoments::new(runs, moments, fit).of(&visits);
+    let of_alike = alike.map(|found| (found, level_by_level(&of_each, &levels)));
     // The runs may be the beginning of a longer record.
     let rows: f64 = runs.iter().map(|run| run.errors.len() as f64).sum();
     let whole = (fit.rows as f64 / rows).max(1.0);
-    for (variance, found, cross) in parts {
+    for (found, cross) in [(each, of_each)].into_iter().chain(of_alike) {
         let moved = &fit.solution.inverse * cross;
-        let scale = whole * variance / fit.variance;
+        let scale = whole * found.variance / fit.variance;
         fit.spread_by(EstimatedPart {
             covariance: faer::Scale(scale) * (&moved * moved.transpose()),
             relative_variance: found.relative_variance(),
         });
     }
+    Some(OffLevels {
+        visits: each.variance.sqrt(),
+        levels: alike.map_or(0.0, |found| found.variance.sqrt()),
+    })
+}
+
+/// Columns of visits, added up for each level.
+fn level_by_level(of_visits: &Mat<f64>, levels: &[&[Visit]]) -> Mat<f64> {
+    let ends = levels.iter().scan(0, |end, visits| {
+        *end += visits.len();
+        Some(*end)
+    });
+    let columns: Vec<_> = (ends.zip(levels))
+        .map(|(end, visits)| end - visits.len()..end)
+        .collect();
+    Mat::from_fn(of_visits.nrows(), levels.len(), |i, level| {
+        let visits = columns[level].clone();
+        visits.map(|visit| of_visits[(i, visit)]).sum()
+    })
 }
 
 /// A level that is held.
@@ -152,29 +165,15 @@ impl<'a> CrossMoments<'a> {
         for (index, run) in self.runs.iter().enumerate() {
             let input = with_history(&run.run, history, self.moments.centre.0);
             let input = filtered(&input, &self.d);
-            let rows =
-                (run.run).complete_rows(self.moments.input_lags(), self.moments.output_lags());
-            for (column, visit) in visits.iter().enumerate() {
-                if visit.run != index {
-                    continue;
-                }
-                let start = visit.hold.samples.start;
-                let answer = self.answer(visit, run.errors.len());
-                let within: Vec<_> = (rows.iter())
-                    .map(|rows| {
-                        rows.start.clamp(start, start + answer.len()) - start
-                            ..rows.end.clamp(start, start + answer.len()) - start
-                    })
-                    .filter(|rows| !rows.is_empty())
-                    .collect();
-                let answer = only(&within, answer);
+            let of_run = visits.iter().enumerate();
+            for (column, visit) in of_run.filter(|(_, visit)| visit.run == index) {
+                let answer = self.answer(visit, &run.run);
                 with_offset[column] = gain * answer.iter().sum::<f64>();
-                let first = start + history + 1 - lags;
+                let first = visit.hold.samples.start + history + 1 - lags;
                 let mut sums = LaggedSums::new(lags, 1);
                 sums.add(&input[first..first + lags - 1 + answer.len()], &[&answer]);
-                by_lag
-                    .col_as_slice_mut(column)
-                    .copy_from_slice(&sums.sums()[0]);
+                let sums = sums.sums();
+                by_lag.col_as_slice_mut(column).copy_from_slice(&sums[0]);
             }
         }
         let by_coordinate = self.fit.coordinates.compress(by_lag);
@@ -185,16 +184,19 @@ impl<'a> CrossMoments<'a> {
         })
     }
 
-    /// D(z) x from the beginning of the hold until the servo has left it, within a run of so many `samples`.
-    fn answer(&self, visit: &Visit, samples: usize) -> Vec<f64> {
-        let held = visit.hold.samples.len();
-        let length =
-            (held + self.step.len() + self.d.len()).min(samples - visit.hold.samples.start);
-        let left = |k: usize| match k.checked_sub(held) {
-            Some(since) => at(&self.step, since),
-            None => 0.0,
+    /// D(z) x from the beginning of the hold until the servo has left it, in the rows of the regression.
+    fn answer(&self, visit: &Visit, run: &Run<'_>) -> Vec<f64> {
+        let (start, held) = (visit.hold.samples.start, visit.hold.samples.len());
+        let length = (held + self.step.len() + self.d.len()).min(run.len() - start);
+        let left = |k: usize| {
+            k.checked_sub(held)
+                .map_or(0.0, |since| at(&self.step, since))
         };
         let answer: Vec<f64> = (0..length).map(|k| at(&self.step, k) - left(k)).collect();
-        filtered(&answer, &self.d)
+        let within = |k: usize| k.clamp(start, start + length) - start;
+        let rows = run.complete_rows(self.moments.input_lags(), self.moments.output_lags());
+        let rows = rows.iter().map(|rows| within(rows.start)..within(rows.end));
+        let rows: Vec<_> = rows.filter(|rows| !rows.is_empty()).collect();
+        only(&rows, filtered(&answer, &self.d))
     }
 }

@@ -244,6 +244,7 @@ pub(super) fn explanation(
             .collect(),
         drift: drift(task),
         uneven_noise: fitted.uneven,
+        hold_scatter: fitted.hold_scatter,
         slow_end: fitted.slow_end,
         allowed_end: (fitted.allowed_end).map(|found| AllowedEnd::new(found, level)),
         feedback: fitted.feedback,

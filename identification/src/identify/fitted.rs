@@ -7,8 +7,8 @@ use super::estimate::Estimate;
 use super::task::Task;
 use crate::data::{Record, Run};
 use crate::diagnostics::{
-    EstimatedEnd, Feedback, Linearity, Misfit, PriorOutcome, RunComparison, SlowColumns, SlowEnd,
-    UnevenNoise, against_standstill, allow_for_answer_scatter, allow_for_level_scatter,
+    EstimatedEnd, Feedback, HoldScatter, Linearity, Misfit, PriorOutcome, RunComparison,
+    SlowColumns, SlowEnd, UnevenNoise, against_standstill, allow_for_hold_scatter,
     allow_for_run_offsets, allow_for_run_trends, allow_for_scatter, allow_for_uneven_noise,
     simulated, test_linearity,
 };
@@ -37,6 +37,8 @@ pub(super) struct Fitted {
     pub(super) feedback: Option<Feedback>,
     /// By how much the noise varies, where it does; the covariance of the estimate allows for it.
     pub(super) uneven: Option<UnevenNoise>,
+    /// By how much holds differ, where they do; the covariance of the estimate allows for it.
+    pub(super) hold_scatter: Option<HoldScatter>,
     /// What became of the stable prior, where it was asked for.
     pub(super) prior: Option<PriorOutcome>,
 }
@@ -70,6 +72,7 @@ impl Fitted {
             end_is_unseen: false,
             feedback: None,
             uneven: None,
+            hold_scatter: None,
             prior: None,
         }
     }
@@ -88,8 +91,7 @@ impl Fitted {
         if outliers.count() > 0 {
             fit.spread_further(outliers.variance_ratio(), None);
         }
-        allow_for_answer_scatter(&runs, fit);
-        allow_for_level_scatter(&runs, &information.moments, fit);
+        self.hold_scatter = allow_for_hold_scatter(&runs, &information.moments, fit);
         fit.further.tails = outliers.excess / (3.0 * edges(record));
         if !task.disturbances.offsets.is_empty() {
             allow_for_run_offsets(record.runs(), &information.moments, fit);
