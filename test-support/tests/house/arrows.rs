@@ -177,6 +177,7 @@ pub const ROOMS: [(&str, &[&str]); 11] = [
             "hard_lines",
             "compared_ends",
             "drawn_lines",
+            "scattering_holds",
             "scattering_runs",
             "figures_coverage",
             "metrics_coverage",
