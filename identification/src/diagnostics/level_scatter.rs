@@ -48,13 +48,17 @@ pub(super) fn allow_for_level_scatter(
     let alike = EffectScatter::of(&of_levels, FITTED);
     let each = all.without(alike.map_or(0.0, |found| found.variance));
     let of_each = CrossMoments::new(runs, moments, fit).of(&visits);
-    let of_alike = alike.map(|found| (found, level_by_level(&of_each, &levels)));
-    // The runs may be the beginning of a longer record.
+    // The runs may be the beginning of a longer record, which has more visits, to the same levels.
     let rows: f64 = runs.iter().map(|run| run.errors.len() as f64).sum();
     let whole = (fit.rows as f64 / rows).max(1.0);
-    for (found, cross) in [(each, of_each)].into_iter().chain(of_alike) {
+    let part_alike = alike.map(|found| {
+        let cross = level_by_level(&of_each, &levels);
+        (found, faer::Scale(whole) * cross)
+    });
+    let part_of_each = (each, faer::Scale(whole.sqrt()) * of_each);
+    for (found, cross) in [part_of_each].into_iter().chain(part_alike) {
         let moved = &fit.solution.inverse * cross;
-        let scale = whole * found.variance / fit.variance;
+        let scale = found.variance / fit.variance;
         fit.spread_by(EstimatedPart {
             covariance: faer::Scale(scale) * (&moved * moved.transpose()),
             relative_variance: found.relative_variance(),
