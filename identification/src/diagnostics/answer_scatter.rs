@@ -22,13 +22,15 @@ use crate::estimation::{EstimatedPart, GlsFit, noise_filter};
 /// The mean of the answers takes one of them.
 const FITTED: f64 = 1.0;
 
-/// Adds the scatter of the answers of `runs` to the covariance of `fit`, where there is any beyond chance. Returns the standard deviation of a time \[samples\].
-pub(super) fn allow_for_answer_scatter(runs: &[Simulated<'_>], fit: &mut GlsFit) -> Option<f64> {
+/// Adds the scatter of the answers of `runs` to the covariance of `fit`, where there is any beyond chance. They are a share `seen` of the record.
+/// Returns the standard deviation of a time \[samples\].
+pub(super) fn allow_for_answer_scatter(
+    runs: &[Simulated<'_>],
+    seen: f64,
+    fit: &mut GlsFit,
+) -> Option<f64> {
     let answers: Vec<Cluster> = runs.iter().flat_map(|run| answers(run, &fit.ar)).collect();
     let scatter = EffectScatter::of(&answers, FITTED)?;
-    // The runs may be the beginning of a longer record, whose mean is of more answers.
-    let rows: f64 = runs.iter().map(|run| run.errors.len() as f64).sum();
-    let seen = (rows / fit.rows as f64).min(1.0);
     let variance = seen * scatter.variance / scatter.count / fit.variance;
     let [slope, bend] = slope_and_bend(fit);
     let size = slope.len();

@@ -197,12 +197,14 @@ impl Explanation {
         if let (Some(end), Some(gain)) = (&self.allowed_end, model.metrics.dc_gain.value) {
             sentences.push(end.in_words(gain));
         }
-        if let Some(uneven) = &self.uneven_noise {
-            sentences.push(uneven.in_words(model.bounds.valid().is_some()));
-        }
-        if let Some(scatter) = &self.hold_scatter {
-            sentences.push(scatter.in_words(model.bounds.valid().is_some()));
-        }
+        let allowed_for = match model.bounds.valid() {
+            Some(_) => " The bounds allow for it.",
+            None => "",
+        };
+        let uneven = self.uneven_noise.as_ref().map(UnevenNoise::in_words);
+        let scatter = self.hold_scatter.as_ref().map(HoldScatter::in_words);
+        let varying = uneven.into_iter().chain(scatter);
+        sentences.extend(varying.map(|found| found + allowed_for));
         sentences.extend(self.prior.as_ref().map(PriorOutcome::in_words));
         if let Some(errors) = &self.model_errors {
             sentences.push(match errors.candidates.len() {

@@ -20,8 +20,8 @@ pub struct HoldScatter {
 }
 
 impl HoldScatter {
-    /// In words, beside a model that has bounds or none.
-    pub(crate) fn in_words(&self, has_bounds: bool) -> String {
+    /// In words.
+    pub(crate) fn in_words(&self) -> String {
         let answers = (self.answers_s > 0.0).then(|| {
             format!(
                 "answers to commands scatter by {:.2} ms",
@@ -33,12 +33,8 @@ impl HoldScatter {
             format!("levels are off by {off:.2} of the command, as by rounding of what was written, or by friction")
         });
         let found: Vec<String> = answers.into_iter().chain(levels).collect();
-        let consequence = match has_bounds {
-            true => " The bounds allow for it.",
-            false => "",
-        };
         format!(
-            "Holds differ beyond noise (standard deviations): {}.{consequence}",
+            "Holds differ beyond noise (standard deviations): {}.",
             found.join(", and ")
         )
     }
@@ -50,8 +46,11 @@ pub(crate) fn allow_for_hold_scatter(
     moments: &Moments,
     fit: &mut GlsFit,
 ) -> Option<HoldScatter> {
-    let late = allow_for_answer_scatter(runs, fit);
-    let off = allow_for_level_scatter(runs, moments, fit);
+    // The runs may be the beginning of a longer record, which has more answers, and more visits to the same levels.
+    let rows: f64 = runs.iter().map(|run| run.errors.len() as f64).sum();
+    let seen = (rows / fit.rows as f64).min(1.0);
+    let late = allow_for_answer_scatter(runs, seen, fit);
+    let off = allow_for_level_scatter(runs, moments, seen, fit);
     let OffLevels { visits, levels } = off.unwrap_or_default();
     (late.is_some() || off.is_some()).then(|| HoldScatter {
         answers_s: late.unwrap_or_default() * moments.sample_period_s(),

@@ -11,9 +11,11 @@
 //! [varies](super::clustered_errors) beyond chance, from visit to visit and from level to level, is in the covariance: A^-1 C C' A^-1 times this variance, C being the
 //! cross moments of the rows with the D(z) x_c of each visit, or of all visits to a level.
 
+use std::ops::Range;
+
 use faer::Mat;
 
-use crate::data::{EXACTLY, HELD, Hold, Moments, Run, holds};
+use crate::data::{EXACTLY, HELD, Hold, Moments, holds};
 use crate::diagnostics::clustered_errors::{Cluster, EffectScatter};
 use crate::diagnostics::filtered_rows::{filtered, only, with_history};
 use crate::diagnostics::simulation_error::{Simulated, one_step_errors};
@@ -32,10 +34,11 @@ pub(super) struct OffLevels {
     pub(super) levels: f64,
 }
 
-/// Adds to the covariance of `fit` how far levels of `runs` are off, where that is beyond chance.
+/// Adds to the covariance of `fit` how far levels of `runs` are off, where that is beyond chance. They are a share `seen` of the record.
 pub(super) fn allow_for_level_scatter(
     runs: &[Simulated<'_>],
     moments: &Moments,
+    seen: f64,
     fit: &mut GlsFit,
 ) -> Option<OffLevels> {
     let visits = visits(runs, fit);
@@ -48,15 +51,13 @@ pub(super) fn allow_for_level_scatter(
     let alike = EffectScatter::of(&of_levels, FITTED);
     let each = all.without(alike.map_or(0.0, |found| found.variance));
     let of_each = CrossMoments::new(runs, moments, fit).of(&visits);
-    // The runs may be the beginning of a longer record, which has more visits, to the same levels.
-    let rows: f64 = runs.iter().map(|run| run.errors.len() as f64).sum();
-    let whole = (fit.rows as f64 / rows).max(1.0);
-    let part_alike = alike.map(|found| {
+    let of_alike = alike.map(|found| {
         let cross = level_by_level(&of_each, &levels);
-        (found, faer::Scale(whole) * cross)
+        (found, faer::Scale(1.0 / seen) * cross)
     });
-    let part_of_each = (each, faer::Scale(whole.sqrt()) * of_each);
-    for (found, cross) in [part_of_each].into_iter().chain(part_alike) {
+    let of_each = (each, faer::Scale(1.0 / seen.sqrt()) * of_each);
+    let parts = [of_each].into_iter().chain(of_alike);
+    for (found, cross) in parts.filter(|(found, _)| found.variance > 0.0) {
         let moved = &fit.solution.inverse * cross;
         let scale = found.variance / fit.variance;
         fit.spread_by(EstimatedPart {
@@ -72,17 +73,14 @@ pub(super) fn allow_for_level_scatter(
 
 /// Columns of visits, added up for each level.
 fn level_by_level(of_visits: &Mat<f64>, levels: &[&[Visit]]) -> Mat<f64> {
-    let ends = levels.iter().scan(0, |end, visits| {
-        *end += visits.len();
-        Some(*end)
-    });
-    let columns: Vec<_> = (ends.zip(levels))
-        .map(|(end, visits)| end - visits.len()..end)
-        .collect();
-    Mat::from_fn(of_visits.nrows(), levels.len(), |i, level| {
-        let visits = columns[level].clone();
-        visits.map(|visit| of_visits[(i, visit)]).sum()
-    })
+    let mut sums = Mat::zeros(of_visits.nrows(), levels.len());
+    let mut columns = of_visits.col_iter();
+    for (mut sum, visits) in sums.col_iter_mut().zip(levels) {
+        for visit in columns.by_ref().take(visits.len()) {
+            sum += visit;
+        }
+    }
+    sums
 }
 
 /// A level that is held.
@@ -124,17 +122,12 @@ fn cluster_of(visits: &[Visit]) -> Cluster {
     cluster
 }
 
-/// The step response of the fit, which stays where it is after N samples.
+/// The step response of the fit.
 fn step_response(fit: &GlsFit) -> Vec<f64> {
-    let impulse = fit.impulse().into_iter();
-    impulse
-        .scan(0.0, |sum, h| {
-            *sum += h;
-            Some(*sum)
-        })
-        .collect()
+    fit.coordinates.basis.step_response(&fit.theta())
 }
 
+/// It stays where it is after N samples.
 fn at(step: &[f64], k: usize) -> f64 {
     step[k.min(step.len() - 1)]
 }
@@ -169,9 +162,11 @@ impl<'a> CrossMoments<'a> {
         for (index, run) in self.runs.iter().enumerate() {
             let input = with_history(&run.run, history, self.moments.centre.0);
             let input = filtered(&input, &self.d);
+            let rows =
+                (run.run).complete_rows(self.moments.input_lags(), self.moments.output_lags());
             let of_run = visits.iter().enumerate();
             for (column, visit) in of_run.filter(|(_, visit)| visit.run == index) {
-                let answer = self.answer(visit, &run.run);
+                let answer = self.answer(visit, &rows, run.errors.len());
                 with_offset[column] = gain * answer.iter().sum::<f64>();
                 let first = visit.hold.samples.start + history + 1 - lags;
                 let mut sums = LaggedSums::new(lags, 1);
@@ -188,17 +183,16 @@ impl<'a> CrossMoments<'a> {
         })
     }
 
-    /// D(z) x from the beginning of the hold until the servo has left it, in the rows of the regression.
-    fn answer(&self, visit: &Visit, run: &Run<'_>) -> Vec<f64> {
+    /// D(z) x from the beginning of the hold until the servo has left it, in the `rows` of the regression, of a run of so many `samples`.
+    fn answer(&self, visit: &Visit, rows: &[Range<usize>], samples: usize) -> Vec<f64> {
         let (start, held) = (visit.hold.samples.start, visit.hold.samples.len());
-        let length = (held + self.step.len() + self.d.len()).min(run.len() - start);
+        let length = (held + self.step.len() + self.d.len()).min(samples - start);
         let left = |k: usize| {
             k.checked_sub(held)
                 .map_or(0.0, |since| at(&self.step, since))
         };
         let answer: Vec<f64> = (0..length).map(|k| at(&self.step, k) - left(k)).collect();
         let within = |k: usize| k.clamp(start, start + length) - start;
-        let rows = run.complete_rows(self.moments.input_lags(), self.moments.output_lags());
         let rows = rows.iter().map(|rows| within(rows.start)..within(rows.end));
         let rows: Vec<_> = rows.filter(|rows| !rows.is_empty()).collect();
         only(&rows, filtered(&answer, &self.d))

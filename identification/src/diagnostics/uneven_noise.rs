@@ -48,8 +48,8 @@ pub struct UnevenNoise {
 }
 
 impl UnevenNoise {
-    /// In words, beside a model that has bounds or none.
-    pub(crate) fn in_words(&self, has_bounds: bool) -> String {
+    /// In words.
+    pub(crate) fn in_words(&self) -> String {
         let in_motion = (self.jitter_s > 0.0).then(|| {
             format!(
                 "larger in motion, as times of sampling that scatter by {:.2} ms would make it",
@@ -63,14 +63,7 @@ impl UnevenNoise {
             )
         });
         let found: Vec<String> = in_motion.into_iter().chain(in_parts).collect();
-        let consequence = match has_bounds {
-            true => " The bounds allow for it.",
-            false => "",
-        };
-        format!(
-            "The noise is not even: it is {}.{consequence}",
-            found.join(", and ")
-        )
+        format!("The noise is not even: it is {}.", found.join(", and "))
     }
 }
 
