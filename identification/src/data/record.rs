@@ -99,6 +99,16 @@ impl<'a> Run<'a> {
         }
     }
 
+    /// The run with each input, that at rest included, replaced.
+    pub(crate) fn with_each_input(&self, by: impl Fn(f64) -> f64) -> Self {
+        Self {
+            input: self.input.iter().map(|u| by(*u)).collect(),
+            output: self.output.clone(),
+            at_rest: self.at_rest.map(&by),
+            label: self.label,
+        }
+    }
+
     /// The same run, with its columns borrowed.
     fn borrowed(&self) -> Run<'_> {
         Run {

@@ -9,7 +9,7 @@ use crate::diagnostics::simulation_error::Simulated;
 use crate::estimation::GlsFit;
 
 /// By how much holds differ beyond noise; the bounds allow for it.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct HoldScatter {
     /// Standard deviation of the time of an answer about that of the others \[s\]; 0 where it is not beyond chance.
     pub answers_s: f64,

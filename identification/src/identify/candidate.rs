@@ -32,7 +32,11 @@ impl Candidate {
         candidate.checked()
     }
 
-    fn for_settling(record: &Record, settling: usize, options: &Options) -> Result<Self, Error> {
+    pub(super) fn for_settling(
+        record: &Record,
+        settling: usize,
+        options: &Options,
+    ) -> Result<Self, Error> {
         let lags = options.noise_order.highest();
         let extended = Moments::of_record(record, settling + lags + INPUT_LAGS, lags + 1);
         let moments = extended.with_fewer_lags(record, settling + lags);

@@ -1,7 +1,9 @@
 //! What is in a record beside the servo and its noise: glitches, hum, offsets of runs.
 
 use crate::data::{Record, Run};
-use crate::diagnostics::{HumLine, Outliers, RunOffsets, RunTrends, TakenOut, trend_at};
+use crate::diagnostics::{
+    HumLine, LevelEffects, Outliers, RunOffsets, RunTrends, TakenOut, trend_at,
+};
 use crate::numerics::largest_difference;
 
 /// What was taken out of a record.
@@ -13,6 +15,8 @@ pub(super) struct Disturbances {
     pub(super) offsets: RunOffsets,
     /// The slopes of the runs, where they drift.
     pub(super) trends: RunTrends,
+    /// How far levels are off, where that looked like a response beyond the usual hold.
+    pub(super) levels: LevelEffects,
 }
 
 impl Disturbances {
@@ -38,7 +42,7 @@ impl Disturbances {
 
     /// Whether nothing was taken out that could be an error of the model.
     pub(super) fn is_without_errors(&self) -> bool {
-        self.outliers.taken_out.is_empty() && self.hum.is_empty()
+        self.outliers.taken_out.is_empty() && self.hum.is_empty() && self.levels.is_empty()
     }
 
     /// Whether something was taken out of runs as wholes.
@@ -76,6 +80,7 @@ impl Disturbances {
         if self.is_empty() {
             return record.clone();
         }
+        let record = self.levels.put_right(record);
         let mut runs: Vec<Run<'a>> = record.runs().to_vec();
         for (index, run) in runs.iter_mut().enumerate() {
             let hum = |k: usize| self.hum.iter().map(|line| line.at(index, k)).sum::<f64>();

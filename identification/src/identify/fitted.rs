@@ -92,6 +92,14 @@ impl Fitted {
             fit.spread_further(outliers.variance_ratio(), None);
         }
         self.hold_scatter = allow_for_hold_scatter(&runs, &information.moments, fit);
+        let levels = &task.disturbances.levels;
+        if !levels.is_empty() {
+            levels.allow_for(&runs, &information.moments, fit);
+            self.hold_scatter = Some(HoldScatter {
+                levels: levels.sd(),
+                ..self.hold_scatter.unwrap_or_default()
+            });
+        }
         fit.further.tails = outliers.excess / (3.0 * edges(record));
         if !task.disturbances.offsets.is_empty() {
             allow_for_run_offsets(record.runs(), &information.moments, fit);

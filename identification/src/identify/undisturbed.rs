@@ -6,15 +6,20 @@
 use super::candidate::Candidate;
 use super::disturbances::Disturbances;
 use super::estimate::Estimate;
-use crate::data::{Quantisation, Record};
+use crate::data::{HELD, Moments, Quantisation, Record, usual_hold};
 use crate::diagnostics::{
-    Outliers, RunTrends, drift, hum, outliers, run_offsets, simulated_whole, slopes_left,
+    LevelEffects, Outliers, RunTrends, drift, hum, outliers, run_offsets, simulated,
+    simulated_whole, slopes_left,
 };
 use crate::error::Error;
 use crate::options::{Detrend, Options};
+use crate::selection::odd_at_most;
 
 /// Turns of fit and search.
 const TURNS: usize = 5;
+
+/// Turns in which the noise model is found that is left beside levels.
+const TURNS_OF_LEVELS: usize = 10;
 
 /// A record without its disturbances, and the fit to it.
 #[derive(Clone)]
@@ -29,7 +34,54 @@ impl<'a> Undisturbed<'a> {
     pub(super) fn of(record: &'a Record, options: &Options) -> Result<Self, Error> {
         let complete = record.with_complete_inputs();
         let first = Self::without(Disturbances::default(), &complete, options)?;
-        first.in_turns(&complete, options, false)
+        let found = first.in_turns(&complete, options, false)?;
+        match found.with_levels_put_right(&complete, options) {
+            Some(better) => better.in_turns(&complete, options, false),
+            None => Ok(found),
+        }
+    }
+
+    /// With the levels put right that are off, where that is a better explanation than a response that goes on beyond the usual hold.
+    fn with_levels_put_right(&self, complete: &Record<'a>, options: &Options) -> Option<Self> {
+        let choice = self.candidate.plan.choice.as_ref()?;
+        let hold = usual_hold(&self.record);
+        if choice.settling <= hold || hold < HELD {
+            return None;
+        }
+        let disturbances = Disturbances {
+            levels: self.levels_off(hold, options)?,
+            ..self.disturbances.clone()
+        };
+        let found = Self::without(disturbances, complete, options).ok()?;
+        (found.criterion() < self.criterion()).then_some(found)
+    }
+
+    /// How far levels are off, by the errors of a response that is over within a `hold`.
+    fn levels_off(&self, hold: usize, options: &Options) -> Option<LevelEffects> {
+        let Candidate { plan, moments, .. } =
+            Candidate::for_settling(&self.record, odd_at_most(hold), options).ok()?;
+        let lags = (moments.input_lags(), moments.output_lags());
+        let mut levels = LevelEffects::default();
+        for _ in 0..TURNS_OF_LEVELS {
+            let record = levels.put_right(&self.record);
+            let moments = Moments::of_record(&record, lags.0, lags.1);
+            let estimate = Estimate::new(&plan, &moments, Some(&record)).ok()?;
+            let (moments, fit) = (&estimate.information.moments, &estimate.fit);
+            let runs = simulated(&record, moments, fit);
+            levels = match levels.is_empty() {
+                true => LevelEffects::begun(&runs, moments, fit)?,
+                false => levels.improved(&runs, moments, fit)?,
+            };
+        }
+        Some(levels)
+    }
+
+    /// Bayes' criterion for each row, which is comparable between settling times.
+    fn criterion(&self) -> f64 {
+        let fit = &self.estimate.fit;
+        let rows = fit.rows as f64;
+        let parameters = fit.coordinates.len() + fit.ar.len() + self.disturbances.levels.len();
+        fit.variance.ln() + parameters as f64 * rows.ln() / rows
     }
 
     /// Whether a search for smaller outliers, too, may find others.
@@ -113,6 +165,7 @@ impl<'a> Undisturbed<'a> {
         let settling = self.candidate.plan.basis.settling();
         let mut next = Disturbances {
             outliers: self.disturbances.outliers.clone(),
+            levels: self.disturbances.levels.clone(),
             ..Disturbances::default()
         };
         let first = next.removed_from(complete);

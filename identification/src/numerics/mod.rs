@@ -20,9 +20,9 @@ pub(crate) use order_statistics::median;
 pub(crate) use rounding::four_digits;
 pub use rounding::{six_digits, with_unit};
 pub(crate) use servoid_linear_algebra::{
-    add_outer_product, backward_solve, cholesky, condition, factorised, forward_solve,
-    inverse_of_lower, inverse_of_square, mirror, outer_square, spectral_radius, symmetric_eigen,
-    times, upper_factor,
+    SymmetricEigen, add_outer_product, backward_solve, cholesky, condition, factorised,
+    forward_solve, inverse_of_lower, inverse_of_square, mirror, outer_square, spectral_radius,
+    symmetric_eigen, times, upper_factor,
 };
 pub(crate) use vectors::{
     add_combination, dot, largest_difference, running_sum, square_about_mean,

@@ -1,0 +1,143 @@
+//! The servo's answers to levels that are held, and their cross moments with the rows of the regression.
+//!
+//! The answer to a visit c of a level is x_c = G(z) (1 from the beginning of the hold to its end, 0 elsewhere).
+
+use std::ops::Range;
+
+use faer::Mat;
+
+use crate::data::{EXACTLY, HELD, Hold, Moments, holds};
+use crate::diagnostics::clustered_errors::Cluster;
+use crate::diagnostics::filtered_rows::{filtered, only, with_history};
+use crate::diagnostics::simulation_error::{Simulated, one_step_errors};
+use crate::estimation::{GlsFit, noise_filter};
+use crate::numerics::LaggedSums;
+
+/// A level that is held.
+pub(super) struct Visit {
+    pub(super) run: usize,
+    pub(super) hold: Hold,
+    /// The errors along its answer, from the beginning of the hold to its end.
+    pub(super) errors: Cluster,
+}
+
+/// All visits of all levels, level by level.
+pub(super) fn visits(runs: &[Simulated<'_>], fit: &GlsFit) -> Vec<Visit> {
+    let d = noise_filter(&fit.ar);
+    let step = step_response(fit);
+    let mut visits: Vec<Visit> = Vec::new();
+    for (index, run) in runs.iter().enumerate() {
+        let errors = one_step_errors(run.own_errors(), &fit.ar);
+        let held = holds(&run.run, EXACTLY).into_iter();
+        for hold in held.filter(|hold| hold.samples.len() >= HELD) {
+            let length = hold.samples.len();
+            let answer: Vec<f64> = (0..length).map(|k| at(&step, k)).collect();
+            let errors = Cluster::of_rows(&filtered(&answer, &d), &errors[hold.samples.clone()]);
+            visits.push(Visit {
+                run: index,
+                hold,
+                errors,
+            });
+        }
+    }
+    visits.sort_by(|a, b| a.hold.level.total_cmp(&b.hold.level));
+    visits
+}
+
+/// The step response of the fit.
+fn step_response(fit: &GlsFit) -> Vec<f64> {
+    fit.coordinates.basis.step_response(&fit.theta())
+}
+
+/// It stays where it is after N samples.
+fn at(step: &[f64], k: usize) -> f64 {
+    step[k.min(step.len() - 1)]
+}
+
+/// Cross moments of the rows of the regression with the answers to levels.
+pub(super) struct CrossMoments<'a> {
+    runs: &'a [Simulated<'a>],
+    moments: &'a Moments,
+    fit: &'a GlsFit,
+    d: Vec<f64>,
+    step: Vec<f64>,
+}
+
+impl<'a> CrossMoments<'a> {
+    pub(super) fn new(runs: &'a [Simulated<'a>], moments: &'a Moments, fit: &'a GlsFit) -> Self {
+        Self {
+            runs,
+            moments,
+            fit,
+            d: noise_filter(&fit.ar),
+            step: step_response(fit),
+        }
+    }
+
+    /// One column for each visit; the offset last.
+    pub(super) fn of(&self, visits: &[Visit]) -> Mat<f64> {
+        let lags = self.fit.coordinates.basis.settling();
+        let gain: f64 = self.d.iter().sum();
+        let mut by_lag = Mat::<f64>::zeros(lags, visits.len());
+        let mut with_offset = vec![0.0; visits.len()];
+        let history = lags - 1 + self.fit.ar.len();
+        for (index, run) in self.runs.iter().enumerate() {
+            let input = with_history(&run.run, history, self.moments.centre.0);
+            let input = filtered(&input, &self.d);
+            let rows =
+                (run.run).complete_rows(self.moments.input_lags(), self.moments.output_lags());
+            let of_run = visits.iter().enumerate();
+            for (column, visit) in of_run.filter(|(_, visit)| visit.run == index) {
+                let answer = self.answer(visit, &rows, run.errors.len());
+                with_offset[column] = gain * answer.iter().sum::<f64>();
+                let first = visit.hold.samples.start + history + 1 - lags;
+                let mut sums = LaggedSums::new(lags, 1);
+                sums.add(&input[first..first + lags - 1 + answer.len()], &[&answer]);
+                let sums = sums.sums();
+                by_lag.col_as_slice_mut(column).copy_from_slice(&sums[0]);
+            }
+        }
+        let by_coordinate = self.fit.coordinates.compress(by_lag);
+        let p = by_coordinate.nrows();
+        Mat::from_fn(p + 1, visits.len(), |i, j| match i {
+            i if i < p => by_coordinate[(i, j)],
+            _ => with_offset[j],
+        })
+    }
+
+    /// D(z) x from the beginning of the hold until the servo has left it, in the `rows` of the regression, of a run of so many `samples`.
+    pub(super) fn answer(&self, visit: &Visit, rows: &[Range<usize>], samples: usize) -> Vec<f64> {
+        let (start, held) = (visit.hold.samples.start, visit.hold.samples.len());
+        let length = (held + self.step.len() + self.d.len()).min(samples - start);
+        let left = |k: usize| {
+            k.checked_sub(held)
+                .map_or(0.0, |since| at(&self.step, since))
+        };
+        let answer: Vec<f64> = (0..length).map(|k| at(&self.step, k) - left(k)).collect();
+        let within = |k: usize| k.clamp(start, start + length) - start;
+        let rows = rows.iter().map(|rows| within(rows.start)..within(rows.end));
+        let rows: Vec<_> = rows.filter(|rows| !rows.is_empty()).collect();
+        only(&rows, filtered(&answer, &self.d))
+    }
+}
+
+/// Columns of visits, added up for each level.
+pub(super) fn level_by_level(of_visits: &Mat<f64>, levels: &[&[Visit]]) -> Mat<f64> {
+    let mut sums = Mat::zeros(of_visits.nrows(), levels.len());
+    let mut columns = of_visits.col_iter();
+    for (mut sum, visits) in sums.col_iter_mut().zip(levels) {
+        for visit in columns.by_ref().take(visits.len()) {
+            sum += visit;
+        }
+    }
+    sums
+}
+
+/// The visits as members of the cluster of their level.
+pub(super) fn cluster_of(visits: &[Visit]) -> Cluster {
+    let mut cluster = Cluster::default();
+    for visit in visits {
+        cluster.add(visit.errors.product, visit.errors.weight);
+    }
+    cluster
+}
