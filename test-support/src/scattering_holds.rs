@@ -1,6 +1,7 @@
 //! Recordings in which something differs from hold to hold: the time at which a command takes effect, or what was written of it.
 
 use rand::RngExt;
+use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 use servoid_identification::{Options, Record};
 
@@ -14,7 +15,7 @@ const PERIOD: f64 = 0.005;
 /// Time constant of the servo, a lag \[s\].
 const LAG: f64 = 0.04;
 
-/// Levels of a recording, each held for 0.3 to 0.5 s, within this of zero.
+/// Levels of a recording, within this of zero.
 const HOLDS: usize = 60;
 const LARGEST: f64 = 5.0;
 
@@ -27,6 +28,8 @@ pub struct ScatteringHolds {
     pub written: f64,
     /// Levels to choose from; any, where there are none.
     pub levels: Option<usize>,
+    /// Whether the levels follow each other in one order, each held for 0.15 to 0.25 s, as long as the servo takes; else they are held for 0.3 to 0.5 s.
+    pub in_order: bool,
     /// Standard deviation of white noise.
     pub noise: f64,
 }
@@ -37,6 +40,7 @@ impl ScatteringHolds {
         frame: 0.0,
         written: 0.0,
         levels: None,
+        in_order: false,
         noise: 0.025,
     };
 
@@ -46,8 +50,9 @@ impl ScatteringHolds {
         let levels = self
             .levels
             .map_or_else(|| "any".to_owned(), |count| count.to_string());
+        let order = if self.in_order { ", in order" } else { "" };
         let (frame, written) = (1e3 * self.frame, self.written);
-        format!("| {frame} | {written} | {levels} | {} |", self.noise)
+        format!("| {frame} | {written} | {levels}{order} | {} |", self.noise)
     }
 
     /// How often bounds hold the mean answer in `runs` recordings, which differ in their seeds.
@@ -75,19 +80,23 @@ impl ScatteringHolds {
 
     fn record(&self, random: &mut ChaCha8Rng) -> Record<'static> {
         let level = |random: &mut ChaCha8Rng| random.random_range(-LARGEST..LARGEST);
-        let choice: Vec<f64> = (0..self.levels.unwrap_or_default())
-            .map(|_| level(random))
-            .collect();
+        let count = self.levels.unwrap_or_default();
+        let choice: Vec<f64> = match self.in_order {
+            true => levels_in_order(count, random),
+            false => (0..count).map(|_| level(random)).collect(),
+        };
         let (mut input, mut output) = (Vec::new(), Vec::new());
         let (mut angle, mut before) = (0.0, 0.0);
-        for _ in 0..HOLDS {
+        for hold in 0..HOLDS {
             let command = match choice.len() {
                 0 => level(random),
+                count if self.in_order => choice[hold % count],
                 count => choice[random.random_range(0..count)],
             };
             let wait = self.frame * random.random_range(0.0..1.0);
             let from = angle;
-            for row in 0..random.random_range(60..100u32) {
+            let held = if self.in_order { 30..50u32 } else { 60..100 };
+            for row in 0..random.random_range(held) {
                 let time = f64::from(row) * PERIOD;
                 angle = match time < wait {
                     true => towards(before, from, time),
@@ -107,6 +116,17 @@ impl ScatteringHolds {
             false => command,
         }
     }
+}
+
+/// Levels that are written as different numbers: one in the middle of each of so many equal parts of the range, in any order.
+fn levels_in_order(count: usize, random: &mut ChaCha8Rng) -> Vec<f64> {
+    let width = 2.0 * LARGEST / count as f64;
+    let parts = (0..count).map(|part| part as f64);
+    let mut levels: Vec<f64> = parts
+        .map(|part| width * (part + random.random_range(0.25..0.75)) - LARGEST)
+        .collect();
+    levels.shuffle(random);
+    levels
 }
 
 /// The step response of the servo, `time` after the step \[s\].
@@ -131,13 +151,27 @@ pub fn scattering_holds() -> Vec<ScatteringHolds> {
             ..none
         })
     });
+    let in_order = [10, 6].map(|levels| {
+        [0.1, 0.5].map(|written| ScatteringHolds {
+            written,
+            levels: Some(levels),
+            in_order: true,
+            ..none
+        })
+    });
     let both = ScatteringHolds {
         frame: 0.02,
         written: 0.2,
         ..none
     };
     let in_noise = |line: ScatteringHolds| ScatteringHolds { noise: 0.1, ..line };
-    let quiet = [&waits[..], rounded.as_flattened(), &[both]].concat();
+    let quiet = [
+        &waits[..],
+        rounded.as_flattened(),
+        in_order.as_flattened(),
+        &[both],
+    ]
+    .concat();
     let loud = [waits[3], rounded[0][1], rounded[2][1]].map(in_noise);
     [&quiet[..], &loud].concat()
 }

@@ -42,3 +42,14 @@ fn levels_that_are_off_by_the_same_at_each_visit_are_in_the_band() {
         ..NONE
     });
 }
+
+/// In one order, and held no longer than the servo takes, such levels look like late answers: without their effects beside the response 18 are missed.
+#[test]
+fn levels_in_one_order_are_no_late_part_of_the_response() {
+    assert_hold(ScatteringHolds {
+        written: 0.1,
+        levels: Some(6),
+        in_order: true,
+        ..NONE
+    });
+}
