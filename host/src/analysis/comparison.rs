@@ -45,6 +45,12 @@ pub fn compared(
         let advice = advice_on_units(names, [a.record.runs(), b.record.runs()]);
         found.advice.splice(0..0, advice);
     }
+    if let Some(conditions) = a.about.other_condition(&b.about) {
+        if let Some(remedy) = b.about.load_of_condition() {
+            Advice::name_load(&mut found.advice, &remedy);
+        }
+        found.advice.push(conditions);
+    }
     found.advice.extend(a.about.other_calibration(&b.about));
     found
         .advice

@@ -1,5 +1,6 @@
-//! What sets a recording apart from a model of it: an offset, a scale or a shift in time.
+//! What sets a recording apart from a model of it: an offset, a scale, a shift in time, or noise.
 
+use super::noise_at_rest::noise_at_rest;
 use servoid_identification::Run;
 
 /// The farthest shift that is looked for \[s\]: servos answer sooner.
@@ -14,14 +15,20 @@ pub(super) struct Misfit {
     pub(super) scale: Option<Scale>,
     /// The shift in time at which they agree best, where there is one.
     pub(super) lag: Option<Lag>,
+    /// The noise at rest (rms), where the recording shows it.
+    pub(super) noise: Option<f64>,
 }
 
 /// A recording against a model of it that is scaled.
 pub(super) struct Scale {
     /// The factor at which they agree best.
     pub(super) factor: f64,
-    /// The error that is left then, without its mean (rms).
+    /// What is added to the scaled model then.
+    pub(super) offset: f64,
+    /// The error that is left of both (rms).
     pub(super) left: f64,
+    /// The error that a scale alone leaves, about zero or about the middle of the motion, whichever leaves less (rms).
+    pub(super) left_of_scale_alone: f64,
 }
 
 /// A recording against a model of it that is shifted in time.
@@ -75,6 +82,12 @@ impl Sums {
         self.squares / self.count - (self.error / self.count).powi(2)
     }
 
+    /// The error that the best factor leaves, with nothing added (rms).
+    fn left_of_scale_about_zero(&self) -> f64 {
+        let explained = self.product * self.product / self.simulated_squares;
+        ((self.squares - explained) / self.count).max(0.0).sqrt()
+    }
+
     /// Covariance of error and simulated output, and the variance of the latter.
     fn with_simulated(&self) -> (f64, f64) {
         let mean = self.simulated / self.count;
@@ -91,17 +104,22 @@ impl Misfit {
         let unshifted = Sums::at(runs, simulated, 0);
         let (covariance, spread) = unshifted.with_simulated();
         let variance = unshifted.variance();
+        let offset = unshifted.error / unshifted.count;
+        let left = (variance - covariance * covariance / spread)
+            .max(0.0)
+            .sqrt();
         let scale = Scale {
             factor: 1.0 + covariance / spread,
-            left: (variance - covariance * covariance / spread)
-                .max(0.0)
-                .sqrt(),
+            offset: offset - covariance / spread * unshifted.simulated / unshifted.count,
+            left,
+            left_of_scale_alone: unshifted.left_of_scale_about_zero().min(left.hypot(offset)),
         };
         Self {
-            offset: unshifted.error / unshifted.count,
+            offset,
             left_of_offset: variance.max(0.0).sqrt(),
             scale: scale.factor.is_finite().then_some(scale),
             lag: Lag::of(runs, simulated, period_s),
+            noise: noise_at_rest(runs, simulated),
         }
     }
 }
@@ -165,6 +183,7 @@ mod tests {
         let scale = found.scale.unwrap();
         assert!((scale.factor + 0.8).abs() < 1e-9 && scale.left < 1e-6);
         assert!((found.offset - 2.0).abs() < 0.1 && found.left_of_offset > 1.0);
+        assert!((scale.offset - 2.0).abs() < 1e-9 && scale.left_of_scale_alone > 1.0);
         let still = Run::new(vec![0.0; 3], vec![1.0, 2.0, 1.0]).unwrap();
         assert!(Misfit::of(&[still], &[vec![0.0; 3]], 0.002).scale.is_none());
     }

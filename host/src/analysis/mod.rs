@@ -12,6 +12,7 @@ mod identified;
 mod json;
 mod load_at_rest;
 mod misfit;
+mod noise_at_rest;
 mod pulse_frames;
 pub mod servo_fit;
 mod simulation;

@@ -156,6 +156,16 @@ fn cause([rmse, own_rmse]: [f64; 2], misfit: &Misfit, in_unit: impl Fn(f64) -> S
              controller is set to."
             .to_owned();
     }
+    let both = |scale: &&Scale| is_most(scale.left) && !is_all(scale.left_of_scale_alone);
+    if let Some(scale) = scale.filter(both) {
+        return format!(
+            "It is gain and offset together: this recording is {:.3} times the model and {}, which leaves an error of {}. If the servo is the same, \
+             look at the calibration of the sensor, its scale and its zero, and at travel and centre that a transmitter or controller is set to.",
+            scale.factor,
+            in_unit(scale.offset),
+            in_unit(scale.left)
+        );
+    }
     if let Some(scale) = scale.filter(|scale| is_most(scale.left)) {
         return format!(
             "It is the gain: this recording moves {:.3} times as far as the model, and scaled by that it leaves an error of {}. If the servo is \
@@ -169,13 +179,46 @@ fn cause([rmse, own_rmse]: [f64; 2], misfit: &Misfit, in_unit: impl Fn(f64) -> S
             "It is a delay: this recording is {:.1} ms {} than the model, and shifted by that it leaves an error of {}. If the servo is the same, look at \
              how the command is written (at the moment at which it is sent, by the clock of the position), and at the logger.",
             1e3 * lag.seconds.abs(),
-            if lag.seconds > 0.0 { "later" } else { "earlier" },
+            if lag.seconds > 0.0 {
+                "later"
+            } else {
+                "earlier"
+            },
             in_unit(lag.left)
         ),
-        None => "Where servo and noise are the same, the motion is not: identify from recordings of both kinds of motion (strokes as large, as small and as \
-             quick as these), and take the servo model where the servo is not linear."
-            .to_owned(),
+        None => noise(misfit, is_most, in_unit).unwrap_or_else(|| ANOTHER_MOTION.to_owned()),
     }
+}
+
+/// Said where nothing simpler is the cause.
+const ANOTHER_MOTION: &str = "Where servo and noise are the same, the motion is not: identify from recordings of both kinds of motion (strokes as \
+    large, as small and as quick as these), and take the servo model where the servo is not linear.";
+
+/// That the error is noise, where what the recording scatters by at rest is most of it.
+fn noise(
+    misfit: &Misfit,
+    is_most: impl Fn(f64) -> bool,
+    in_unit: impl Fn(f64) -> String,
+) -> Option<String> {
+    let noise = misfit.noise?;
+    let left = (misfit.left_of_offset.powi(2) - noise.powi(2))
+        .max(0.0)
+        .sqrt();
+    let of_offset = match misfit.offset.abs() > left.max(OF_A_CAUSE * noise) {
+        true => format!("an offset of {} and ", in_unit(misfit.offset)),
+        false => String::new(),
+    };
+    let rest = match left > 0.0 {
+        true => format!("without that the error is {}", in_unit(left)),
+        false => "that is all of the error".to_owned(),
+    };
+    is_most(left).then(|| {
+        format!(
+            "It is {of_offset}noise: at rest this recording scatters by {} rms, and {rest}. The response of the model is not shown to be wrong: look for \
+             what shakes the servo or disturbs the sensor, or validate with a recording that has less noise.",
+            in_unit(noise),
+        )
+    })
 }
 
 /// Why the servo model alone is validated: it is continuous in time and begins with the first samples.
@@ -215,6 +258,7 @@ mod tests {
             left_of_offset: 0.8,
             scale: None,
             lag: None,
+            noise: None,
         }
     }
 
@@ -266,11 +310,60 @@ mod tests {
         let scaled = |factor: f64| {
             let left = 0.06;
             remedy(Misfit {
-                scale: Some(Scale { factor, left }),
+                scale: Some(Scale {
+                    factor,
+                    offset: 0.0,
+                    left,
+                    left_of_scale_alone: left,
+                }),
                 ..misfit()
             })
         };
         assert!(scaled(0.9).starts_with("It is the gain: this recording moves 0.900 times"));
         assert!(scaled(-1.0).starts_with("This recording turns the other way"));
+    }
+
+    #[test]
+    fn gain_and_offset_that_differ_together_are_named_together() {
+        let both = remedy(Misfit {
+            scale: Some(Scale {
+                factor: 0.9,
+                offset: -1.5,
+                left: 0.06,
+                left_of_scale_alone: 0.7,
+            }),
+            ..misfit()
+        });
+        assert!(
+            both.starts_with(
+                "It is gain and offset together: this recording is 0.900 times the model and -1.500 deg,"
+            ),
+            "{both}"
+        );
+    }
+
+    #[test]
+    fn noise_is_named_where_it_is_most_of_the_error() {
+        let noisy = |noise: f64| {
+            let noise = Some(noise);
+            remedy(Misfit { noise, ..misfit() })
+        };
+        // sqrt(0.8² - 0.797²) = 0.069 is less than twice the error of the model's own recording, and sqrt(0.8² - 0.7²) is not.
+        let named = noisy(0.797);
+        assert!(
+            named.starts_with("It is noise: at rest this recording scatters by 0.7970 deg rms"),
+            "{named}"
+        );
+        assert!(noisy(0.7).starts_with("Where servo and noise"));
+        let moved = remedy(Misfit {
+            offset: 2.0,
+            noise: Some(0.81),
+            ..misfit()
+        });
+        assert!(
+            moved.starts_with("It is an offset of 2.000 deg and noise")
+                && moved.contains("that is all of the error"),
+            "{moved}"
+        );
     }
 }

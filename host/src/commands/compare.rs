@@ -1,7 +1,7 @@
 //! `servoid compare`
 
 use super::input::TableArgs;
-use super::output::{Output, Talk};
+use super::output::{Output, Talk, sides_are_open, wrong_usage};
 use super::servo_search::ServoSearch;
 use crate::analysis::Compared;
 use crate::data::dataset::listed;
@@ -25,7 +25,7 @@ use std::path::PathBuf;
   servoid compare --a bench1.csv bench2.csv bench3.csv --b air1.csv air2.csv air3.csv --margin 3")]
 pub(super) struct Compare {
     /// The reference condition, then the other: two recordings, or two models
-    #[arg(num_args = 2, value_names = ["A", "B"], required_unless_present_all = ["a", "b"])]
+    #[arg(num_args = 1.., value_names = ["A", "B"], required_unless_present_all = ["a", "b"])]
     sides: Vec<PathBuf>,
     /// Recordings of the reference condition, several runs
     #[arg(long, num_args = 1.., value_name = "FILE", conflicts_with = "sides", requires = "b")]
@@ -57,6 +57,9 @@ pub(super) struct Compare {
 
 impl Compare {
     pub(super) fn run(self) -> Result<String> {
+        if !matches!(self.sides.len(), 0 | 2) {
+            wrong_usage(sides_are_open("compare", &self.sides));
+        }
         if self.zero_sd.is_nan() || self.zero_sd < 0.0 {
             bail!("--zero-sd must be 0 or more");
         }

@@ -85,6 +85,24 @@ pub(super) fn wrong_usage(error: impl Display) -> ! {
     clap::Error::raw(ErrorKind::ValueValidation, sentence).exit()
 }
 
+/// Why a comparison of these files has no sides, and the command that names them: one file is half of a comparison, and of three nobody knows
+/// which run is of which side.
+pub(super) fn sides_are_open(command: &str, files: &[PathBuf]) -> String {
+    let typed: Vec<String> = files.iter().map(|file| typed_path(file)).collect();
+    let (of_a, of_b) = typed.split_at(files.len().div_ceil(2));
+    let of_b = match of_b {
+        [] => "OTHER.csv".to_owned(),
+        some => some.join(" "),
+    };
+    let count = files.len();
+    let named = if count == 1 { "file" } else { "files" };
+    format!(
+        "{count} {named} without --a and --b: which are runs of one side, and which of the other? Name them, such as\n\n  \
+         servoid {command} --a {} --b {of_b}",
+        of_a.join(" ")
+    )
+}
+
 /// A file's name without folder and ending, for plots and for the terminal.
 pub(super) fn stem(path: &Path) -> String {
     let name = path.file_stem().unwrap_or(path.as_os_str());

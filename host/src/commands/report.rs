@@ -2,7 +2,7 @@
 
 use super::compare::warn_of_small_margin;
 use super::input::{TableArgs, name_of};
-use super::output::{Output, Talk, stem, wrong_usage};
+use super::output::{Output, Talk, sides_are_open, stem, wrong_usage};
 use super::servo_search::ServoSearch;
 use crate::analysis::{compared, compared_models, identified, servo_fit};
 use crate::data::dataset::{Dataset, listed};
@@ -27,7 +27,7 @@ use std::path::PathBuf;
   servoid report mine.csv --input u --output y --period 0.02 -o report.html")]
 pub(super) struct Report {
     /// A recording or a model, or two, the reference condition first
-    #[arg(required_unless_present = "a", num_args = 1..=2, value_name = "FILE")]
+    #[arg(required_unless_present = "a", num_args = 1.., value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Recordings of the servo, or of the reference condition, several runs
     #[arg(long, num_args = 1.., value_name = "FILE", conflicts_with = "files")]
@@ -56,6 +56,9 @@ pub(super) struct Report {
 impl Report {
     pub(super) fn run(self) -> Result<String> {
         let talk = self.output.talk;
+        if self.files.len() > 2 {
+            wrong_usage(sides_are_open("report", &self.files));
+        }
         let read = self.files.iter().chain(&self.a).chain(&self.b);
         self.output.check_beside([&self.out], read)?;
         let sides: Vec<&[PathBuf]> = match &self.files[..] {

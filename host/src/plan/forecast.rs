@@ -4,6 +4,7 @@ use super::alternatives::{Alternative, alternatives};
 use super::answerable_questions::{self, Answer};
 use super::assumed_servo::noise_rms;
 use super::band_width::{BandWidths, RunsNeeded};
+use super::beyond_stops;
 use super::error::PlanError;
 use super::expectation::Expectation;
 use super::motion::require_motion;
@@ -30,6 +31,9 @@ pub struct Plan {
     pub reference: toml::Table,
     /// The reference in words.
     pub description: String,
+    /// That the assumed servo runs into a stop under it, and what to take instead.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub beyond_stops: Option<String>,
     /// Duration of the reference (s).
     pub reference_s: f64,
     /// Duration of one run, with its rest (s).
@@ -98,6 +102,7 @@ impl Plan {
         Ok(Self {
             reference: as_toml(reference),
             description: describe(reference, request.us_per_degree, request.assumed.train),
+            beyond_stops: beyond_stops::in_words(request),
             reference_s: seconds(reference.frames(), request.assumed.train),
             run_s: request.run_s(),
             runs: request.runs,

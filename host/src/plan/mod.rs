@@ -14,6 +14,7 @@ mod alternatives;
 mod answerable_questions;
 mod assumed_servo;
 mod band_width;
+mod beyond_stops;
 mod error;
 mod expectation;
 mod forecast;

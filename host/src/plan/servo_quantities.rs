@@ -94,6 +94,10 @@ fn thinned(record: &Record, every: usize) -> Result<Record<'static>, Error> {
     Ok(thinned.with_sample_phase(record.sample_phase_s()))
 }
 
+/// What to record of a servo that ran into a stop.
+const WITHIN_THE_STOPS: &str =
+    "take strokes between the stops: lower --amplitude, or write a table of steps";
+
 /// What to record for what is not determined, the most important first. A servo may have what the equation lacks, unless it is a model
 /// of that equation.
 fn remedies(
@@ -112,6 +116,8 @@ fn remedies(
             "take a reference with more than two levels, such as stairs or a table of random steps: two positions of rest do not \
              distinguish friction, dead band and load from gain and offset",
         ),
+        // No reference that goes beyond the stop serves for anything else, either.
+        Some(Reason::TravelEnd) => return vec![WITHIN_THE_STOPS],
         Some(_) if is_of_equation => Some(
             "take longer holds, so that noise at rest can be distinguished from errors in motion",
         ),
@@ -121,7 +127,14 @@ fn remedies(
         ),
         None => None,
     };
+    let is_held = terms.dead_band || terms.friction;
+    let leaves_alike =
+        level.withdrawn() == Some(Reason::ErrorsNotNoise) || open(QuantityKind::OF_FRICTION);
     let all = [
+        (is_held && leaves_alike).then_some(
+            "take a large slow motion that goes on, which distinguishes dead band and friction: --reference multisine --amplitude 30 --frequencies 0.1:3 \
+             --length 20, as far as the travel allows",
+        ),
         (!terms.limit).then_some(
             "raise --amplitude, if the servo may turn further: no stroke of this reference shows a limit of the drive or of the speed",
         ),

@@ -47,6 +47,8 @@ pub fn of_plan(plan: &Plan) -> String {
         ),
     ];
     let mut text = format!("{}\n", plan.description);
+    let beyond = plan.beyond_stops.iter();
+    text.extend(beyond.map(|said| format!("  ! {}\n", summary::wrapped(said, 4))));
     for (name, value) in rows {
         text += &format!("  {name:11} {}\n", value.trim_end());
     }

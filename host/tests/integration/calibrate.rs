@@ -388,3 +388,36 @@ fn a_servo_that_does_not_follow_is_said_to_not_follow() {
     }
     assert!(travel.contains("answers more from"), "{travel}");
 }
+
+/// A stop within the positions that are taken by themselves: the first refusal names the pulses with which the same command works.
+#[test]
+fn a_stop_within_the_positions_is_answered_with_pulses_that_work() {
+    let dir = tempfile::tempdir().unwrap();
+    let rig = dir.path().join("rig.toml");
+    run(&[
+        "init",
+        "-q",
+        "--yes",
+        "--port",
+        "sim:bench?stops-deg=-30:4",
+        "-o",
+        arg(&rig),
+    ]);
+    let command = [
+        "calibrate",
+        "-q",
+        "--rig",
+        arg(&rig),
+        "--by-servo",
+        "--update",
+    ];
+    let refused = refusal(&command);
+    let (_, rest) = refused
+        .split_once("take --pulses ")
+        .expect("it names pulses");
+    let (pulses, _) = rest.split_once(", between").unwrap();
+    let found = run(&[&command[..], &["--pulses", pulses]].concat());
+    assert!(found.contains("stops at 15"), "{found}");
+    let written = std::fs::read_to_string(&rig).unwrap();
+    assert!(written.contains("longest_us = 153"), "{written}");
+}

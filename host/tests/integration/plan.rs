@@ -191,3 +191,35 @@ fn a_servo_that_the_strokes_do_not_move_is_named() {
     let said = refusal(&["plan", "--servo", "bench", "--controller", "3"]);
     assert!(said.contains("has no controllers"), "{said}");
 }
+
+#[test]
+fn strokes_into_a_stop_of_the_servo_are_named_with_the_amplitude_that_avoids_it() {
+    let servo = "bench?stops-deg=-30:4";
+    let said = run(&[
+        "plan",
+        "-q",
+        "--servo",
+        servo,
+        "--reference",
+        "stairs",
+        "--amplitude",
+        "20",
+        "--servo-model",
+    ]);
+    let said: String = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(said.contains("runs into the stop at 4.000 deg"), "{said}");
+    assert!(said.contains("take --amplitude 4 or less"), "{said}");
+    assert!(said.contains("- take strokes between the stops"), "{said}");
+    assert!(!said.contains("longer holds, so that noise"), "{said}");
+    let said = run(&[
+        "plan",
+        "-q",
+        "--servo",
+        servo,
+        "--reference",
+        "staircase",
+        "--amplitude",
+        "3.9",
+    ]);
+    assert!(!said.contains("stop at"), "{said}");
+}

@@ -159,3 +159,56 @@ fn different_calibrations_of_two_sides_are_named() {
     let said = compared(&a);
     assert!(!said.contains("calibrations of the sensor"), "{said}");
 }
+
+#[test]
+fn files_without_sides_are_answered_with_the_command_that_names_them() {
+    let said = refusal(&["report", "a.csv", "b.csv", "c.csv", "-o", "r.html"]);
+    assert!(
+        said.contains("servoid report --a a.csv b.csv --b c.csv"),
+        "{said}"
+    );
+    let said = refusal(&["compare", "a.csv", "b.csv", "c.csv"]);
+    assert!(
+        said.contains("servoid compare --a a.csv b.csv --b c.csv"),
+        "{said}"
+    );
+    let said = refusal(&["compare", "a.csv"]);
+    assert!(
+        said.contains("servoid compare --a a.csv --b OTHER.csv"),
+        "{said}"
+    );
+}
+
+#[test]
+fn conditions_that_the_files_state_are_named_where_they_differ() {
+    let dir = tempfile::tempdir().unwrap();
+    let sides = ["bench", "aircraft"].map(|condition| {
+        let file = dir.path().join(format!("{condition}.csv"));
+        let port = format!("sim:{condition}?seed=5");
+        run(&[
+            "capture",
+            "-q",
+            "--port",
+            &port,
+            "--condition",
+            condition,
+            "-o",
+            arg(&file),
+        ]);
+        file
+    });
+    let compared = |a: &Path, b: &Path| {
+        let said = run(&["compare", "-q", arg(a), arg(b)]);
+        said.split_whitespace().collect::<Vec<_>>().join(" ")
+    };
+    let said = compared(&sides[0], &sides[1]);
+    assert!(
+        said.contains("different conditions: the first is \"bench\", the second \"aircraft\""),
+        "{said}"
+    );
+    assert!(
+        said.contains("a load under the condition \"aircraft\", it holds a servo there"),
+        "{said}"
+    );
+    assert!(!compared(&sides[0], &sides[0]).contains("different conditions"));
+}

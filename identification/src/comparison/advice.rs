@@ -55,7 +55,7 @@ fn different_zeros(levels: &Sides<Levels>, margin_percent: f64, unit: &str) -> O
 
 /// That the sides turn in different directions under the same command.
 fn other_way(comparison: &Comparison) -> Option<Advice> {
-    comparison.turns_the_other_way().then(|| {
+    comparison.turns_the_other_way.then(|| {
         Advice::new(
             Check::Direction,
             "The second turns the other way under the same command: its gain has the other sign.",

@@ -10,7 +10,7 @@ use super::over_prediction::{Predictor, over_prediction};
 use super::pair::{Identified, identified, same_period};
 use super::run_means::RunMeans;
 use super::verdict::Verdict;
-use super::{advice, different_motions, scatter, shift, words};
+use super::{advice, different_motions, other_way, scatter, shift, words};
 use crate::data::Record;
 use crate::error::Error;
 use crate::results::{Bounds, Metrics, Model};
@@ -64,6 +64,7 @@ pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Co
     b.model = b.model.with_delay_error(error_b);
     let models = [&a.model, &b.model];
     let mut comparison = of_curves(models, &curves, runs.as_ref(), options);
+    comparison.turns_the_other_way = other_way::turns(&comparison, [&a, &b]);
     comparison.runs = [a.record.runs().len(), b.record.runs().len()];
     comparison.p_value = match scatter::p_value(&a, &b) {
         // A single run may be too short for a model of its own, or one step from rest, which is constant; then there is no test.
@@ -100,7 +101,11 @@ pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Co
         // Chance is not all that sets the runs of one side apart from those of the other.
         comparison.p_value = None;
     }
-    comparison.summary = words::summary(&comparison, options);
+    let turned = match comparison.turns_the_other_way && comparison.has_verdict() {
+        true => Some(compare(a.record, &b.record.turned_round(), options)?),
+        false => None,
+    };
+    comparison.summary = words::summary(&comparison, turned.as_ref(), options);
     comparison.advice = advice::gather(
         &comparison,
         [&a.alone, &b.alone],
@@ -131,13 +136,14 @@ pub fn compare_models(
         .max(b.structure.settling_samples);
     let curves = [Curves::of_model(a, points)?, Curves::of_model(b, points)?];
     let mut comparison = of_curves([a, b], &curves, None, options);
+    comparison.turns_the_other_way = other_way::by_bounds(&comparison);
     let of_strokes =
         |strokes| different_motions::strokes_of_models_may_explain(&comparison, strokes);
     if options.strokes_of_models.is_some_and(of_strokes) {
         comparison.verdict = Verdict::Undecided;
         comparison.descriptions_of_different_motions = true;
     }
-    comparison.summary = words::summary(&comparison, options);
+    comparison.summary = words::summary(&comparison, None, options);
     comparison.advice = advice::gather(&comparison, [a, b], &[], &options.output_unit);
     comparison.advice.push(advice::one_response());
     Ok(comparison)
@@ -218,6 +224,7 @@ fn of_curves(
         split: false,
         motions: None,
         descriptions_of_different_motions: false,
+        turns_the_other_way: false,
         same_data: false,
         over_prediction: None,
         levels: None,

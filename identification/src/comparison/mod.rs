@@ -32,6 +32,7 @@ mod different_motions;
 mod metric_differences;
 mod motion;
 mod options;
+mod other_way;
 mod outcome;
 mod over_prediction;
 mod pair;

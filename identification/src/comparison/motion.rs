@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::data::{HELD, Record, Run, usual_hold};
+use crate::data::{HELD, Record, Run, hold_lengths, usual_hold};
 use crate::thresholds::{EQUALLY_LARGE, EQUALLY_LONG, HELD_WITHIN, RANDOM_ENDS};
 
 /// More levels than this are many.
@@ -22,6 +22,12 @@ pub struct Motion {
     pub levels: Option<usize>,
     /// For how long a level is usually held \[s\].
     pub hold_s: f64,
+    /// For how long a level is held on average \[s\].
+    #[serde(default)]
+    pub mean_hold_s: f64,
+    /// For how long one is held at least \[s\].
+    #[serde(default)]
+    pub shortest_hold_s: f64,
     /// Whether it is held at all between changes.
     #[serde(default)]
     pub held: bool,
@@ -53,9 +59,14 @@ impl Motion {
         };
         // Values all over the range leave no gaps; values of a fine grid leave many.
         let stepped = (2..=MOST_LEVELS).contains(&levels);
+        let lengths = hold_lengths(record);
+        let mean = lengths.iter().sum::<usize>() as f64 / lengths.len().max(1) as f64;
+        let shortest = lengths.iter().min().copied().unwrap_or(0);
         Self {
             lowest,
             highest,
+            mean_hold_s: mean * record.sample_period_s(),
+            shortest_hold_s: shortest as f64 * record.sample_period_s(),
             levels: stepped.then_some(levels),
             hold_s: hold as f64 * record.sample_period_s(),
             held: hold >= HELD,
@@ -72,13 +83,26 @@ impl Motion {
             false => (EQUALLY_LARGE, EQUALLY_LONG),
         };
         let near = |a: f64, b: f64| (a - b).abs() <= equally_large * range;
-        let longer = self.hold_s.max(other.hold_s);
-        let as_long = longer <= equally_long * self.hold_s.min(other.hold_s);
+        let as_long = self.is_held_as_long(other, equally_long) || self.has_the_same_chips(other);
         near(self.lowest, other.lowest)
             && near(self.highest, other.highest)
             && self.levels == other.levels
             && self.held == other.held
             && (!self.held || as_long)
+    }
+
+    fn is_held_as_long(&self, other: &Self, equally_long: f64) -> bool {
+        let longer = self.hold_s.max(other.hold_s);
+        longer <= equally_long * self.hold_s.min(other.hold_s)
+    }
+
+    /// Whether both are binary sequences of the same chips: half of their holds are one chip long, so that the median of each draw is one chip or
+    /// two. The mean is the same for all.
+    fn has_the_same_chips(&self, other: &Self) -> bool {
+        let near = |a: f64, b: f64| a.max(b) <= EQUALLY_LONG * a.min(b);
+        self.levels == Some(2)
+            && near(self.shortest_hold_s, other.shortest_hold_s)
+            && near(self.mean_hold_s, other.mean_hold_s)
     }
 
     fn has_random_levels(&self) -> bool {
@@ -204,6 +228,27 @@ mod tests {
             .collect());
         assert_eq!(stairs.levels, Some(5));
         assert!(!small.is_like(&stairs));
+    }
+
+    /// A shift register of five bits begins at any of its 31 states: the median of the holds is one chip or two, and the mean is the same.
+    #[test]
+    fn binary_sequences_of_other_seeds_are_one_motion_and_slower_ones_are_not() {
+        let sequence = |seed: u32, chip: usize| {
+            let step = |state: &mut u32, _| {
+                let out = *state & 1;
+                *state = *state >> 1 | (*state ^ *state >> 2) << 4 & 0b10000;
+                Some(if out == 1 { 5.0 } else { -5.0 })
+            };
+            let chips: Vec<f64> = (0..31).scan(seed, step).collect();
+            of((0..31 * chip).map(|k| chips[k / chip]).collect())
+        };
+        let all: Vec<Motion> = (1..32).map(|seed| sequence(seed, 8)).collect();
+        let holds = |motion: &Motion| (100.0 * motion.hold_s).round();
+        assert!(all.iter().any(|motion| holds(motion) != holds(&all[0])));
+        for (a, b) in all.iter().zip(all.iter().cycle().skip(7)) {
+            assert!(a.is_like(b), "{a:?} {b:?}");
+        }
+        assert!(!all[0].is_like(&sequence(1, 16)));
     }
 
     #[test]

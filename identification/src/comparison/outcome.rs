@@ -177,6 +177,9 @@ pub struct Comparison {
     /// descriptions of two motions, and no finding about the servos.
     #[serde(default)]
     pub descriptions_of_different_motions: bool,
+    /// Whether the second surely turns the other way under the same command: its gain has the other sign.
+    #[serde(default)]
+    pub turns_the_other_way: bool,
     /// Whether both sides are known to have samples in common: then the comparison says nothing about the servos. Who has the files
     /// finds that, so a new comparison has `false`.
     #[serde(default)]
@@ -203,16 +206,5 @@ impl Comparison {
     #[must_use]
     pub fn has_verdict(&self) -> bool {
         self.bounds.valid().is_some() && !self.descriptions_of_different_motions
-    }
-
-    /// Whether the gains surely have different signs.
-    #[must_use]
-    pub fn turns_the_other_way(&self) -> bool {
-        let mut rows = self.differences.iter();
-        let gain = rows.find(|row| row.metric == "dc_gain");
-        let both = gain.and_then(|row| row.a_bounds.zip(row.b_bounds));
-        both.is_some_and(|([low_a, high_a], [low_b, high_b])| {
-            (low_a > 0.0 && high_b < 0.0) || (high_a < 0.0 && low_b > 0.0)
-        })
     }
 }

@@ -10,20 +10,45 @@ use crate::numerics::{four_digits, six_digits};
 use crate::results::Bounds;
 use crate::thresholds::NOTABLE_SHIFT_S;
 
-pub(super) fn summary(found: &Comparison, options: &ComparisonOptions) -> String {
+/// Of a second side that turns the other way, `turned` is the comparison with its outputs of the other sign.
+pub(super) fn summary(
+    found: &Comparison,
+    turned: Option<&Comparison>,
+    options: &ComparisonOptions,
+) -> String {
+    let other_way = match found.turns_the_other_way {
+        true => "Under the same command the second turns the other way. ",
+        false => "",
+    };
     match found.bounds {
         Bounds::Valid(bounds) if found.descriptions_of_different_motions => {
-            not_one_reference(found, &bounds, options)
+            format!("{other_way}{}", not_one_reference(found, &bounds, options))
         }
         Bounds::Valid(bounds) => {
-            format!("{} {}", answer(found, &bounds), feel(found, options))
+            let turned = turned.and_then(with_its_sign_changed).unwrap_or_default();
+            format!(
+                "{}{turned} {}",
+                answer(found, &bounds),
+                feel(found, options)
+            )
         }
         Bounds::Withdrawn(reason) => format!(
-            "Not decided by the step responses: for at least one of the two no bounds can be given, because {}. Record steps that are \
+            "{other_way}Not decided by the step responses: for at least one of the two no bounds can be given, because {}. Record steps that are \
              held until the servo rests.",
             reason.because()
         ),
     }
+}
+
+/// What the comparison says once the outputs of the second side have the sign of those of the first; `None` where that is nothing.
+fn with_its_sign_changed(turned: &Comparison) -> Option<String> {
+    let answer = answer(turned, turned.bounds.valid()?);
+    let mut letters = answer.chars();
+    let first = letters.next()?.to_lowercase();
+    Some(format!(
+        " With the sign of its position changed, {first}{}",
+        letters.as_str()
+    ))
 }
 
 /// Why there is no verdict on sides that were asked for different motions, and what their responses are worth.
@@ -85,7 +110,7 @@ fn answer(found: &Comparison, bounds: &ComparisonBounds) -> String {
     let margin = found.margin_percent;
     let subject = subject(found);
     match found.verdict {
-        Verdict::Different if found.turns_the_other_way() => format!(
+        Verdict::Different if found.turns_the_other_way => format!(
             "{subject} are different: under the same command the second turns the other way, and {apart}."
         ),
         Verdict::Different => format!(

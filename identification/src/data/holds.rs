@@ -52,7 +52,7 @@ pub(crate) fn holds(run: &Run, tolerance: f64) -> Vec<Hold> {
 
 /// For how long the input is held after each of its changes, and at the beginning of each run \[samples\]; an
 /// input that was measured may have noise.
-fn hold_lengths(record: &Record) -> Vec<usize> {
+pub(crate) fn hold_lengths(record: &Record) -> Vec<usize> {
     let present = || record.runs().iter().flat_map(Run::input).copied();
     let low = present().fold(f64::INFINITY, f64::min);
     let high = present().fold(f64::NEG_INFINITY, f64::max);

@@ -313,6 +313,16 @@ impl<'a> Record<'a> {
         self.with_inputs(Run::with_bridged_input)
     }
 
+    /// The same with all outputs, those at rest too, of the other sign.
+    pub(crate) fn turned_round(&self) -> Self {
+        let turned = |run: &Run<'a>| run.with_output(run.output().iter().map(|y| -y).collect());
+        Self {
+            runs: self.runs.iter().map(turned).collect(),
+            rest: self.rest.iter().map(turned).collect(),
+            ..self.clone()
+        }
+    }
+
     fn with_inputs<'b>(&'b self, completed: impl Fn(&'b Run<'a>) -> Run<'b>) -> Record<'b> {
         Record {
             runs: self.runs.iter().map(completed).collect(),

@@ -94,6 +94,8 @@ pub enum Check {
     Zeros,
     /// Whether both sides turn the same way.
     Direction,
+    /// Whether both sides were recorded under the same condition.
+    Conditions,
     /// Whether both sides were measured by the same calibration.
     Calibration,
     /// Whether the sample period can be that of a recording of a servo.

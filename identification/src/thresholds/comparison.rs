@@ -25,3 +25,13 @@ pub const EQUALLY_LONG: f64 = 1.25;
 ///
 /// Protects: readers from shifts of no consequence. Evidence: the snapshot of a comparison.
 pub const NOTABLE_SHIFT_S: f64 = 0.25e-3;
+
+/// Correlation of an output with its command from which it shows the direction in which the servo turns.
+///
+/// Protects: a servo without bounds from being said to turn the other way. Evidence: 175 recordings of the simulated servos under all references, a third of
+/// them without bounds. 161 show their direction by this and [`FOLLOWS_ONE_WAY`], all of them the right one.
+pub const FOLLOWS_COMMAND: f64 = 0.5;
+
+/// The same of the other direction, as a part of it, from which the record does not show which it is: a motion that repeats itself soon. See
+/// [`FOLLOWS_COMMAND`].
+pub const FOLLOWS_ONE_WAY: f64 = 0.5;

@@ -1,5 +1,6 @@
 //! The same servo is never called different, a different one is.
 
+use rand::{RngExt, SeedableRng};
 use rayon::prelude::*;
 use servoid_identification::comparison::{
     Comparison, ComparisonOptions, Subject, Verdict, compare, compare_models,
@@ -339,7 +340,42 @@ fn a_servo_that_turns_the_other_way_is_named() {
         "{}",
         found.summary
     );
+    assert!(
+        found
+            .summary
+            .contains("With the sign of its position changed, these recordings are the same"),
+        "{}",
+        found.summary
+    );
     assert_eq!(found.advice[0].check, Check::Direction);
+}
+
+/// A servo that is far from linear has no bounds, and its direction shows all the same.
+#[test]
+fn a_servo_without_bounds_that_turns_the_other_way_is_named() {
+    // Random levels of 16 samples, which a speed of 0.35 a sample does not reach.
+    let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(7);
+    let levels: Vec<f64> = (0..250).map(|_| random.random_range(-10.0..10.0)).collect();
+    let side = |sign: f64, shift: usize| {
+        let input: Vec<f64> = (0..4000).map(|k| levels[(k / 16 + shift) % 250]).collect();
+        let follow = |y: &mut f64, (k, u): (usize, &f64)| {
+            *y += (0.2 * (u - *y)).clamp(-0.35, 0.35);
+            Some(sign * (*y + 0.01 * (0.7 * (k * k) as f64).sin()))
+        };
+        let output: Vec<f64> = input.iter().enumerate().scan(0.0, follow).collect();
+        Record::of_run(PERIOD, input, output).unwrap()
+    };
+    for (sign, other_way) in [(-1.0, true), (1.0, false)] {
+        let found = compare(&side(1.0, 0), &side(sign, 31), &options()).unwrap();
+        assert!(found.bounds.valid().is_none(), "{}", found.summary);
+        assert_eq!(found.turns_the_other_way, other_way, "{}", found.summary);
+        assert_eq!(
+            found.summary.contains("the second turns the other way"),
+            other_way
+        );
+        let named = found.advice.iter().any(|a| a.check == Check::Direction);
+        assert_eq!(named, other_way);
+    }
 }
 
 /// Two sides of one servo whose delay scatters by milliseconds, on average 0.4 ms apart: no interval may say that the sides differ.

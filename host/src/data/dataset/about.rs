@@ -54,6 +54,31 @@ pub struct SensorCalibration {
 }
 
 impl About {
+    /// That the files of two sides state different conditions.
+    pub(crate) fn other_condition(&self, other: &Self) -> Option<Advice> {
+        let both = self.condition.as_ref().zip(other.condition.as_ref());
+        let (a, b) = both.filter(|(a, b)| a != b)?;
+        Some(Advice::new(
+            Check::Conditions,
+            format!(
+                "The files state different conditions: the first is \"{a}\", the second \"{b}\". What differs is then that of load and supply as well \
+                 as that of the servos."
+            ),
+            1.0,
+            0.0,
+            "Nothing needs to be done where the conditions are what is compared; for a verdict on two servos, record both under one condition.",
+        ))
+    }
+
+    /// What to do about a second side that rests apart from the first, where conditions are not the same.
+    pub(crate) fn load_of_condition(&self) -> Option<String> {
+        self.condition.as_ref().map(|condition| {
+            format!(
+                "Where there is a load under the condition \"{condition}\", it holds a servo there; where there is none, calibrate the sensor of both sides with the same zero."
+            )
+        })
+    }
+
     /// That the recordings of two sides were made with different calibrations of the sensor.
     pub(crate) fn other_calibration(&self, other: &Self) -> Option<Advice> {
         let with_others = |a| other.calibrations.iter().map(move |b| (a, b));

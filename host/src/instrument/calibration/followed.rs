@@ -6,7 +6,8 @@ use super::travel::STANDS_STILL;
 /// Two positions between which the servo stood still, as it does beyond the end of its travel.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
-    "between {from_us} and {to_us} µs the sensor's reading changes by {counts:.0} counts, where {expected:.0} would be as many as elsewhere: the servo does not follow its pulses there; give positions at which it does with --pulses, or narrower limits in the rig file ('servoid calibrate --travel-only' shows where the travel ends)"
+    "between {from_us} and {to_us} µs the sensor's reading changes by {counts:.0} counts, where {expected:.0} would be as many as elsewhere: the servo does not follow its pulses there; {}",
+    remedy(*followed_us)
 )]
 pub struct NotFollowed {
     /// The shorter pulse (µs).
@@ -17,6 +18,31 @@ pub struct NotFollowed {
     pub counts: f64,
     /// How far apart they would be where the servo follows as well as anywhere (counts).
     pub expected: f64,
+    /// The pulses from which to which it follows in full (µs); `None` where it follows between no two positions.
+    pub followed_us: Option<[u16; 2]>,
+}
+
+/// Positions that are given in the place of those where the servo stood still.
+const POSITIONS: u16 = 5;
+
+/// A change of the reading that is smaller by more than this part is not the full one: a stop lies between the two positions.
+const IN_FULL: f64 = 0.1;
+
+/// What to add to the command so that it works.
+fn remedy(followed_us: Option<[u16; 2]>) -> String {
+    let Some([shortest, longest]) = followed_us else {
+        return "give positions at which it does with --pulses, or narrower limits in the rig file ('servoid calibrate --travel-only' shows \
+                where the travel ends)"
+            .to_owned();
+    };
+    let apart = (longest - shortest) / (POSITIONS - 1);
+    let pulses: Vec<String> = (0..POSITIONS)
+        .map(|k| (shortest + k * apart).to_string())
+        .collect();
+    format!(
+        "take --pulses {}, between which it does, with the angles there where they are read ('servoid calibrate --travel-only' shows where the travel ends)",
+        pulses.join(",")
+    )
 }
 
 /// Looks for neighbouring positions between which the reading changes by less than a quarter of what it
@@ -40,9 +66,25 @@ pub fn require_followed(rests: &[Rest]) -> Result<(), NotFollowed> {
             to_us: b.pulse_us,
             counts: (b.counts - a.counts).abs(),
             expected: steepest * (f64::from(b.pulse_us) - f64::from(a.pulse_us)),
+            followed_us: longest_part(pairs().map(|(a, b)| {
+                let in_full = slope(a, b) > (1.0 - IN_FULL) * steepest;
+                ([a.pulse_us, b.pulse_us], in_full)
+            })),
         }),
         _ => Ok(()),
     }
+}
+
+/// The longest stretch of neighbouring pairs of pulses between which the servo follows in full.
+fn longest_part(pairs: impl Iterator<Item = ([u16; 2], bool)>) -> Option<[u16; 2]> {
+    let mut parts: Vec<[u16; 2]> = Vec::new();
+    for ([from, to], _) in pairs.filter(|(_, in_full)| *in_full) {
+        match parts.last_mut() {
+            Some([_, end]) if *end == from => *end = to,
+            _ => parts.push([from, to]),
+        }
+    }
+    parts.into_iter().max_by_key(|[from, to]| to - from)
 }
 
 #[cfg(test)]
@@ -73,6 +115,13 @@ mod tests {
             error
                 .to_string()
                 .contains("changes by 1 counts, where 2000")
+        );
+        // From 1500 to 1700 it moves by less than from 1300 to 1500: the stop lies between.
+        assert_eq!(error.followed_us, Some([1300, 1500]));
+        let said = error.to_string();
+        assert!(
+            said.contains("take --pulses 1300,1350,1400,1450,1500, between which it does"),
+            "{said}"
         );
         let soft = rests(&[
             (1300, 6000.0),

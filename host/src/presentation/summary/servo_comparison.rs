@@ -7,12 +7,12 @@ use super::servo_model::{digits_beside, four_digits, scale_and_unit, stops_in_wo
 use crate::data::units::Units;
 use servoid_identification::comparison::{QuantityPair, ServoModelComparison};
 use servoid_identification::results::{Bounds, Interval, with_unit};
-use servoid_identification::servo_model::Stops;
+use servoid_identification::servo_model::{QuantityKind, Stops};
 
 /// Quantities that a sentence names at the most; the table has them all.
 const NAMED: usize = 4;
 
-/// A sentence on what differs for sure; `a` and `b` are the names of the two.
+/// A sentence on what differs for sure, and on a load that one model alone has; `a` and `b` are the names of the two.
 #[must_use]
 pub fn sentence_on_servo_models(
     a: &str,
@@ -20,6 +20,39 @@ pub fn sentence_on_servo_models(
     found: &ServoModelComparison,
     units: Units<'_>,
 ) -> String {
+    let sure = what_is_sure(a, b, found, units);
+    match load_of_one(a, b, found, units) {
+        Some(load) => format!("{sure} {load}"),
+        None => sure,
+    }
+}
+
+/// That one model has a load, and the other one none that shows.
+fn load_of_one(a: &str, b: &str, found: &ServoModelComparison, units: Units<'_>) -> Option<String> {
+    let is_load = |pair: &&QuantityPair| {
+        pair.kind()
+            .is_some_and(|kind| QuantityKind::OF_LOAD.contains(&kind))
+    };
+    let mut loads = found.quantities.iter().filter(is_load);
+    let [of_a, of_b] = [
+        loads.clone().find(|pair| pair.a.is_some()),
+        loads.find(|pair| pair.b.is_some()),
+    ];
+    let (with, without, pair, value) = match (of_a, of_b) {
+        (Some(pair), None) => (a, b, pair, pair.a?),
+        (None, Some(pair)) => (b, a, pair, pair.b?),
+        _ => return None,
+    };
+    let (scale, unit) = scale_and_unit(pair.unit, units);
+    let value = with_unit(four_digits(scale * value), &unit);
+    Some(format!(
+        "The model of {with} has a load ({} {value}), and in that of {without} none shows.",
+        pair.name
+    ))
+}
+
+/// What differs for sure.
+fn what_is_sure(a: &str, b: &str, found: &ServoModelComparison, units: Units<'_>) -> String {
     let bounds = match &found.bounds {
         Bounds::Withdrawn(reason) => {
             let because = reason.because();
@@ -175,4 +208,44 @@ pub(crate) fn servo_model_rows(found: &ServoModelComparison, units: Units<'_>) -
         }
     }));
     rows
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use servoid_identification::results::Reason;
+    use servoid_identification::servo_model::Unit;
+
+    fn sentence(a: Option<f64>, b: Option<f64>) -> String {
+        let found = ServoModelComparison {
+            quantities: vec![QuantityPair {
+                name: QuantityKind::LoadAtMiddle.name().to_owned(),
+                unit: Unit::Command,
+                a,
+                b,
+            }],
+            stops: None,
+            bounds: Bounds::Withdrawn(Reason::ErrorsNotNoise),
+        };
+        let units = Units {
+            input: Some("deg"),
+            output: Some("deg"),
+        };
+        sentence_on_servo_models("A", "B", &found, units)
+    }
+
+    #[test]
+    fn a_load_that_one_model_alone_has_is_named() {
+        let loaded = sentence(None, Some(0.2042));
+        assert!(
+            loaded.ends_with(
+                "The model of B has a load (load at the middle 0.2042 deg), and in that of A none shows."
+            ),
+            "{loaded}"
+        );
+        assert!(sentence(Some(0.3), None).contains("The model of A has a load"));
+        for both in [sentence(Some(0.3), Some(0.2)), sentence(None, None)] {
+            assert!(!both.contains("has a load"), "{both}");
+        }
+    }
 }

@@ -4,7 +4,7 @@ use super::layout::wrapped;
 use super::numbers::head_of_bounds;
 use crate::data::model_file::ServoModelDocument;
 use crate::data::units::Units;
-use servoid_identification::results::{Bounds, Interval, with_unit};
+use servoid_identification::results::{Bounds, Interval, Reason, with_unit};
 use servoid_identification::servo_model::{
     LadderRung, LinearKind, LinearModelFit, LinearModels, LoadKind, Quantity, QuantityKind,
     ServoFit, ServoModel, Spread, Stops, Terms, Unit,
@@ -100,9 +100,28 @@ pub(crate) fn run_offsets_in_words(model: &ServoModel, units: Units<'_>) -> Opti
 pub(crate) fn advice_on_servo_model(model: &ServoModel) -> Vec<&'static str> {
     match model.is_linear() && model.covariance.valid().is_some() {
         true => vec![LINEAR_IS_SHARPER],
-        false => what_to_record(&model.quantities),
+        false => {
+            let mut advice = what_to_record(&model.quantities);
+            advice.extend(holds_alike(model).then_some(STAIRS_DO_NOT_SEPARATE));
+            advice
+        }
     }
 }
+
+/// Whether the record leaves open how a servo is held off its command: by a dead band, which stands still at its edge, or by friction.
+fn holds_alike(model: &ServoModel) -> bool {
+    let is_held = model.terms.dead_band || model.terms.friction;
+    let is_open = |found: &Quantity| {
+        let of_friction = |kind| QuantityKind::OF_FRICTION.contains(&kind);
+        !found.determined && found.kind().is_some_and(of_friction)
+    };
+    let misses = model.covariance.withdrawn() == Some(Reason::ErrorsNotNoise);
+    is_held && (misses || model.quantities.iter().any(is_open))
+}
+
+/// Said of a servo that a dead band or friction holds, where the record does not show which.
+const STAIRS_DO_NOT_SEPARATE: &str = "Dead band and friction rest alike, and stairs hardly distinguish them: a large slow motion that goes on does, such as \
+    --reference multisine --amplitude 30 --frequencies 0.1:3 --length 20, as far as the travel allows.";
 
 /// Said of a servo model without any term beyond a linear servo.
 const LINEAR_IS_SHARPER: &str = "This recording needs no more than a linear servo: where the linear model has intervals, they are \
@@ -476,6 +495,28 @@ mod tests {
             names(None),
             ["top speed upwards", "acceleration upwards", "gain"]
         );
+    }
+
+    #[test]
+    fn stairs_are_not_advised_alone_where_dead_band_and_friction_are_alike() {
+        let levels = [0.0, 5.0, -3.0, 1.0, 4.0];
+        let input: Vec<f64> = (0..900).map(|k| levels[k / 60 % 5]).collect();
+        let follow = |y: &mut f64, (k, u): (usize, &f64)| {
+            *y += 0.2 * (u - *y);
+            Some(*y + 0.01 * (0.7 * (k * k) as f64).sin())
+        };
+        let output: Vec<f64> = input.iter().enumerate().scan(0.0, follow).collect();
+        let record = servoid_identification::Record::of_run(0.01, input, output).unwrap();
+        let options = servoid_identification::servo_model::ServoModelOptions::default();
+        let mut model = servoid_identification::servo_model::fit(&record, &options).unwrap();
+        let advised =
+            |model: &ServoModel| advice_on_servo_model(model).contains(&STAIRS_DO_NOT_SEPARATE);
+        model.covariance = Bounds::Withdrawn(Reason::ErrorsNotNoise);
+        assert!(!advised(&model));
+        model.terms.friction = true;
+        assert!(advised(&model));
+        model.covariance = Bounds::Withdrawn(Reason::TravelEnd);
+        assert!(!advised(&model));
     }
 
     fn quantity(name: &str, determined: bool, lower: f64, upper: f64) -> Quantity {

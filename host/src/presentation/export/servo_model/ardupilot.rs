@@ -29,6 +29,9 @@ const SPEED_DEG: f64 = 60.0;
 /// Highest cutoff as a part of the rate: a bilinear filter has none at half of it.
 const HIGHEST_CUTOFF: f64 = 0.45;
 
+/// What to do for the stops, which SITL has not.
+const LIMIT_THE_COMMAND: &str = "Limit the command to the stops, by the limits of its channel (SERVOn_MIN, SERVOn_MAX) or before it.";
+
 /// What SITL has not.
 const LEFT_OUT: [Term; 11] = [
     Term::FullDrive,
@@ -203,7 +206,7 @@ fn about(
     about.extend([
         export.hold(false),
         format!(
-            "In SITL: SIM_SERVO_SPEED is the time for {SPEED_DEG} degrees, or 0 for no limit, SIM_SERVO_DELAY the delay and the two steps that SITL and its filter are early by, at {rate} steps in a second (SIM_RATE_HZ), and SIM_SERVO_FILTER the cutoff of the Butterworth filter that lags behind a ramp as this servo does, by {} ms.",
+            "In SITL: SIM_SERVO_SPEED is the time for {SPEED_DEG} degrees, or 0 for no limit, SIM_SERVO_DELAY the delay and the two steps that SITL and its filter are early by, at {rate} steps in a second (SIM_RATE_HZ), and SIM_SERVO_FILTER the cutoff of the Butterworth filter (damping ratio 0.7071) that lags behind a ramp as this servo does, by {} ms.",
             four_digits(1e3 * lag_s)
         ),
         export.rate([limit; 2], [top; 2]),
@@ -212,7 +215,8 @@ fn about(
         ),
         apply.to_owned(),
         export.left_out("ArduPilot's SITL", &LEFT_OUT),
-        export.difference(difference, Comparison::Emulation("ArduPilot's SITL")),
     ]);
+    about.extend((!export.parameters.stops.are_none()).then(|| LIMIT_THE_COMMAND.to_owned()));
+    about.push(export.difference(difference, Comparison::Emulation("ArduPilot's SITL")));
     about
 }

@@ -50,9 +50,7 @@ impl ServoExport<'_> {
             Term::FullDrive | Term::TwoSpeeds | Term::WeakerLoopDownwards => self.drive(term),
             Term::DampingRatio => {
                 let ratio = four_digits(p.damping / (2.0 * p.stiffness.sqrt()));
-                Some(format!(
-                    "the damping ratio of {ratio}: a Butterworth filter has 0.7071"
-                ))
+                Some(format!("the damping ratio of {ratio}"))
             }
             Term::DeadBand => p
                 .dead_band
@@ -76,12 +74,7 @@ impl ServoExport<'_> {
                 ))
             }
             Term::ConstantLoad | Term::Weight | Term::StiffeningLoad => self.load(term),
-            Term::Stops => {
-                let stops = self.stop_positions()?;
-                Some(format!(
-                    "{stops}: limit the command to that, by the limits of its channel (SERVOn_MIN, SERVOn_MAX) or before it"
-                ))
-            }
+            Term::Stops => self.stop_positions(),
         }
     }
 
