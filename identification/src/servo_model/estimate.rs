@@ -13,6 +13,7 @@ use super::model::{Alternative, Covariance, LadderRung, MOST_CONTROLLERS, ServoF
 use super::motion::largest_error;
 use super::possible_servo::PossibleServo;
 use super::quantities::quantities;
+use super::reached_speeds::ReachedSpeeds;
 use super::run_offsets;
 use super::search_progress::Watch;
 use super::starting_values::Shown;
@@ -402,7 +403,7 @@ fn describe(
         coordinates: point.coordinates.clone(),
         values: point.values.clone(),
         commands: Some(found.motion.commands),
-        reached: Some(shown.reached),
+        reached: Some(ReachedSpeeds::of(parts, record.sample_period_s())),
         stops: shown.stops,
         run_offsets: point.run_offsets.clone(),
         fit: ServoFit {
