@@ -44,6 +44,7 @@ mod stepped_outputs;
 mod stiction;
 mod stops;
 mod stretches;
+mod stroke_time;
 mod unequal_sides;
 mod validity;
 

@@ -81,7 +81,7 @@ mod tests {
 
     fn reached(output: Vec<f64>, period_s: f64) -> [f64; 2] {
         // A record must have a command; what it is does not matter here.
-        let command = (0..output.len()).map(|k| (k % 2) as f64).collect();
+        let command: Vec<f64> = (0..output.len()).map(|k| (k % 2) as f64).collect();
         let record = Record::of_run(period_s, command, output).unwrap();
         let (stretches, _) = stretches(&record, &[]);
         let found = ReachedSpeeds::of(&stretches, period_s);
@@ -120,7 +120,11 @@ mod tests {
             output[k] += 60.0;
         }
         // One sample of each stroke at the most is in motion.
-        assert!(reached(output, 0.05).into_iter().all(|speed| speed <= 500.0));
+        assert!(
+            reached(output, 0.05)
+                .into_iter()
+                .all(|speed| speed <= 500.0)
+        );
     }
 
     /// A step of the sensor is 1 of the 8 degrees that a mean covers; uniform noise of 0.25 degrees at most moves that by 0.5.
