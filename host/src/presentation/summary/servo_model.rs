@@ -479,6 +479,11 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_negative_zero_is_zero() {
+        assert_eq!([digits(-0.0, 4), digits(0.0, 4)], ["0", "0"]);
+    }
+
+    #[test]
     fn the_ends_of_a_narrow_interval_differ_from_the_value() {
         let shown = |width| [12.639, 12.641, 12.643].map(|value| digits_beside(value, 4, width));
         assert_eq!(shown(None), ["12.64", "12.64", "12.64"]);
