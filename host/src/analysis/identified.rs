@@ -142,11 +142,16 @@ fn rough_scale(data: &Dataset, model: &Model) -> Option<Advice> {
         .iter()
         .map(|found| found.scale_sd_percent);
     let sd_percent = sd_percent.fold(0.0, f64::max);
-    let level = *model.level().valid()?;
-    let scale_percent = pointwise_critical(level) * sd_percent;
+    // A model without bounds has a gain as well, and the servo model beside it may have bounds.
+    let level = model.level().into_valid();
     let gain = model.metrics.dc_gain;
-    let (lower, upper) = gain.lower.zip(gain.upper)?;
-    let half_percent = 50.0 * ((upper - lower) / gain.value?).abs();
+    let half_percent = match (level, gain.lower.zip(gain.upper)) {
+        (Some(_), Some((lower, upper))) => 50.0 * ((upper - lower) / gain.value?).abs(),
+        _ if is_of_data_sheet(sd_percent) => 0.0,
+        _ => return None,
+    };
+    let level = level.unwrap_or(Options::default().level);
+    let scale_percent = pointwise_critical(level) * sd_percent;
     (scale_percent > half_percent).then(|| {
         Advice::new(
             Check::Calibration,

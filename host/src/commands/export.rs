@@ -101,7 +101,8 @@ impl ExportArgs {
             controller: self.controller,
             step_s: self.step_ms.map(|step| 1e-3 * step),
         };
-        let export = ServoExport::new(&name, &source, &document, metadata, options)?;
+        let export =
+            ServoExport::new(&name, &source, &document, metadata, options)?.beside(&file.model);
         let written = export.write(self.to)?;
         self.output.talk.say(format_args!(
             "largest difference of the file from the servo model: {}",

@@ -92,6 +92,7 @@ fn none_because(reason: Reason) -> String {
         Reason::CommandsBetweenRows => "read the model's recording with --polled",
         Reason::EarlyMotion | Reason::LagDrift => "write command and position by one clock",
         Reason::TravelEnd => "take strokes on this side of the stop",
+        Reason::LoadHoldsDrive => "take strokes that the load lets the servo end",
         Reason::HeldOutput => "read the sensor with every sample",
         Reason::InputFollowsOutput => "record with a reference that was planned before",
         Reason::EndUnseen => "take holds of different lengths",

@@ -245,6 +245,15 @@ fn a_stop_is_neither_friction_nor_load_and_is_in_every_export() {
     );
     let linear = run(&["export", arg(&file), "--to", "c", "-q"]);
     assert!(linear.contains("The output stops at"), "{linear}");
-    let (_, stalled) = found("aircraft", "stalled", "24", "12");
+    let (file, stalled) = found("aircraft", "stalled", "24", "12");
     assert!(stalled.get("stops").is_none() && stalled["terms"]["load"] == "air");
+    assert_eq!(stalled["withdrawn"]["reason"], "load_holds_drive");
+    for target in ["c", "python", "jsbsim", "ardupilot", "mujoco"] {
+        let text = run(&["export", arg(&file), "--servo-model", "--to", target, "-q"]);
+        let names_a_stop = text.contains("runs into") || text.contains("Stops:");
+        assert!(
+            text.contains("a load holds the") && !names_a_stop,
+            "{target}: {text}"
+        );
+    }
 }

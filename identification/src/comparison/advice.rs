@@ -79,6 +79,17 @@ pub(super) fn one_response() -> Advice {
     )
 }
 
+/// That models have no rests, which their recordings may have.
+fn rests_of_models() -> Advice {
+    Advice::new(
+        Check::Levels,
+        "Models do not carry the rests of the servo, so nothing here shows where it loses travel, nor whether it meets a stop.",
+        0.0,
+        LEVELS_FOR_ENDS as f64,
+        "Compare the recordings: where they have rests at four levels or more, these show it.",
+    )
+}
+
 /// What twice as many runs as `runs` on each side leave of the width that their scatter makes.
 fn more_runs(runs: usize, level: f64) -> String {
     let width = |runs: usize| {
@@ -155,6 +166,10 @@ pub(super) fn gather(
         levels.dedup();
         levels.len()
     };
+    if sides.is_empty() {
+        advice.push(rests_of_models());
+        return advice;
+    }
     let fewest = sides.iter().map(rested).min().unwrap_or(0);
     if fewest < LEVELS_FOR_ENDS {
         let rests = match fewest {

@@ -22,8 +22,10 @@ pub enum Reason {
     LagDrift,
     /// Commands take effect between the samples, as where a logger polled them.
     CommandsBetweenRows,
-    /// The output stops at an angle within the range of the commands, as at a mechanical stop.
+    /// The output stops at an angle within the range of the commands, as at a mechanical stop, or under a load that holds the drive.
     TravelEnd,
+    /// The same where a servo model explains it by a load that holds the drive, and has no stop.
+    LoadHoldsDrive,
     /// The input lacks the frequencies that part of the response consists of.
     InputUnexcited,
     /// The number of frequencies that was asked for leaves out more than can be bounded, though the input has it.
@@ -63,7 +65,7 @@ impl Reason {
     /// Whether it speaks against the record, and so against the bounds of any model of it, and not of a linear one alone.
     #[must_use]
     pub fn is_of_the_record(self) -> bool {
-        !self.leaves_a_servo() || self == Self::TravelEnd
+        !self.leaves_a_servo() || matches!(self, Self::TravelEnd | Self::LoadHoldsDrive)
     }
 
     /// The reason in a few words, for beside a number.
@@ -75,7 +77,8 @@ impl Reason {
             Self::HeldOutput => "the position is refreshed less often than it is written",
             Self::LagDrift => "the servo's lag changes along the recording",
             Self::CommandsBetweenRows => "commands change between the rows",
-            Self::TravelEnd => "the servo runs into a stop",
+            Self::TravelEnd => "the servo runs into a stop, or a load holds it",
+            Self::LoadHoldsDrive => "a load holds the servo short of some commands",
             Self::InputUnexcited => "the reference does not excite all of the response",
             Self::FrequenciesLeftOut => {
                 "part of the response lies at frequencies that were left out"

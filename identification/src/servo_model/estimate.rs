@@ -4,7 +4,7 @@
 //! whether bounds hold.
 
 use super::candidates::Candidates;
-use super::coordinates::Point;
+use super::coordinates::{LoadKind, Point, Terms};
 use super::covariance::Uncertainty;
 use super::descent::Descent;
 use super::ladder::{Climbed, Ladder, Rung, misses};
@@ -13,6 +13,7 @@ use super::model::{Alternative, Covariance, LadderRung, MOST_CONTROLLERS, ServoF
 use super::motion::largest_error;
 use super::possible_servo::PossibleServo;
 use super::quantities::quantities;
+use super::reached_speeds::ReachedSpeeds;
 use super::run_offsets;
 use super::search_progress::Watch;
 use super::starting_values::Shown;
@@ -231,7 +232,7 @@ impl Search<'_> {
             &self.shown,
             &climbed,
             &self.descent(&climbed.best().fit),
-            Bounds::of_level(self.options.level, self.against()),
+            Bounds::of_level(self.options.level, self.against(climbed.best().terms)),
         );
         Found {
             parts,
@@ -240,11 +241,17 @@ impl Search<'_> {
         }
     }
 
-    /// What speaks against bounds whatever is found. How sure the angle of a stop is, no interval contains.
-    fn against(&self) -> Option<Reason> {
+    /// What speaks against bounds of the best servo, which has these terms. How sure the angle of a stop is, no interval contains, and where a
+    /// load holds the drive, the record hardly shows how strong it is.
+    fn against(&self, terms: Terms) -> Option<Reason> {
         let has_stop = !self.shown.stops.are_none();
         let by_stop = has_stop.then_some(Reason::TravelEnd);
-        self.options.against.or(by_stop)
+        match self.options.against.or(by_stop) {
+            Some(Reason::TravelEnd) if !has_stop && terms.load != LoadKind::None => {
+                Some(Reason::LoadHoldsDrive)
+            }
+            found => found,
+        }
     }
 
     fn descent(&self, from: &Point) -> Descent<'_> {
@@ -402,7 +409,7 @@ fn describe(
         coordinates: point.coordinates.clone(),
         values: point.values.clone(),
         commands: Some(found.motion.commands),
-        reached: Some(shown.reached),
+        reached: Some(ReachedSpeeds::of(parts, record.sample_period_s())),
         stops: shown.stops,
         run_offsets: point.run_offsets.clone(),
         fit: ServoFit {

@@ -35,6 +35,7 @@ mod possible_servo;
 mod prediction;
 mod quantities;
 mod quantity_kind;
+mod reached_speeds;
 mod run_offsets;
 mod score_test;
 mod search_progress;
@@ -43,6 +44,7 @@ mod stepped_outputs;
 mod stiction;
 mod stops;
 mod stretches;
+mod stroke_time;
 mod unequal_sides;
 mod validity;
 
@@ -57,11 +59,12 @@ pub use coordinates::{Coordinate, LoadKind, Terms};
 pub use estimate::{ServoModelOptions, fit, fit_watched};
 pub(crate) use model::StopsDocument;
 pub use model::{
-    Alternative, Covariance, LadderRung, LinearKind, LinearModelFit, LinearModels, ReachedSpeeds,
-    ServoFit, ServoModel, ServoResponse,
+    Alternative, Covariance, LadderRung, LinearKind, LinearModelFit, LinearModels, ServoFit,
+    ServoModel, ServoResponse,
 };
 pub use prediction::no_prediction;
 pub use quantities::{Quantity, Spread, Unit};
 pub use quantity_kind::QuantityKind;
+pub use reached_speeds::ReachedSpeeds;
 pub use search_progress::Watch;
 pub use servoid_dynamics::{AtRest, DriveLimit, Friction, Load, ServoParameters, Stops};

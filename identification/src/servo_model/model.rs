@@ -7,6 +7,7 @@ use super::initial_state::find_starts;
 use super::motion::largest_error;
 use super::quantities::{Quantity, widen_delay};
 use super::quantity_kind::QuantityKind;
+use super::reached_speeds::ReachedSpeeds;
 use super::run_offsets;
 use super::stretches::stretches;
 use crate::data::{Record, Run, Timing};
@@ -131,15 +132,6 @@ pub struct ServoFit {
     pub samples_used: usize,
     /// Samples without an output, or without an input.
     pub samples_missing: usize,
-}
-
-/// The speeds that a servo reached in a record, as it was measured: means over 40 ms, exceeded in one of 200.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ReachedSpeeds {
-    /// Towards larger outputs \[output/s\].
-    pub upwards: f64,
-    /// Towards smaller outputs, not negative \[output/s\].
-    pub downwards: f64,
 }
 
 /// Terms that were tried.

@@ -5,7 +5,6 @@
 
 use super::coordinates::{Coordinate, FRICTION_SPEED_SHARE, Point, Terms};
 use super::fit::Problem;
-use super::model::ReachedSpeeds;
 use super::stretches::Stretch;
 use servoid_dynamics::Stops;
 
@@ -35,8 +34,6 @@ pub(super) struct Shown {
     offset: f64,
     /// Speed of the steepest strokes \[units of the command for each second\].
     pub(super) top_speed: f64,
-    /// The same by direction.
-    pub(super) reached: ReachedSpeeds,
     /// The stops.
     pub(super) stops: Stops,
     /// Sample period \[s\].
@@ -67,12 +64,10 @@ impl Shown {
         let lag = ((STROKE_S / period_s).ceil() as usize).max(1);
         let stroke = |y: &[f64]| (y[lag] - y[0]) / (lag as f64 * period_s);
         let windows = stretches.iter().flat_map(|s| s.output.windows(lag + 1));
-        let speeds: Vec<f64> = windows.map(stroke).filter(|v| v.is_finite()).collect();
-        let fastest = |towards: fn(f64) -> f64| nearly_largest(speeds.iter().copied().map(towards));
-        let speed = fastest(f64::abs)
+        let speeds = windows.map(stroke).filter(|v| v.is_finite());
+        let speed = nearly_largest(speeds.map(f64::abs))
             .filter(|v| *v > 0.0)
             .unwrap_or(output_sd / period_s);
-        let reached = |towards| fastest(towards).unwrap_or(0.0).max(0.0);
         Self {
             output_sd,
             output_square: output_sd * output_sd * count,
@@ -81,10 +76,6 @@ impl Shown {
             gain,
             offset: y - gain * u,
             top_speed: speed / gain.abs(),
-            reached: ReachedSpeeds {
-                upwards: reached(|v| v),
-                downwards: reached(|v| -v),
-            },
             stops: Stops::default(),
             period_s,
         }

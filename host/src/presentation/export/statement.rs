@@ -275,8 +275,12 @@ fn low_order(flight: &FlightModel, largest_error_percent: f64) -> String {
         Bounds::Valid(bounds) => format!("intervals of {} %", summary::percent(bounds.level)),
         Bounds::Withdrawn(_) => "of which no intervals can be given".to_owned(),
     };
+    let own = match flight.approximation {
+        true => " As the fit compares both, by what the recording determines of a response: ",
+        false => " ",
+    };
     format!(
-        "{text} {intervals}. Largest error of its step response: {largest_error_percent:.3} % of the step. {}",
+        "{text} {intervals}. Largest error of its step response, at any sample: {largest_error_percent:.3} % of the step.{own}{}",
         flight.statement
     )
 }

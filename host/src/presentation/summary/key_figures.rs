@@ -6,6 +6,7 @@ use super::metrics::{self, MetricEntry, NONE};
 use super::numbers::{percent, with_bounds};
 use super::servo_model::{
     QuantityRow, four_digits, per_60_degrees, quantity_rows, scale_and_unit, shown_by,
+    stroke_of_60_degrees_ms,
 };
 use crate::data::units::Units;
 use servoid_identification::comparison::{Comparison, QuantityPair, ServoModelComparison};
@@ -127,11 +128,39 @@ pub(crate) fn of_machine(model: &ServoModel, units: Units<'_>) -> Vec<KeyFigure>
     };
     let fit = fit_figure(format!("{:.1} %", model.fit.held_out_percent));
     let mut all: Vec<KeyFigure> = determined.iter().map(figure).collect();
+    let is_speed = |found: &&(&Quantity, QuantityRow)| {
+        let kind = found.0.kind();
+        matches!(
+            kind,
+            Some(QuantityKind::TopSpeedUpwards | QuantityKind::TopSpeedDownwards)
+        )
+    };
+    let behind_speeds = determined.iter().copied().take_while(is_speed).count();
+    if let Some(stroke) = whole_stroke(model, units) {
+        all.insert(behind_speeds, stroke);
+    }
     all.truncate(KEY_FIGURES - 1);
     all.push(fit);
     all.extend(open.iter().map(figure));
     all.truncate(KEY_FIGURES);
     all
+}
+
+/// The whole stroke of 60 degrees, beside the speed in it.
+fn whole_stroke(model: &ServoModel, units: Units<'_>) -> Option<KeyFigure> {
+    let [up, down] = stroke_of_60_degrees_ms(model, units)?;
+    let (value, below) = match up == down {
+        true => (format!("{up} ms"), "with delay, to within 2 %"),
+        false => (
+            format!("{up} / {down} ms"),
+            "up / down, with delay, to within 2 %",
+        ),
+    };
+    Some(KeyFigure {
+        label: "stroke of 60°".to_owned(),
+        value,
+        below: below.to_owned(),
+    })
 }
 
 /// How well parts of the record are predicted that a fit has not seen.

@@ -38,6 +38,9 @@ pub fn of_servo_model(document: &ServoModelDocument, units: Units<'_>, explain: 
         text += &format!("  {sentence}\n");
     }
     text += &quantities(&model.quantities, level, units);
+    if let Some(sentence) = whole_stroke(model, units) {
+        text += &format!("  {}\n", wrapped(&sentence, 2));
+    }
     if let Some(sentence) = whose_controller(document) {
         text += &format!("  {}\n", wrapped(&sentence, 2));
     }
@@ -355,12 +358,43 @@ pub(super) fn seconds_per_60_degrees(speed: f64, units: Units<'_>) -> Option<Str
 
 /// The time for 60 degrees \[s\]; `None` where the output is not known to be an angle.
 pub(super) fn turn_time_s(speed: f64, units: Units<'_>) -> Option<f64> {
-    let turn = match units.output? {
-        "deg" | "°" | "degree" | "degrees" => 60.0,
-        "rad" => 60f64.to_radians(),
-        _ => return None,
-    };
+    let turn = sixty_degrees(units)?;
     (speed > 0.0).then(|| turn / speed)
+}
+
+/// 60 degrees in units of the output, where that is an angle.
+fn sixty_degrees(units: Units<'_>) -> Option<f64> {
+    match units.output? {
+        "deg" | "°" | "degree" | "degrees" => Some(60.0),
+        "rad" => Some(60f64.to_radians()),
+        _ => None,
+    }
+}
+
+/// The times of a stroke of 60 degrees up and down in whole milliseconds, where the model can say it.
+pub(super) fn stroke_of_60_degrees_ms(model: &ServoModel, units: Units<'_>) -> Option<[String; 2]> {
+    let times_s = model.stroke_times_s(sixty_degrees(units)?)?;
+    Some(times_s.map(|time_s| format!("{:.0}", 1e3 * time_s)))
+}
+
+/// How long a whole stroke of 60 degrees takes, which people ask first.
+fn whole_stroke(model: &ServoModel, units: Units<'_>) -> Option<String> {
+    let [up, down] = stroke_of_60_degrees_ms(model, units)?;
+    let times = match up == down {
+        true => format!("{up} ms"),
+        false => format!("{up} ms upwards and {down} ms downwards"),
+    };
+    let recorded = 2.0 * model.commands?.amplitude() * model.parameters(0).gain.abs();
+    let beyond = (recorded < sixty_degrees(units)?).then(|| {
+        format!(
+            " It is simulated: the recording has strokes of up to {} only.",
+            with_unit(digits(recorded, 3), units.output.unwrap_or_default())
+        )
+    });
+    Some(format!(
+        "A stroke of 60 degrees takes {times}, with delay, acceleration and braking: from the change of the command until the servo stays within 2 % of the stroke from its end.{}",
+        beyond.unwrap_or_default()
+    ))
 }
 
 /// Factor to the unit that people use, and its name.
@@ -443,7 +477,8 @@ pub(super) fn digits_beside(value: f64, count: usize, width: Option<f64>) -> Str
         None => [i32::MIN, i32::MAX],
     };
     let Some(power) = leading(value) else {
-        return format!("{value:.0}");
+        // A negative zero is 0.
+        return format!("{:.0}", value + 0.0);
     };
     if !POWERS.contains(&power) && decimals(power, count) <= enough {
         return format!("{value:.0$e}", count - 1);
@@ -461,6 +496,11 @@ pub(super) fn digits_beside(value: f64, count: usize, width: Option<f64>) -> Str
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_negative_zero_is_zero() {
+        assert_eq!([digits(-0.0, 4), digits(0.0, 4)], ["0", "0"]);
+    }
 
     #[test]
     fn the_ends_of_a_narrow_interval_differ_from_the_value() {

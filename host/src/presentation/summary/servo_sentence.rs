@@ -80,8 +80,10 @@ fn what_is_known(
     speeds: Option<[&Quantity; 2]>,
     units: Units<'_>,
 ) -> Vec<String> {
+    let never_reached = speeds.filter(|speeds| is_never_reached(model, speeds));
     let parts = [
         Some(limited_to(model, speeds, units, 4).unwrap_or_else(|| kind(model).to_owned())),
+        never_reached.and_then(|_| moved_at(model, units)),
         below_any_limit(model, units),
         resting_error(model, units),
         load(model).map(str::to_owned),
@@ -168,10 +170,25 @@ fn limited_to(
 ) -> Option<String> {
     let [up, down] = speeds?
         .map(|found| speed_in_words(model, (found.value, digits(found.value, count)), units));
-    Some(match up == down {
-        true => format!("is limited to {up}"),
-        false => format!("is limited to {up} {} and {down} downwards", upwards(model)),
+    let limits = match up == down {
+        true => up,
+        false => format!("{up} {} and {down} downwards", upwards(model)),
+    };
+    Some(match is_never_reached(model, &speeds?) {
+        true => format!("has a top speed of {limits}, which it never reached"),
+        false => format!("is limited to {limits}"),
     })
+}
+
+/// A servo above this part of its top speed is at it: it comes near without end, and means over 20 ms are some percent below their peak.
+const AT_TOP_SPEED: f64 = 0.9;
+
+/// Whether the servo stayed below its top speeds in all of the recording.
+fn is_never_reached(model: &ServoModel, speeds: &[&Quantity; 2]) -> bool {
+    let below = |reached: f64, top: &Quantity| reached < AT_TOP_SPEED * top.value;
+    let [up, down] = speeds;
+    (model.reached)
+        .is_some_and(|reached| below(reached.upwards, up) && below(reached.downwards, down))
 }
 
 /// Upwards, and what that is where the position goes against the command.

@@ -77,13 +77,13 @@ pub(super) fn travel_end(evidence: &Evidence<'_>, which: usize) -> Option<Advice
     Some(Advice::new(
         Check::TravelEnd,
         format!(
-            "The output stops at {}: {commands}, though it follows the others. The linear model has no stop.",
+            "The output stops at {}: {commands}, though it follows the others. That is a stop, or a load that the drive cannot overcome; the linear model has neither.",
             evidence.output(four_digits(found.rest)),
         ),
         found.rest,
         from,
-        "Record again with commands on this side of the stop, or take the stop away. A servo model ('--servo-model') has this stop where it \
-         predicts better with it, and so have those of its exports that can; beside the linear model a simulator needs this angle.",
+        "Record again with commands on this side of it, or take the stop or the load away. A servo model ('--servo-model') has a stop here where it \
+         predicts better with one, and else a load, and so have those of its exports that can; beside the linear model a simulator needs this angle.",
     ))
 }
 

@@ -23,6 +23,9 @@ const RATE_HZ: f64 = 1200.0;
 /// The deflection that SITL takes for a full command \[deg\].
 const FULL_DEG: f64 = 45.0;
 
+/// The change of a pulse that SITL takes for an output of 1 \[us\].
+const FULL_US: f64 = 500.0;
+
 /// The deflection that SIM_SERVO_SPEED is the time for \[deg\].
 const SPEED_DEG: f64 = 60.0;
 
@@ -52,8 +55,8 @@ const LEFT_OUT: [Term; 11] = [
 struct Parameters {
     /// SIM_SERVO_SPEED \[s\]; 0 for no limit.
     speed_s: f64,
-    /// What it is at most: the servo was as fast in the recording.
-    reached_s: f64,
+    /// The share of it that the servo reached in the recording, in the direction in which that is larger: no slower one is taken.
+    reached: f64,
     /// SIM_SERVO_DELAY \[s\].
     delay_s: f64,
     /// SIM_SERVO_FILTER \[Hz\].
@@ -75,9 +78,13 @@ impl Parameters {
         let cutoff = SQRT_2 * p.stiffness / p.damping / TAU;
         let mean = |(up, down): (f64, f64)| degrees_per_unit * (up + down) / 2.0;
         let time_s = |speeds| SPEED_DEG / mean(speeds);
+        let reached = export.reached_speeds().zip(export.top_speeds());
+        let share = |(reached, top): ((f64, f64), (f64, f64))| {
+            f64::max(reached.0 / top.0, reached.1 / top.1)
+        };
         Self {
             speed_s: export.top_speeds().map_or(0.0, time_s),
-            reached_s: export.reached_speeds().map_or(f64::INFINITY, time_s),
+            reached: reached.map_or(0.0, share),
             // Half a step more, so that rounding does not cut a step off.
             delay_s: (line + 0.5) / rate_hz,
             filter_hz: cutoff.min(HIGHEST_CUTOFF * rate_hz),
@@ -85,10 +92,10 @@ impl Parameters {
         }
     }
 
-    /// With this share of its speed, where the servo was not faster.
+    /// With this share of its speed, or the one that the servo reached.
     fn slower(&self, share: f64) -> Self {
         Self {
-            speed_s: (self.speed_s / share).min(self.reached_s),
+            speed_s: self.speed_s / share.max(self.reached),
             ..*self
         }
     }
@@ -154,7 +161,7 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     );
     let about = about(
         export,
-        &rate,
+        (&rate, degrees),
         [&parameters, &full_speed].map(|found| SPEED_DEG / found.speed_s / degrees),
         &apply(export, &beside, zero),
         &difference,
@@ -194,9 +201,24 @@ fn apply(export: &ServoExport<'_>, line: &str, zero: f64) -> String {
     )
 }
 
+/// What D is for the pulses of the recording.
+fn full_command(export: &ServoExport<'_>, degrees: f64) -> String {
+    match export.metadata.units().input {
+        Some("us") => format!(
+            "the command of the recording is in us, {} degrees each, so D is {}",
+            four_digits(degrees),
+            four_digits(FULL_US * degrees)
+        ),
+        _ => format!(
+            "where the recorded pulses have P us for each degree (us_per_degree in the rig file), D is {FULL_US}/P, and with 10 us it is {}",
+            FULL_US / 10.0
+        ),
+    }
+}
+
 fn about(
     export: &ServoExport<'_>,
-    rate: &str,
+    (rate, degrees): (&str, f64),
     [limit, top]: [f64; 2],
     apply: &str,
     difference: &Difference,
@@ -211,7 +233,8 @@ fn about(
         ),
         export.rate([limit; 2], [top; 2]),
         format!(
-            "An output of 1 stands for {FULL_DEG} degrees of the command, as SITL takes it. Where a full command is D degrees, multiply SIM_SERVO_SPEED, and what the output is multiplied by, by D/{FULL_DEG}. These parameters are those of all servos of the aircraft."
+            "An output of 1 stands for {FULL_DEG} degrees of the command here, as SITL's speed takes it. Where a full command is D degrees, multiply SIM_SERVO_SPEED, and what the output is multiplied by, by D/{FULL_DEG}. SITL's output of 1 is a pulse {FULL_US} us longer than 1500 us: {}. These parameters are those of all servos of the aircraft.",
+            full_command(export, degrees)
         ),
         apply.to_owned(),
         export.left_out("ArduPilot's SITL", &LEFT_OUT),

@@ -13,6 +13,7 @@ use super::trial_command::{Difference, Trial};
 use crate::presentation::export::error::ExportError;
 use crate::presentation::export::text::{XML_STYLE, identifier, number};
 use crate::presentation::template::fill;
+use servoid_identification::servo_model::ServoParameters;
 
 /// Step of the emulation without a choice \[s\]: the longest that the file advises.
 const STEP_S: f64 = 0.002;
@@ -204,13 +205,17 @@ impl Actuator {
 fn hysteresis_width(export: &ServoExport<'_>) -> f64 {
     let p = &export.parameters;
     let [least, most] = p.holding_drives(export.constant_load());
-    let friction = p.friction.map_or(0.0, |friction| friction.coulomb) / p.stiffness;
+    let without_dead_band = ServoParameters {
+        dead_band: None,
+        ..*p
+    };
+    let friction = without_dead_band.error_of(most) - without_dead_band.error_of(least);
     let open = if least * most > 0.0 {
         0.0
     } else {
-        p.dead_band.unwrap_or(0.0)
+        2.0 * p.dead_band.unwrap_or(0.0)
     };
-    2.0 * (open + friction)
+    friction + open
 }
 
 /// The element that holds a value between these, one of which may be infinite; `None` where both are.
@@ -293,7 +298,7 @@ fn about(
     ));
     about.extend([
         export.hold(export.frame_s() > 0.0),
-        "In JSBSim: hysteresis_width is the distance between the rests from above and from below, by friction and dead band; bias is what the constant load moves the rest by; the filter is the servo at small signals.".to_owned(),
+        "In JSBSim: hysteresis_width is the distance between the rests from above and from below, by friction at rest and dead band: a shaft that is moved slowly from either side stays so far apart, and here it is as far behind in motion; bias is what the constant load moves the rest by; the filter is the servo at small signals.".to_owned(),
         export.rate(limits, tops),
         "Time: the position that a step of JSBSim gives is that of the beginning of the step, when its command begins to act. Run it at 500 Hz or more. Set the step before the aircraft is loaded: delays are counted out then.".to_owned(),
         export.left_out("an actuator of JSBSim", &LEFT_OUT),

@@ -13,6 +13,7 @@ use super::terms::Term;
 use super::trial_command::{Difference, Trial};
 use crate::presentation::export::error::ExportError;
 use crate::presentation::export::text::{XML_STYLE, identifier, number};
+use crate::presentation::summary::four_digits;
 use crate::presentation::template::fill;
 use servoid_identification::servo_model::Load;
 
@@ -207,6 +208,15 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     Ok(ExportedServo::new(fill(template, &values), difference)?.with(beside))
 }
 
+/// That pulses are counted from 0 us, where the command is in us: the joint of a servo in its middle is far from 0.
+fn of_pulses(export: &ServoExport<'_>, radians: f64) -> Option<String> {
+    let is_pulse = export.metadata.units().input == Some("us");
+    is_pulse.then(|| format!(
+        "The command is the pulse in us, so the joint is at 0 under a pulse of 0 us, and at {} rad under one of 1500 us. For a joint whose 0 is the middle, record the command in degrees (u_deg), or convert it, and identify again.",
+        four_digits(1500.0 * radians)
+    ))
+}
+
 fn about(
     export: &ServoExport<'_>,
     radians: f64,
@@ -221,6 +231,9 @@ fn about(
             "In MuJoCo: angles are in rad, {} for each unit of the command and of theta: ctrl is that times the command. The actuator is the drive, with kp = k, kv = c - B and the range from -A- to A+; the joint has the damping B and the frictionloss C.",
             number(radians)
         ),
+    ]);
+    about.extend(of_pulses(export, radians));
+    about.extend([
         format!(
             "Apply beside the file the gain and the offset, which a joint has not: {beside}. The largest difference below is of the position so computed."
         ),

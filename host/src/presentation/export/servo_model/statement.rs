@@ -39,6 +39,8 @@ impl ServoExport<'_> {
         found.extend(self.unknown_speed());
         found.extend(self.metadata.frame_warning());
         found.extend(self.guessed_angle());
+        let findings = self.of_sensor.iter();
+        found.extend(findings.map(|finding| finding.trim_end_matches('.').to_owned()));
         found
     }
 
@@ -200,9 +202,11 @@ impl ServoExport<'_> {
             );
         }
         let unit = self.command_unit();
-        let both = match self.top_speeds() {
-            Some((up, down)) if up != down && tops[0] == tops[1] => ", the mean of both directions",
-            _ => "",
+        let is_mean = tops[0] == tops[1] && self.top_speeds().is_some_and(|(up, down)| up != down);
+        let both = if is_mean {
+            ", the mean of both directions"
+        } else {
+            ""
         };
         let of_top = |limit: f64, top: f64| {
             let [percent, limit, top] = [100.0 * (limit / top), limit, top].map(four_digits);
@@ -217,8 +221,14 @@ impl ServoExport<'_> {
             true => format!("the limit of theta is {up}"),
             false => format!("the limit of theta upwards is {up}, and downwards {down}"),
         };
+        let reached = match is_mean {
+            true => {
+                "and is no smaller share of the top speed than the servo reached in the recording, in the direction in which that is larger. One rate stands for both directions, as this program has one: in the slower direction the servo is slower than this file, in the faster one quicker"
+            }
+            false => "and is not below what the servo reached in the recording",
+        };
         format!(
-            "Rate: {limit}. It comes closest to the servo under the command below, in the mean of squares, and is not below what the servo reached in the recording. In short strokes a servo does not reach its top speed."
+            "Rate: {limit}. It comes closest to the servo under the command below, in the mean of squares, {reached}. In short strokes a servo does not reach its top speed."
         )
     }
 
@@ -227,7 +237,8 @@ impl ServoExport<'_> {
         let sign = if each < 0.0 { '-' } else { '+' };
         format!(
             "position = {} {sign} {} {what}, in {}",
-            six_digits(at_zero),
+            // A negative zero is 0.
+            six_digits(at_zero) + 0.0,
             six_digits(each.abs()),
             self.output_unit()
         )

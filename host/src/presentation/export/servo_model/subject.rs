@@ -3,6 +3,7 @@
 use crate::data::model_file::ServoModelDocument;
 use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::export::error::ExportError;
+use servoid_identification::results::{Check, Model};
 use servoid_identification::servo_model::{Load, ServoModel, ServoParameters, Stops};
 
 /// Longest delay that a servo may have \[s\]: files keep the commands of that time.
@@ -40,6 +41,8 @@ pub struct ServoExport<'a> {
     /// The parameters with the chosen controller.
     pub(super) parameters: ServoParameters,
     pub(super) options: ServoExportOptions,
+    /// What is known of the sensor's scale, which no interval contains.
+    pub(super) of_sensor: Vec<&'a str>,
 }
 
 impl<'a> ServoExport<'a> {
@@ -82,7 +85,19 @@ impl<'a> ServoExport<'a> {
             controller,
             parameters,
             options,
+            of_sensor: Vec::new(),
         })
+    }
+
+    /// The same, which knows what the linear model of the recording says of the sensor's scale: that bears on gain and speeds of both.
+    #[must_use]
+    pub fn beside(self, linear: &'a Model) -> Self {
+        let advice = linear.advice.iter();
+        let of_sensor = advice.filter(|found| found.check == Check::Calibration);
+        Self {
+            of_sensor: of_sensor.map(|found| found.finding.as_str()).collect(),
+            ..self
+        }
     }
 
     /// The frame that holds a command \[s\]: 0 where there is none, or none is known.

@@ -136,7 +136,7 @@ impl ServoExport<'_> {
                 .upwards_first([larger, smaller])
                 .map(four_digits);
             return Some(format!(
-                "two speeds, {up} {command}/s upwards and {down} downwards: their mean is used"
+                "two speeds, {up} {command}/s upwards and {down} downwards: one rate stands for both"
             ));
         }
         let ratio = four_digits(limit.down_to_up);

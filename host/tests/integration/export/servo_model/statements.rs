@@ -124,7 +124,7 @@ fn intervals_and_offsets_of_runs_are_written_only_where_there_are_any() {
         );
         assert!(
             !without.contains(" .. ")
-                && !without.contains("99 %")
+                && !without.contains("intervals of 99 %")
                 && !without.contains("The 3 runs"),
             "{target}: {without}"
         );
@@ -284,6 +284,77 @@ fn limits_of_rates_are_those_of_the_whole_range_of_the_recording() {
     let limit: f64 = rest.split('<').next().unwrap().parse().unwrap();
     let gain = export(&file, 0, "jsbsim", &[]).servo.gain;
     assert!(limit * gain > 0.99 * reached, "{limit} {reached}");
+}
+
+/// A program with one rate gets one that the servo was seen to reach, whatever the other direction did.
+#[test]
+fn one_rate_is_not_below_what_was_reached_in_either_direction() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = SERVOS[1].file(folder.path());
+    let mut document = crate::support::json(&file);
+    document["servo_model"]["reached"] = json!({ "upwards": 40.0, "downwards": 240.0 });
+    std::fs::write(&file, document.to_string()).unwrap();
+    let exported = export(&file, 0, "ardupilot", &[]);
+    let rate = 60.0 / number_behind(&exported.text, "\nSIM_SERVO_SPEED ");
+    assert!(rate * exported.servo.gain > 239.999, "{rate}");
+    let unequal = SERVOS[2].export("ardupilot", folder.path(), &[]);
+    let said = prose(&unequal.text);
+    assert!(
+        said.contains("One rate stands for both directions"),
+        "{said}"
+    );
+}
+
+/// Its gain rests on the scale of the sensor, which this recording has from a data sheet.
+#[test]
+fn what_is_known_of_the_sensor_is_a_warning_in_every_file() {
+    for target in TARGETS {
+        let said = prose(&export(&AIRCRAFT.file, 0, target, &[]).text);
+        let warning = "WARNING: The scale of the sensor is known to";
+        assert!(said.contains(warning), "{target}: {said}");
+    }
+}
+
+/// The shaft holds against friction at rest, which is 1.6 times the error of 0.2 deg, on the weaker side by the ratio of both more; the dead band
+/// is 0.15 deg to each side.
+#[test]
+fn the_hysteresis_is_the_distance_of_the_rests() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = SERVOS[2].export("jsbsim", folder.path(), &[]).text;
+    let (_, rest) = text.split_once("<hysteresis_width>").unwrap();
+    let width: f64 = rest.split('<').next().unwrap().parse().unwrap();
+    let distance = 0.32 + 0.32 / 0.7 + 0.3;
+    assert!((width - distance).abs() < 1e-9, "{width} {distance}");
+}
+
+#[test]
+fn pulses_are_said_as_the_degrees_that_they_stand_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let ardupilot = prose(&export(&AIRCRAFT.file, 0, "ardupilot", &[]).text);
+    assert!(
+        ardupilot.contains("D is 500/P, and with 10 us it is 50"),
+        "{ardupilot}"
+    );
+    let mut document = crate::support::json(&AIRCRAFT.file);
+    document["units"]["input"] = json!("us");
+    let places = document["servo_model"]["coordinates"]
+        .as_array()
+        .unwrap()
+        .clone();
+    let gain = places.iter().position(|at| *at == "gain").unwrap();
+    document["servo_model"]["values"][gain] = json!(0.1);
+    let pulses = folder.path().join("pulses.json");
+    std::fs::write(&pulses, document.to_string()).unwrap();
+    let ardupilot = prose(&export(&pulses, 0, "ardupilot", &[]).text);
+    assert!(
+        ardupilot.contains("0.1000 degrees each, so D is 50.00"),
+        "{ardupilot}"
+    );
+    let mujoco = prose(&export(&pulses, 0, "mujoco", &[]).text);
+    assert!(
+        mujoco.contains("at 2.618 rad under one of 1500 us"),
+        "{mujoco}"
+    );
 }
 
 #[test]

@@ -122,6 +122,7 @@ class Servo:
 
     def __init__(self, command=0.0):
         """At rest under `command`."""
+        command = float(command)  # a number of numpy is slower, and may have fewer digits
         ends = end_of_rest(command, -1.0), end_of_rest(command, 1.0)
         self.angle = 0.5 * (between_stops(ends[0]) + between_stops(ends[1]))
         self.speed = 0.0
@@ -135,7 +136,7 @@ class Servo:
     def step(self, command):
         """The position after STEP_S in which `command` was held."""
         count = len(self.late)
-        self.late[self.newest] = command
+        self.late[self.newest] = float(command)
         self.newest = (self.newest + 1) % count
         older, newer = self.late[self.newest], self.late[(self.newest + 1) % count]
         # The delayed command changes within the step: the motion is computed to there, and from there.
