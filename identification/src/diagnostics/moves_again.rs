@@ -2,12 +2,17 @@
 //!
 //! A servo with play, friction or a dead band answers a change of the command according to the change before. Where all holds are of one
 //! length, a linear model of more lags than a hold describes that without an error: as a late part of the response, which begins with the
-//! next change. Its bounds would be those of a response that no servo has. What dies out moves less after a moment than before it, so
-//! motion after the hold that is larger than in as long a time before its end shows such a servo.
+//! next change. Its bounds would be those of a response that no servo has. What has come to rest within a hold stays there, so motion after the
+//! hold that is larger than in as long a time before its end shows such a servo.
+//!
+//! What is under way at the end of a hold shows nothing: a servo that rings and is held until just before its first peak, or into its dead time, moves
+//! more afterwards, too.
 
 use crate::estimation::{CurveVariance, GlsFit, RowInformation};
 use crate::numerics::normal_upper_quantile;
-use crate::thresholds::{MATERIAL_MISFIT_PERCENT, MISFIT_SIGNIFICANCE};
+use crate::thresholds::{
+    ANSWERED_WITHIN_HOLD, MATERIAL_MISFIT_PERCENT, MISFIT_SIGNIFICANCE, MOVES_AT_REST,
+};
 
 /// The share of its largest value by which the response of `fit` moves again after `hold` samples; `None` where it does not beyond
 /// chance, or by nothing that matters.
@@ -29,7 +34,8 @@ pub(crate) fn moves_again(
     let after = farthest(hold + 1..hold + window + 1)?;
     let larger_by = from_hold(&after) - from_hold(&before);
     let largest = step.iter().fold(0.0f64, |most, g| most.max(g.abs()));
-    if larger_by < MATERIAL_MISFIT_PERCENT / 100.0 * largest {
+    let is_answered = step[hold].abs() >= ANSWERED_WITHIN_HOLD * largest;
+    if !is_answered || larger_by < MATERIAL_MISFIT_PERCENT / 100.0 * largest {
         return None;
     }
     let map = fit.coordinates.step_map();
@@ -42,5 +48,7 @@ pub(crate) fn moves_again(
     // The farthest of so many.
     let chance = normal_upper_quantile(MISFIT_SIGNIFICANCE / window as f64) * sd;
     // It moves either of the two.
-    (larger_by > chance + 2.0 * rounding).then(|| from_hold(&after) / largest)
+    let chance = chance + 2.0 * rounding;
+    let is_at_rest = from_hold(&before) <= MOVES_AT_REST * step[hold].abs() + chance;
+    (is_at_rest && larger_by > chance).then(|| from_hold(&after) / largest)
 }

@@ -33,6 +33,12 @@ impl Simulated<'_> {
     /// The change of the output per sample: half the difference of its neighbours; at the ends of a stretch
     /// there is one neighbour only. NaN where the output is.
     pub(crate) fn speed(&self) -> Vec<f64> {
+        self.speed_over(1)
+    }
+
+    /// The same, of neighbours that are `apart` samples away.
+    pub(crate) fn speed_over(&self, apart: usize) -> Vec<f64> {
+        let twice = 2.0 * apart as f64;
         (0..self.output.len())
             .map(|k| {
                 let now = self.output[k];
@@ -40,7 +46,7 @@ impl Simulated<'_> {
                     Some(s) if !s.is_nan() => *s,
                     _ => now,
                 };
-                (neighbour(k + 1) - neighbour(k.wrapping_sub(1))) / 2.0
+                (neighbour(k + apart) - neighbour(k.wrapping_sub(apart))) / twice
             })
             .collect()
     }

@@ -1,5 +1,6 @@
 //! Servos that are not linear are distinguished from those that are, and the bounds follow.
 
+use rand::RngExt;
 use rayon::prelude::*;
 use servoid_dynamics::{Friction, Grid, Load, ServoParameters, Start, Stops, simulate};
 use servoid_identification::results::{Advice, Check, Model, Reason};
@@ -85,6 +86,26 @@ fn stops_that_the_outer_levels_of_stairs_lie_beyond_take_the_level() {
     let model = identified(&input, &limited(0.7, 60.0, limit, &input, input[0]), 3);
     assert!(!model.linear);
     assert_eq!(model.bounds.withdrawn(), Some(Reason::TravelEnd));
+}
+
+/// The speed of such a servo over one row of 2 ms is what the noise has left in the response: p was above 1 % in three of these four.
+#[test]
+fn a_limited_speed_is_seen_in_noise_of_three_percent_of_the_strokes() {
+    for seed in 0..4 {
+        let mut random = random(seed);
+        let levels: Vec<f64> = (0..40).map(|_| random.random_range(-5.0..5.0)).collect();
+        let input: Vec<f64> = levels.iter().flat_map(|level| [*level; 150]).collect();
+        let limit = Limit::Rate(80.0, 80.0);
+        let clean = limited(0.9, 46.0, limit, &input, input[0]);
+        let output: Vec<f64> = clean
+            .iter()
+            .map(|y| y + 0.3 * normal(&mut random))
+            .collect();
+        let record = Record::of_run(PERIOD, &input, output).unwrap();
+        let model = identify(&record, &Options::default()).unwrap();
+        let residuals = &model.residuals;
+        assert!(!model.linear, "{seed}: {residuals:?}");
+    }
 }
 
 /// A servo of 45 rad/s that friction holds up to `resting_error` degrees off its target.
@@ -181,6 +202,22 @@ fn play_under_equal_holds_is_no_late_part_of_the_response() {
             assert!(says, "{hold} {play}: {:?}", model.advice);
             assert!(model.structure.settling_samples <= hold);
         }
+    }
+}
+
+/// These holds end while the servo rings, and after them there is more motion than before.
+#[test]
+fn a_response_under_way_at_the_end_of_a_hold_does_not_move_again() {
+    for (seed, damping, hold) in [(0, 0.2, 50), (3, 0.35, 30), (4, 0.4, 60)] {
+        let mut random = random(seed);
+        let mut level = || if random.random_bool(0.5) { 5.0 } else { -5.0 };
+        let input: Vec<f64> = (0..9000 / hold)
+            .flat_map(|_| std::iter::repeat_n(level(), hold))
+            .collect();
+        let servo = Linear::second_order(1.0, 0.008, damping, 42.5);
+        let model = identified(&input, &servo.respond(&input, input[0], 0.0), seed);
+        assert!(model.linear, "{damping}, {hold}: {:?}", model.advice);
+        assert_eq!(model.bounds.withdrawn(), None, "{damping}, {hold}");
     }
 }
 

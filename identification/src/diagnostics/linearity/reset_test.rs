@@ -17,6 +17,10 @@ pub(super) const FUNCTIONS: usize = 6;
 /// A command is held where it stays for more than one part in so many of the settling time, as a rule.
 const LEAST_HOLD: usize = 4;
 
+/// Share of the largest value of the response over whose change the speed is taken: the larger of a part of .1, .3 and .5 the smaller is p of servos with
+/// limited speed or drive, and no smaller is p of others.
+const SPEED_OVER: f64 = 0.5;
+
 /// Functions that each of several runs has for itself.
 const OF_A_RUN: usize = 3;
 
@@ -66,7 +70,8 @@ pub(super) struct Found {
 
 impl ResetTest {
     pub(super) fn new(runs: &[Simulated<'_>], moments: &Moments, fit: &GlsFit) -> Option<Self> {
-        let scale = Scale::of(runs.iter().map(|run| run.output.as_slice()))?;
+        let speed_over = speed_over(&fit.coordinates.basis.step_response(&fit.theta()));
+        let scale = Scale::of(runs, speed_over)?;
         let several = runs.len() > 1;
         let runs: Vec<RunColumns> = runs
             .iter()
@@ -74,7 +79,7 @@ impl ResetTest {
             .map(|(index, run)| {
                 let of_run = FUNCTIONS + OF_A_RUN * index;
                 let own = several.then_some(of_run..of_run + OF_A_RUN);
-                RunColumns::new(run, &scale, own, moments, fit)
+                RunColumns::new(run, &scale, own, (moments, fit))
             })
             .collect();
         let columns = runs.iter().filter_map(|run| run.columns.last()).max()? + 1;
@@ -264,29 +269,46 @@ pub(super) struct MisfitSize {
     pub(super) local: f64,
 }
 
-/// What brings position and speed to a size of one.
+/// Samples on either side over which the speed is taken: the fewest in which the response `step` changes by [`SPEED_OVER`] of its largest value
+/// somewhere. From one row to the next a servo hardly moves where rows are close together, and the speed of the simulation would be what the noise
+/// has left in the response.
+fn speed_over(step: &[f64]) -> usize {
+    let largest = step.iter().fold(0.0f64, |most, g| most.max(g.abs()));
+    let changes = |apart: &usize| {
+        let pairs = step.iter().zip(step.iter().skip(2 * apart));
+        pairs.fold(0.0f64, |most, (a, b)| most.max((b - a).abs())) >= SPEED_OVER * largest
+    };
+    (1..step.len() / 2).find(changes).unwrap_or(1)
+}
+
+/// How position and speed are taken, and what brings them to a size of one.
 struct Scale {
     position: f64,
     speed: f64,
+    /// Samples on either side over which the speed is taken.
+    speed_over: usize,
 }
 
 impl Scale {
     /// `None` when nothing moves.
-    fn of<'a>(runs: impl Iterator<Item = &'a [f64]>) -> Option<Self> {
+    fn of(runs: &[Simulated<'_>], speed_over: usize) -> Option<Self> {
         let (mut position, mut speed, mut count) = (0.0, 0.0, 0usize);
-        for simulated in runs {
-            for pair in simulated
-                .windows(2)
-                .filter(|pair| !(pair[0] + pair[1]).is_nan())
+        for run in runs {
+            for (s, v) in run
+                .output
+                .iter()
+                .zip(run.speed_over(speed_over))
+                .filter(|(s, _)| !s.is_nan())
             {
-                position += pair[1] * pair[1];
-                speed += (pair[1] - pair[0]).powi(2);
+                position += s * s;
+                speed += v * v;
                 count += 1;
             }
         }
         (position > 0.0 && speed > 0.0).then(|| Self {
             position: (position / count as f64).sqrt(),
             speed: (speed / count as f64).sqrt(),
+            speed_over,
         })
     }
 }
@@ -296,8 +318,7 @@ impl RunColumns {
         simulated: &Simulated<'_>,
         scale: &Scale,
         of_run: Option<Range<usize>>,
-        moments: &Moments,
-        fit: &GlsFit,
+        (moments, fit): (&Moments, &GlsFit),
     ) -> Self {
         let d = noise_filter(&fit.ar);
         let history = fit.coordinates.basis.settling() + fit.ar.len();
@@ -349,7 +370,7 @@ struct SimulatedMotion(Vec<(f64, f64)>);
 
 impl SimulatedMotion {
     fn new(simulated: &Simulated<'_>, scale: &Scale) -> Self {
-        let speed = simulated.speed();
+        let speed = simulated.speed_over(scale.speed_over);
         let scaled = |(s, v): (&f64, f64)| (s / scale.position, v / scale.speed);
         Self(simulated.output.iter().zip(speed).map(scaled).collect())
     }
