@@ -2,6 +2,7 @@
 
 mod advice;
 mod answer_scatter;
+mod arrival;
 mod clustered_errors;
 mod common_offset;
 mod correlogram;
@@ -46,6 +47,7 @@ mod validity;
 pub use crate::estimation::{Excitation, OrderCandidate, Solver};
 pub use crate::selection::{Choice, SettlingCandidate};
 pub(crate) use advice::{Evidence, gather_advice};
+pub use arrival::{Approach, Arrival};
 pub use correlogram::Correlogram;
 pub use explanation::{Bank, Explanation, Resolution};
 pub use feedback::Feedback;
