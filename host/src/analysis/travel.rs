@@ -2,6 +2,8 @@
 
 use crate::data::dataset::Dataset;
 use crate::data::sensor_preset::SensorKind;
+use servoid_identification::Run;
+use servoid_identification::column::mean;
 use servoid_identification::diagnostics::{Approach, Arrival};
 use servoid_identification::results::{Advice, Check, Interval, Model, Reason, pointwise_critical};
 
@@ -63,8 +65,11 @@ pub(super) fn advice(data: &Dataset, model: &Model) -> Option<Advice> {
     let scale_percent =
         pointwise_critical(model.level().into_valid()?) * sd_percent.reduce(f64::max)?;
     let gain = model.metrics.dc_gain;
+    let rest_percent = 100.0 * gain_of_dead_band(data)?;
     // One that turns the other way is another finding.
-    let value = gain.value.filter(|_| may_not_be_one(gain, scale_percent))?;
+    let value = gain
+        .value
+        .filter(|_| may_not_be_one(gain, scale_percent + rest_percent))?;
     let kind = calibrations.first().and_then(|found| {
         let degrees_per_count = found.degrees_per_count;
         other_sensor(value, degrees_per_count, scale_percent)
@@ -92,7 +97,8 @@ pub(super) fn advice(data: &Dataset, model: &Model) -> Option<Advice> {
     Some(Advice::new(
         Check::Travel,
         format!(
-            "The servo ends at {value:.2} of the command, and the scale of the sensor is known to ±{scale_percent:.1} %: {cause}."
+            "The servo ends at {value:.2} of the command, the scale of the sensor is known to ±{scale_percent:.1} %, and a dead band of {DEAD_BAND_US:.0} µs, as \
+             servos have it, changes strokes of this size by no more than {rest_percent:.1} %: {cause}."
         ),
         value,
         1.0,
@@ -101,7 +107,23 @@ pub(super) fn advice(data: &Dataset, model: &Model) -> Option<Advice> {
     ))
 }
 
-/// Whether 1 lies outside of the interval of a gain above 0, widened by what is not known of the sensor's scale.
+/// How far a servo may rest off its command \[µs\]: data sheets of servos for models state dead bands from 1 µs (digital) to 10 µs (the smallest ones).
+const DEAD_BAND_US: f64 = 5.0;
+
+/// What a rest that is off by that to the inner or to the outer side changes in a gain: under strokes from -A to A it is off by its share of A.
+fn gain_of_dead_band(data: &Dataset) -> Option<f64> {
+    let off = DEAD_BAND_US / data.about.us_per_degree?.abs();
+    let inputs = data.record.runs().iter().flat_map(Run::input).copied();
+    let inputs: Vec<f64> = inputs.filter(|input| !input.is_nan()).collect();
+    let middle = mean(&inputs)?;
+    let from_middle = inputs.iter().map(|input| (input - middle).abs());
+    let (sum, square) = from_middle.fold((0.0, 0.0), |(sum, square), way| {
+        (sum + way, square + way * way)
+    });
+    Some(off * sum / square)
+}
+
+/// Whether 1 lies outside of the interval of a gain above 0, widened by what is not known beside it.
 fn may_not_be_one(gain: Interval, scale_percent: f64) -> bool {
     let widened =
         |bound: Option<f64>, sign: f64| Some(bound? * (1.0 + sign * scale_percent / 100.0));

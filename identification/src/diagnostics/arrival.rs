@@ -166,3 +166,87 @@ impl Way {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, Normal};
+
+    /// Holds of half a second at -20 and 20, every 2 ms.
+    const HOLD: usize = 250;
+
+    /// A servo of second order, delay apart, whose drive turns it no faster than `speed` and brakes it with `brake` at most, between stops at
+    /// -`stop` and `stop`; 0.05 of noise.
+    fn approaches(zeta: f64, omega: f64, limits: [f64; 3], seed: u64) -> Option<[Approach; 2]> {
+        let [speed, brake, stop] = limits;
+        let noise = Normal::new(0.0, 0.05).unwrap();
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let level = |k: usize| if k / HOLD % 2 == 0 { -20.0 } else { 20.0 };
+        let (mut angle, mut rate) = (f64::max(-20.0, -stop), 0.0);
+        let output: Vec<f64> = (0..10 * HOLD)
+            .map(|k| {
+                for _ in 0..40 {
+                    let drive = omega * omega * (level(k) - angle) - 2.0 * zeta * omega * rate;
+                    rate = (rate + 5e-5 * drive.clamp(-brake, brake)).clamp(-speed, speed);
+                    angle += 5e-5 * rate;
+                    if angle.abs() > stop {
+                        (angle, rate) = (stop.copysign(angle), 0.0);
+                    }
+                }
+                angle + noise.sample(&mut random)
+            })
+            .collect();
+        let input: Vec<f64> = (0..10 * HOLD).map(level).collect();
+        let of_run = Run::new(input, output).ok()?;
+        let holds = holds(&of_run, EXACTLY);
+        let ways = holds
+            .windows(2)
+            .map(|pair| (pair[1].level, Way::of(&of_run, &pair[0], &pair[1])));
+        let ways: Vec<(f64, Way)> = ways
+            .filter_map(|(level, way)| Some((level, way?)))
+            .collect();
+        let at = |end: f64| {
+            let at_end = ways.iter().filter(|(level, _)| *level == end);
+            Arrival::of(end, &at_end.map(|(_, way)| *way).collect::<Vec<_>>())
+        };
+        Some([at(-20.0)?.approach, at(20.0)?.approach])
+    }
+
+    const FREE: f64 = f64::INFINITY;
+
+    /// Of all damping ratios, and of drives that turn the servo at one speed for most of the way: none is cut off.
+    #[test]
+    fn a_servo_without_stops_is_not_cut_off() {
+        for seed in 0..4 {
+            for zeta in [0.4, 0.6, 0.7, 0.8, 1.0, 1.5] {
+                for omega in [25.0, 40.0, 70.0] {
+                    for limits in [[FREE; 3], [400.0, FREE, FREE], [400.0, 8000.0, FREE]] {
+                        let found = approaches(zeta, omega, limits, seed).unwrap();
+                        let is_cut_off = found.contains(&Approach::CutOff);
+                        assert!(!is_cut_off, "{zeta} {omega} {limits:?} {seed}");
+                    }
+                }
+            }
+        }
+    }
+
+    /// Up to seven tenths of the way from the middle. Later a servo that is well damped has slowed down by itself.
+    #[test]
+    fn a_servo_that_meets_its_stops_is_cut_off() {
+        for seed in 0..4 {
+            for zeta in [0.6, 0.8] {
+                for omega in [25.0, 40.0, 70.0] {
+                    for stop in [6.0, 10.0, 14.0] {
+                        for speed in [FREE, 400.0] {
+                            let found = approaches(zeta, omega, [speed, FREE, stop], seed);
+                            let stopped = Some([Approach::CutOff; 2]);
+                            assert_eq!(found, stopped, "{zeta} {omega} {stop} {speed} {seed}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
