@@ -81,10 +81,10 @@ impl Identified {
             None => (None, None),
         };
         let (servo, _) = parts(&servo_model);
-        if let Some(remedy) =
+        if let Some((by_load, remedy)) =
             servo.and_then(|servo| load_at_rest::remedy(&servo.model, data.about.units()))
         {
-            Advice::name_load(&mut model.advice, &remedy);
+            Advice::name_load(&mut model.advice, by_load, &remedy);
         }
         let limits = request.limits.then(|| {
             let limits = Limits::of(&data.record, &model, options.level);

@@ -27,6 +27,7 @@ pub fn identified(data: &Dataset, name: &str, options: &Options) -> Result<Ident
         .model
         .advice
         .sort_by_key(|item| !item.explains_others());
+    travel::withdraw_at_stops(data, &mut found.model);
     let doubtful = unlikely_period(data.record.sample_period_s());
     let doubtful = doubtful.or_else(|| unlikely_duration(&found.model));
     let mixed = advice_on_gain(&found.model, data.about.units());

@@ -4,14 +4,16 @@ use crate::data::units::Units;
 use crate::presentation::summary::{digits, with_unit};
 use servoid_identification::servo_model::{Load, ServoModel, ServoParameters};
 
-/// What to do about a rest off the command, where the load of the servo model explains most of it; `None` elsewhere.
-pub(super) fn remedy(model: &ServoModel, units: Units<'_>) -> Option<String> {
+/// By how much the load of the servo model moves the rest, and what to do about that, where it explains most of what the servo rests off its
+/// command; `None` elsewhere.
+pub(super) fn remedy(model: &ServoModel, units: Units<'_>) -> Option<(f64, String)> {
     let by_load = of_load(&model.parameters(0), model.commands?.middle())?;
-    Some(format!(
+    let remedy = format!(
         "The servo model has a load as its cause, which moves the rest by {}: look for what pulls to one side. The step response does not \
          depend on it.",
         with_unit(digits(by_load, 3), units.output.unwrap_or_default())
-    ))
+    );
+    Some((by_load, remedy))
 }
 
 /// By how much the load moves the rest under this command; `None` where that is not most of what the servo rests off it.

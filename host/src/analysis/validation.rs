@@ -86,8 +86,8 @@ impl Validated {
             .chain(of_linear)
             .chain(of_servo);
         let mut of_files = data.about.advice.clone();
-        if let Some(remedy) = of_load {
-            Advice::name_load(&mut of_files, &remedy);
+        if let Some((by_load, remedy)) = of_load {
+            Advice::name_load(&mut of_files, by_load, &remedy);
         }
         Ok(Self {
             validation,

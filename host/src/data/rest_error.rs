@@ -8,8 +8,12 @@
 //! ```
 //!
 //! With m the middle of the commands, the servo rests c - m from its command there. Under two levels every stroke upwards ends at the same command, and g and f are one.
+//!
+//! Rests at a stop are left out: the stop holds them off their commands. Where rests change along the recording by as much as they are off, that is a
+//! drift of the sensor, which says nothing about its zero.
 
 use servoid_identification::column::{mean, span};
+use servoid_identification::diagnostics::stops_of_rests;
 use servoid_identification::results::{Advice, Check};
 use servoid_identification::{Record, Run};
 
@@ -25,6 +29,10 @@ const ONE_ANGLE: std::ops::RangeInclusive<f64> = 0.8..=1.25;
 /// Standard deviations of the mean beyond which it is not chance.
 const BEYOND_CHANCE: f64 = 4.0;
 
+/// Parts of a recording that are compared for a drift, and the rests that each has at least.
+const PARTS: usize = 8;
+const RESTS_OF_PART: usize = 4;
+
 /// A rest under a held command.
 struct CommandedRest {
     command: f64,
@@ -37,11 +45,17 @@ pub(super) fn advice(record: &Record, unit: Option<&str>) -> Option<Advice> {
     let hold = (SHORTEST_S / record.sample_period_s()).ceil() as usize;
     let hold = hold.max(SHORTEST_SAMPLES);
     let travel = span(record.runs().iter().flat_map(Run::output).copied())?;
-    let all: Vec<CommandedRest> = record
+    let mut all: Vec<CommandedRest> = record
         .runs()
         .iter()
         .flat_map(|run| rests(run, hold, MATTERS * travel))
         .collect();
+    let stops = stops_of_rests(record);
+    let is_at_stop = |rest: &CommandedRest| {
+        let mut ways = stops.iter().map(|stop| (rest.position - stop).abs());
+        ways.any(|way| way < MATTERS * travel)
+    };
+    all.retain(|rest| !is_at_stop(rest));
     let upwards = all.iter().filter(|rest| rest.upwards).count();
     if all.len() < RESTS || upwards.min(all.len() - upwards) < 2 {
         return None;
@@ -52,7 +66,8 @@ pub(super) fn advice(record: &Record, unit: Option<&str>) -> Option<Advice> {
     }
     let (off, least) = (line.off, MATTERS * travel);
     let beside = line.friction.unwrap_or(line.direction);
-    let is_off = off.abs() > beside.max(least).max(BEYOND_CHANCE * line.off_sd);
+    let chance = BEYOND_CHANCE * line.off_sd;
+    let is_off = off.abs() > beside.max(least).max(chance).max(line.drift());
     let unit = unit.map_or_else(String::new, |unit| format!(" {unit}"));
     let friction = line.friction.map_or(String::new(), |friction| {
         format!(
@@ -116,6 +131,8 @@ struct Line {
     friction: Option<f64>,
     /// The same with what the command adds, where nothing distinguishes the two.
     direction: f64,
+    /// What the line leaves of each rest.
+    errors: Vec<f64>,
 }
 
 impl Line {
@@ -134,18 +151,18 @@ impl Line {
         }
         let along = product(&ds, &du) / square;
         let beside: Vec<f64> = ds.iter().zip(&du).map(|(s, u)| s - along * u).collect();
-        let left = product(&beside, &beside);
-        let is_separate = left > SEPARATE * product(&ds, &ds);
+        let separate = product(&beside, &beside);
+        let is_separate = separate > SEPARATE * product(&ds, &ds);
         let f = match is_separate {
-            true => product(&dy, &beside) / left,
+            true => product(&dy, &beside) / separate,
             false => 0.0,
         };
         let slope = product(&dy, &du) / square - f * along;
         let count = rests.len() as f64;
-        let errors = dy.iter().zip(du.iter().zip(&ds));
-        let errors = errors.map(|(y, (u, s))| y - slope * u - f * s);
-        let variance = errors.map(|error| error * error).sum::<f64>() / (count - 3.0).max(1.0);
-        let of_friction = if is_separate { s * s / left } else { 0.0 };
+        let left = dy.iter().zip(du.iter().zip(&ds));
+        let left: Vec<f64> = left.map(|(y, (u, s))| y - slope * u - f * s).collect();
+        let variance = product(&left, &left) / (count - 3.0).max(1.0);
+        let of_friction = if is_separate { s * s / separate } else { 0.0 };
         // The commands may lie to one side of their middle.
         let range = rests.iter().map(|rest| rest.command);
         let (low, high) = range.fold((f64::MAX, f64::MIN), |(low, high), u| {
@@ -161,7 +178,16 @@ impl Line {
             slope,
             friction: is_separate.then_some(f.abs()),
             direction: (direction / product(&ds, &ds)).abs(),
+            errors: left,
         })
+    }
+
+    /// The range of the means of the errors over parts of the recording; 0 of too few.
+    fn drift(&self) -> f64 {
+        let parts = (self.errors.len() / RESTS_OF_PART).min(PARTS);
+        let size = self.errors.len().div_ceil(parts.max(1));
+        let means = self.errors.chunks(size).filter_map(mean);
+        span(means).unwrap_or_default()
     }
 }
 
@@ -204,6 +230,45 @@ mod tests {
         assert_eq!(advice(&record(1.0, 0.0), None), None);
         assert_eq!(advice(&record(3.0, 4.0), None), None);
         assert!(!found.finding.contains("friction"), "{}", found.finding);
+    }
+
+    #[test]
+    fn a_drift_is_no_zero_that_is_off() {
+        let drifting = |rise: f64| {
+            let (mut input, mut output) = (Vec::new(), Vec::new());
+            let still = record(0.0, 0.0);
+            let run = &still.runs()[0];
+            for (k, (u, y)) in run.input().iter().zip(run.output()).enumerate() {
+                input.push(*u);
+                output.push(y + 3.0 + rise * k as f64 / 600.0);
+            }
+            Record::of_run(0.02, input, output).unwrap()
+        };
+        assert!(advice(&drifting(0.0), None).is_some());
+        assert!(advice(&drifting(1.0), None).is_some());
+        // It begins at the command and ends ten off.
+        let from_zero = drifting(10.0);
+        let run = &from_zero.runs()[0];
+        let output: Vec<f64> = run.output().iter().map(|y| y - 3.0).collect();
+        let from_zero = Record::of_run(0.02, run.input().to_vec(), output).unwrap();
+        assert_eq!(advice(&from_zero, None), None);
+    }
+
+    /// Levels at random, of a servo without friction or offset that stops at 12 of 20.
+    #[test]
+    fn a_stop_is_no_zero_that_is_off() {
+        let level = |hold: usize| ((hold * 7919 + 3) % 41) as f64 - 20.0;
+        let input: Vec<f64> = (0..3000).map(|k| level(k / 50)).collect();
+        let output = |k: usize| {
+            let noise = ((k * k * 7919) % 101) as f64 / 1000.0 - 0.05;
+            match k % 50 {
+                0..5 => 0.0,
+                _ => input[k].min(12.0) + noise,
+            }
+        };
+        let output: Vec<f64> = (0..3000).map(output).collect();
+        let record = Record::of_run(0.02, input.clone(), output).unwrap();
+        assert_eq!(advice(&record, None), None);
     }
 
     /// Five levels, each reached from below and from above, of a servo with this gain and friction that rests 2 off.

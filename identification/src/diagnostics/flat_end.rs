@@ -51,6 +51,13 @@ impl TravelEnd {
     }
 }
 
+/// The outputs at which the rests of `record` are flat, as at stops, by the rests alone: one, two or none.
+#[must_use]
+pub fn stops_of_rests(record: &Record) -> Vec<f64> {
+    let ends = TravelEnd::of_rests(record).into_iter().flatten();
+    ends.map(|end| end.rest).collect()
+}
+
 /// Command and mean output of the holds in which the output comes to rest, by the command.
 fn rests(record: &Record) -> Vec<Rest> {
     let by_run: Vec<Vec<(f64, f64)>> = record.runs().iter().map(rests_of).collect();

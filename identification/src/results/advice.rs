@@ -291,10 +291,12 @@ impl Advice {
         }
     }
 
-    /// Where a load is known to hold the servo off its command, `remedy` says so, and the zero need not be looked at.
-    pub fn name_load(all: &mut [Self], remedy: &str) {
-        let at_rest = all.iter_mut().filter(|item| item.check == Check::Zeros);
-        for item in at_rest {
+    /// Where a load is known to hold the servo off its command to the side to which it rests, `remedy` says so, and the zero need not be
+    /// looked at. `by_load` is what the load does \[output\].
+    pub fn name_load(all: &mut [Self], by_load: f64, remedy: &str) {
+        let is_explained =
+            |item: &&mut Self| item.check == Check::Zeros && item.value * by_load > 0.0;
+        for item in all.iter_mut().filter(is_explained) {
             remedy.clone_into(&mut item.remedy);
         }
     }

@@ -181,6 +181,12 @@ impl Model {
         self.metrics = self.metrics.withdrawn(reason);
     }
 
+    /// Takes all bounds away, because the servo runs into stops at these outputs: its times are those of the stops, too.
+    pub fn withdraw_at_stops(&mut self, stops: Vec<f64>) {
+        self.withdraw(Reason::TravelEnd);
+        self.stops = stops;
+    }
+
     /// Takes all bounds away, and all metrics but the gain, where the times of the record turn out to be others than they were taken for.
     /// A model without times keeps its own reason.
     pub fn withdraw_times(&mut self, reason: Reason) {

@@ -262,6 +262,15 @@ pub(super) fn quantities(
     others: &[Point],
 ) -> Vec<Quantity> {
     let middle = motion.commands.middle();
+    let commands = 2.0 * motion.commands.amplitude();
+    let gain = possible[0].point.physics(0, |_, value| value).gain;
+    let largest_of = |unit: Unit| match unit {
+        Unit::Command => commands,
+        Unit::Output => commands * gain.abs(),
+        // What the gears hold of themselves leaves nothing to turn them.
+        Unit::One => 1.0,
+        _ => f64::INFINITY,
+    };
     let of = |definition: &Definition| {
         let value = definition.value(&possible[0].point, middle)?;
         let hull = possible
@@ -273,7 +282,7 @@ pub(super) fn quantities(
         Some(Quantity {
             name: definition.kind.name().to_owned(),
             unit: definition.unit,
-            determined: definition.is_determined(&interval),
+            determined: definition.is_determined(&interval, largest_of(definition.unit)),
             value,
             interval: level.as_ref().map(|_| interval),
             other_fits: level
@@ -412,13 +421,20 @@ impl Definition {
         }
     }
 
-    fn is_determined(&self, interval: &Interval) -> bool {
-        match (interval.lower, interval.upper) {
-            (Some(lower), Some(upper)) => {
-                let is_ratio = matches!(self.domain, Domain::Positive | Domain::OneAndMore);
-                !is_ratio || upper < UNDETERMINED_RATIO * lower
+    /// Whether an interval says something: what is a ratio is known to a factor of ten, and what has a size to better than the `largest` that
+    /// would show in the record, such as the travel.
+    fn is_determined(&self, interval: &Interval, largest: f64) -> bool {
+        let Some((lower, upper)) = interval.lower.zip(interval.upper) else {
+            return false;
+        };
+        let is_known_ratio = upper < UNDETERMINED_RATIO * lower;
+        match self.domain {
+            Domain::Positive | Domain::OneAndMore => is_known_ratio,
+            Domain::NotNegative => upper < largest,
+            Domain::Any if self.kind == QuantityKind::Gain => {
+                is_known_ratio || -lower < UNDETERMINED_RATIO * -upper
             }
-            _ => false,
+            Domain::Any => upper - lower < largest,
         }
     }
 }
@@ -458,7 +474,8 @@ mod tests {
         assert_eq!((open.lower, open.upper), (Some(60.0), None));
         let known = top_speed.as_far_as_reached(Interval::new(100.0, 90.0, 111.0), true, &fastest);
         assert_eq!((known.lower, known.upper), (Some(90.0), Some(111.0)));
-        assert!(!top_speed.is_determined(&open) && top_speed.is_determined(&known));
+        let is_determined = |interval| top_speed.is_determined(interval, f64::INFINITY);
+        assert!(!is_determined(&open) && is_determined(&known));
         assert_eq!(top_speed.as_far_as_reached(wide, false, &fastest), wide);
     }
 
@@ -466,8 +483,40 @@ mod tests {
     fn a_ratio_of_friction_that_may_be_anything_is_not_determined() {
         let kind = QuantityKind::FrictionAtRest;
         let ratio = DEFINITIONS.iter().find(|found| found.kind == kind).unwrap();
-        assert!(!ratio.is_determined(&Interval::new(196.0, 1.0, 78_627.0)));
-        assert!(ratio.is_determined(&Interval::new(1.5, 1.0, 2.1)));
+        assert!(!ratio.is_determined(&Interval::new(196.0, 1.0, 78_627.0), 1.0));
+        assert!(ratio.is_determined(&Interval::new(1.5, 1.0, 2.1), 1.0));
+    }
+
+    #[test]
+    fn what_may_be_larger_than_the_travel_is_not_determined() {
+        let is_determined = |kind, lower, upper, largest| {
+            let found = DEFINITIONS.iter().find(|found| found.kind == kind).unwrap();
+            found.is_determined(&Interval::new(lower, lower, upper), largest)
+        };
+        // Of a recording between -15 and 15 degrees.
+        let friction = QuantityKind::RestingError;
+        assert!(!is_determined(friction, 0.0, 2089.0, 30.0));
+        assert!(is_determined(friction, 0.0, 0.5, 30.0));
+        assert!(!is_determined(
+            QuantityKind::FrictionOfGears,
+            0.0,
+            6.53,
+            1.0
+        ));
+        assert!(is_determined(QuantityKind::FrictionOfGears, 0.0, 0.02, 1.0));
+        assert!(!is_determined(QuantityKind::Offset, -2940.0, 2940.0, 30.0));
+        assert!(is_determined(QuantityKind::Offset, -0.1, 0.1, 30.0));
+        for (lower, upper, known) in [
+            (-38.3, 41.1, false),
+            (0.05, 2.0, false),
+            (0.96, 1.05, true),
+            (-1.1, -0.9, true),
+        ] {
+            assert_eq!(
+                is_determined(QuantityKind::Gain, lower, upper, f64::INFINITY),
+                known
+            );
+        }
     }
 
     #[test]

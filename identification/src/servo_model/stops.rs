@@ -5,17 +5,13 @@
 
 use crate::data::Record;
 use crate::data::column::mean;
-use crate::diagnostics::TravelEnd;
+use crate::diagnostics::stops_of_rests;
 use servoid_dynamics::Stops;
 
 /// The stops to be tried: at the outputs `known`, or else where the rests of the record show them.
 pub(super) fn possible(record: &Record, known: &[f64]) -> Stops {
     match known {
-        [] => {
-            let of_rests = TravelEnd::of_rests(record).into_iter().flatten();
-            let at: Vec<f64> = of_rests.map(|end| end.rest).collect();
-            among(record, &at)
-        }
+        [] => among(record, &stops_of_rests(record)),
         _ => among(record, known),
     }
 }

@@ -105,3 +105,9 @@ pub const FEWEST_AT_REST: usize = 100;
 ///
 /// Protects: linear servos whose line has single glitches. Evidence: the tests of the noise at standstill.
 pub const LOUDEST_LEFT_OUT: usize = 5;
+
+/// Share of the square of errors that are not noise, in their means over four strokes, from which on they are slow: a quarter in a servo that is not linear.
+///
+/// Protects: linear servos behind a sensor that drifts from being called not linear, and servos that are not linear from a drift that is not there.
+/// Evidence: the tests of slow errors.
+pub const SLOW_ERRORS: f64 = 0.5;

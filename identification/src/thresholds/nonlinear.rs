@@ -84,3 +84,16 @@ pub const ORDER_REJECTED: f64 = 0.01;
 /// Protects: the delay of a flight model, which a needless lag would move out of its interval, because delay
 /// and further lags are nearly interchangeable. Evidence: the tests of the flight model.
 pub const BARE_MENTION: f64 = 2.0;
+
+/// Time from 90 to 98 % of a stroke, relative to that at its highest speed, below which the motion is cut off.
+///
+/// Protects: users from times of a stop that are taken for those of the servo, and servos that are free from a stop that does not exist.
+/// Evidence: docs/method.md, "Arrivals"; the tests of the arrival.
+pub const CUT_OFF: f64 = 1.25;
+
+/// The same above which the servo slows down before its rest; see [`CUT_OFF`].
+pub const SLOWS_DOWN: f64 = 1.6;
+
+/// Share of the travel by which a servo that is free goes beyond its rest. The gear yields at a stop, and noise adds half a percent; see
+/// [`CUT_OFF`].
+pub const PASSES_ITS_END: f64 = 0.03;

@@ -26,6 +26,8 @@ pub struct About {
     /// What every result from these files has to carry: that a recording is partial, or values of
     /// its header unproved.
     pub advice: Vec<Advice>,
+    /// Change of the pulse for one degree of the command (µs/deg), where all files are recordings of servoid and agree.
+    pub us_per_degree: Option<f64>,
     /// The calibration of the sensor in each recording of servoid.
     pub calibrations: Vec<SensorCalibration>,
     /// Whether the clock of a recording was the internal oscillator of its board.
@@ -133,6 +135,7 @@ impl About {
             other.sensor_delay_uncertainty_s,
         );
         self.sensor_delay_uncertainty_s = mine.max(theirs);
+        agree(&mut self.us_per_degree, &other.us_per_degree);
         agree(&mut self.input_unit, &other.input_unit);
         agree(&mut self.output_unit, &other.output_unit);
         agree(&mut self.condition, &other.condition);

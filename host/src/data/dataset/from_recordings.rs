@@ -103,6 +103,7 @@ fn about(
         output_unit: Some("deg".to_owned()),
         condition: Some(header.condition.clone()).filter(|c| !c.is_empty()),
         provenance: vec![provenance],
+        us_per_degree: Some(header.us_per_degree),
         calibrations: vec![SensorCalibration {
             degrees_per_count: header.degrees_per_count,
             zero_counts: header.zero_counts,

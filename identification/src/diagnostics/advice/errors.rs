@@ -40,7 +40,10 @@ pub(super) fn model_error(evidence: &Evidence<'_>) -> Option<Advice> {
         ),
     };
     let (reason, value, threshold) = reason_in_words(misfit);
+    let slow = evidence.slow_errors();
+    let by_drift = slow.map_or_else(String::new, |slow| format!(" {}.", slow.in_words()));
     let record = match misfit.evidence {
+        _ if slow.is_some() => LONGER_HOLDS,
         MisfitEvidence::MovesAgain(_) => {
             "Record levels in random order, or holds of different lengths, to see what the answer depends on"
         }
@@ -54,13 +57,17 @@ pub(super) fn model_error(evidence: &Evidence<'_>) -> Option<Advice> {
         Check::ModelError,
         format!(
             "No bounds can be given, because the errors are not noise: {reason}. The structure was chosen by \
-             {chosen_by}, and {taken} least squares was taken.{smooth}"
+             {chosen_by}, and {taken} least squares was taken.{smooth}{by_drift}"
         ),
         value,
         threshold,
         format!("{record}; {use_of_model}."),
     ))
 }
+
+/// What to record where errors are slow: strokes that are as large, and rests beside which the drift is seen.
+const LONGER_HOLDS: &str =
+    "Look for the drift, and record the same steps with each held several times as long";
 
 /// "p = 2.3e-7"; smaller ones than any table has are all the same.
 fn probability(p: f64) -> String {
@@ -242,13 +249,17 @@ pub(super) fn gain_may_be_zero(evidence: &Evidence<'_>) -> Option<Advice> {
             0.0,
             match evidence.model.linear && evidence.misfit().is_none() {
                 true if end_is_missing => {
-                    "Record holds of different lengths, in each of which the servo comes to rest."
+                    "Record holds of different lengths, in each of which the servo comes to rest.".to_owned()
                 }
-                true => "Record larger strokes, or more of them, each held until the servo rests.",
-                false => {
-                    "The servo is not linear, so take the servo model; for a linear one, record smaller strokes, each held until the \
-                     servo rests."
-                }
+                true => "Record larger strokes, or more of them, each held until the servo rests.".to_owned(),
+                false => evidence.slow_errors().map_or_else(
+                    || {
+                        "The servo is not linear, so take the servo model; for a linear one, record smaller strokes, each held until the \
+                         servo rests."
+                            .to_owned()
+                    },
+                    |slow| format!("{}. {LONGER_HOLDS}.", slow.in_words()),
+                ),
             },
         )
     })

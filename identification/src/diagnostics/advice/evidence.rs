@@ -4,6 +4,7 @@ use crate::data::{Record, Run};
 use crate::diagnostics::explanation::Explanation;
 use crate::diagnostics::linearity::Linearity;
 use crate::diagnostics::misfit::Misfit;
+use crate::diagnostics::slow_errors::SlowErrors;
 use crate::diagnostics::validity::Validity;
 use crate::numerics::with_unit;
 use crate::options::Options;
@@ -62,6 +63,12 @@ impl<'a> Evidence<'a> {
     pub(super) fn errors_follow_motion(&self) -> bool {
         let linearity = self.explanation.linearity.as_ref();
         self.misfit().is_some() || linearity.is_some_and(Linearity::errors_follow_motion)
+    }
+
+    /// Errors that are slow, where they are not noise.
+    pub(super) fn slow_errors(&self) -> Option<SlowErrors> {
+        self.misfit()?;
+        SlowErrors::of(self.recorded?, self.model)
     }
 
     /// Whether bounds are withdrawn because the input follows the output.

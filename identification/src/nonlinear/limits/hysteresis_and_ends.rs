@@ -1,7 +1,7 @@
 //! The level table: rest positions by level and by direction of approach.
 //!
 //! Each hold that is long enough for the response to settle gives one visit: the mean output of its last
-//! quarter, less the motion that the linear model still predicts there. Holds at one level, reached from one
+//! quarter, less the motion that a linear model which describes the servo still predicts there. Holds at one level, reached from one
 //! side, form a cell. The scatter within cells is the only measure of uncertainty, so that it includes all
 //! differences between visits.
 //!
@@ -9,7 +9,9 @@
 //!   backlash, dead band and friction. In a servo that overshoots by more than its play the sign is
 //!   inverted, because the level is then reached from the other side: only the size is reported.
 //! * **Saturation**: the gain from one level to the next at each end of the range against the
-//!   median of the other gains.
+//!   median of the other gains. An end is reached from one side alone, and its neighbour from both, so hysteresis makes
+//!   it fall short. A servo that friction holds rests a little off at each level, and at some ends by more than at
+//!   other levels by chance. What hysteresis and the others explain is no stop.
 
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -19,7 +21,7 @@ use crate::data::{EXACTLY, Run, holds, last_quarter, mean_output};
 use crate::numerics::median;
 use crate::results::Interval;
 use crate::thresholds::{
-    HARD_STOP, HYSTERESIS_FALSE_ALARM, LEVELS_FOR_ENDS, RANGE_END_FALSE_ALARM, SOFT_END,
+    HARD_STOP, HYSTERESIS_FALSE_ALARM, LEVELS_FOR_ENDS, RANGE_END_FALSE_ALARM, SOFT_END, STOP_SHORT,
 };
 
 /// The side from which a level was reached.
@@ -293,31 +295,45 @@ impl Table {
         if self.levels.len() < LEVELS_FOR_ENDS || self.degrees < 2 {
             return end;
         }
-        let mut gains: Vec<f64> = self
+        let mut segments: Vec<(f64, f64)> = self
             .levels
             .windows(2)
-            .map(|pair| (pair[1].mean - pair[0].mean) / (pair[1].command - pair[0].command))
+            .map(|pair| {
+                let width = pair[1].command - pair[0].command;
+                ((pair[1].mean - pair[0].mean) / width, width)
+            })
             .collect();
-        let (gain, neighbours) = if high {
-            (gains.pop(), &self.levels[self.levels.len() - 2..])
+        let (last, neighbours) = if high {
+            (segments.pop(), &self.levels[self.levels.len() - 2..])
         } else {
-            (Some(gains.remove(0)), &self.levels[..2])
+            (Some(segments.remove(0)), &self.levels[..2])
         };
-        let Some((gain, others)) = gain.zip(median(gains)) else {
+        let gains = segments.iter().map(|(gain, _)| *gain).collect();
+        let Some(((gain, width), others)) = last.zip(median(gains)) else {
             return end;
         };
         let share: f64 = neighbours
             .iter()
             .map(|level| 1.0 / level.visits as f64)
             .sum();
-        let sd = (self.variance * share).sqrt() / (neighbours[1].command - neighbours[0].command);
+        let way = width * others.abs();
+        let sd = (self.variance * share).sqrt() / way;
         let ratio = gain / others;
-        end.gain_ratio = self.within(ratio, sd / others.abs());
-        let beyond_chance = self.critical(RANGE_END_FALSE_ALARM) * sd / others.abs();
-        let softens = SOFT_END - ratio > beyond_chance;
+        let explained = self.without_stop(&segments, others) / way;
+        end.gain_ratio = self.within(ratio, sd).widened(self.by_hysteresis() / way);
+        let by_chance = self.critical(RANGE_END_FALSE_ALARM) * sd;
+        let softens = SOFT_END - ratio > by_chance + explained;
+        let is_short = 1.0 - ratio > by_chance + explained;
         (end.softens, end.remedy) = (Some(softens), None);
         end.statement = match (softens, ratio < HARD_STOP) {
-            (false, _) if 1.0 - ratio > beyond_chance => format!(
+            (false, _) if !is_short && 1.0 - ratio > by_chance => format!(
+                "No stop at the {name} end: {:.3} is reached at a command of {:.3}, with {:.0} % of the gain elsewhere. That is short \
+                 by no more than hysteresis, the other levels or 1 % of the travel explain.",
+                level.mean,
+                level.command,
+                100.0 * ratio
+            ),
+            (false, _) if is_short => format!(
                 "The {name} end falls short: {:.3} is reached at a command of {:.3}, with {:.1} % of the gain elsewhere, by a stop or by \
                  a gain that falls.",
                 level.mean,
@@ -339,6 +355,25 @@ impl Table {
             ),
         };
         end
+    }
+
+    /// By how much hysteresis may make an end fall short \[output\].
+    fn by_hysteresis(&self) -> f64 {
+        let hysteresis = self.hysteresis();
+        let size = hysteresis.size.upper.or(hysteresis.size.value);
+        let found = size.filter(|_| hysteresis.found == Some(true));
+        found.unwrap_or_default()
+    }
+
+    /// By how much it may without a stop \[output\]: by hysteresis, and by how far others of the `segments` between levels, gain and width, go beyond
+    /// that of the gain `usual`. Those that fall short of it may be beyond the same stop.
+    fn without_stop(&self, segments: &[(f64, f64)], usual: f64) -> f64 {
+        let beyond = segments
+            .iter()
+            .map(|(gain, width)| (gain / usual - 1.0) * (width * usual).abs());
+        let travel = segments.iter().map(|(gain, width)| gain * width);
+        let least = STOP_SHORT * travel.sum::<f64>().abs();
+        (self.by_hysteresis() + beyond.fold(0.0, f64::max)).max(least)
     }
 }
 

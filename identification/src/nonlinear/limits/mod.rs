@@ -10,12 +10,14 @@
 mod hysteresis_and_ends;
 mod open_question;
 mod rate;
+mod time_to_rest;
 
 use serde::{Deserialize, Serialize};
 
 use crate::data::{Record, Run, strokes};
 use crate::results::Model;
 use crate::thresholds::MARGIN;
+use time_to_rest::time_to_rest;
 
 pub use hysteresis_and_ends::{Cell, Hysteresis, RangeEnd, Side};
 pub use rate::{Rate, RateVerdict};
@@ -57,7 +59,7 @@ impl Limits {
     /// # Ok::<(), servoid_identification::Error>(())
     /// ```
     pub fn of(record: &Record, model: &Model, level: f64) -> Self {
-        let settling = settling(model);
+        let settling = settling(record, model);
         let mut strokes = strokes(record, settling);
         let reversed = model.impulse_response().iter().sum::<f64>() < 0.0;
         if reversed {
@@ -83,17 +85,30 @@ impl Limits {
 }
 
 fn table(record: &Record, model: &Model, level: Option<f64>) -> hysteresis_and_ends::Table {
+    let runs = match is_described(model) {
+        true => without_motion(record, model),
+        false => record.runs().to_vec(),
+    };
     hysteresis_and_ends::Table::new(
-        &without_motion(record, model),
+        &runs,
         record.sample_period_s(),
-        settling(model),
+        settling(record, model),
         level,
     )
 }
 
-/// Samples that the response takes to settle. N is longer by a margin.
-fn settling(model: &Model) -> usize {
-    (model.structure.settling_samples as f64 / MARGIN).ceil() as usize
+/// Whether the linear model describes the servo, so that its motion may be taken out of the rests and its settling time is that of the servo.
+fn is_described(model: &Model) -> bool {
+    model.linear && model.level().valid().is_some()
+}
+
+/// Samples that the response takes to settle. N is longer by a margin, and says nothing of a servo that the model does not describe.
+fn settling(record: &Record, model: &Model) -> usize {
+    let of_model = (model.structure.settling_samples as f64 / MARGIN).ceil() as usize;
+    match is_described(model) {
+        true => of_model,
+        false => time_to_rest(record).map_or(of_model, |seen| seen.min(of_model)),
+    }
 }
 
 /// The runs less the motion that the linear model predicts, y(k) - (ŷ(k) - c - G0 u(k)), so that ringing
