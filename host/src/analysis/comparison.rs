@@ -47,7 +47,7 @@ pub fn compared(
     }
     if let Some(conditions) = a.about.other_condition(&b.about) {
         if let Some(remedy) = b.about.load_of_condition() {
-            Advice::name_load(&mut found.advice, &remedy);
+            Advice::name_load(&mut found.advice, None, &remedy);
         }
         found.advice.push(conditions);
     }

@@ -84,7 +84,7 @@ impl Identified {
         if let Some((by_load, remedy)) =
             servo.and_then(|servo| load_at_rest::remedy(&servo.model, data.about.units()))
         {
-            Advice::name_load(&mut model.advice, by_load, &remedy);
+            Advice::name_load(&mut model.advice, Some(by_load), &remedy);
         }
         let limits = request.limits.then(|| {
             let limits = Limits::of(&data.record, &model, options.level);

@@ -87,7 +87,7 @@ impl Validated {
             .chain(of_servo);
         let mut of_files = data.about.advice.clone();
         if let Some((by_load, remedy)) = of_load {
-            Advice::name_load(&mut of_files, by_load, &remedy);
+            Advice::name_load(&mut of_files, Some(by_load), &remedy);
         }
         Ok(Self {
             validation,

@@ -292,10 +292,11 @@ impl Advice {
     }
 
     /// Where a load is known to hold the servo off its command to the side to which it rests, `remedy` says so, and the zero need not be
-    /// looked at. `by_load` is what the load does \[output\].
-    pub fn name_load(all: &mut [Self], by_load: f64, remedy: &str) {
-        let is_explained =
-            |item: &&mut Self| item.check == Check::Zeros && item.value * by_load > 0.0;
+    /// looked at. `by_load` is what the load does \[output\], where that is known.
+    pub fn name_load(all: &mut [Self], by_load: Option<f64>, remedy: &str) {
+        let is_explained = |item: &&mut Self| {
+            item.check == Check::Zeros && by_load.is_none_or(|load| item.value * load > 0.0)
+        };
         for item in all.iter_mut().filter(is_explained) {
             remedy.clone_into(&mut item.remedy);
         }

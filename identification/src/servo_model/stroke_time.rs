@@ -52,7 +52,7 @@ fn stroke_s(servo: &ServoParameters, [from, to]: [f64; 2], size: f64) -> Option<
     });
     let end = *outputs.last()?;
     let near = ENDED * size;
-    let late = outputs.iter().rposition(|y| !((y - end).abs() <= near))?;
+    let late = outputs.iter().rposition(|y| (y - end).abs() > near)?;
     let is_whole = ((end - begin).abs() - size).abs() <= near;
     // One that still moves at the end has not ended.
     let has_ended = late < samples - samples / 10;
