@@ -144,16 +144,25 @@ impl Identified {
         let mut text = String::new();
         // A finding that leaves nothing to be said before it stands in the place of the sentence.
         let speaks = servo_model.filter(|_| summary::first_finding(model).is_none());
-        text.extend(speaks.map(|servo| {
+        let sentence = speaks.map_or_else(String::new, |servo| {
             let sentence = summary::servo_sentence(&servo.model, model, units);
             summary::wrapped(&sentence, 0) + "\n\n"
-        }));
+        });
+        // What is to be said before it stands behind the name of the data.
+        let of_servo = match summary::said_before(model) {
+            Some(_) => &*sentence,
+            None => {
+                text += &sentence;
+                ""
+            }
+        };
         // A step response of which not even the times are findings is no picture of the servo.
         let picture = match picture && model.metrics.withheld.is_none() {
             true => scope::step_as_text(&model.step, PICTURE.0, PICTURE.1),
             false => String::new(),
         };
         let extent = Extent {
+            of_servo,
             picture: &picture,
             statistics: self.explain,
         };

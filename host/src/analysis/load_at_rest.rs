@@ -31,6 +31,7 @@ fn of_load(servo: &ServoParameters, command: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use servoid_identification::results::{Advice, Check};
     use servoid_identification::servo_model::Stops;
 
     #[test]
@@ -52,5 +53,16 @@ mod tests {
         assert_eq!(of_load(&servo(3.0, Load::Constant(2000.0)), 5.0), None);
         assert_eq!(of_load(&servo(3.0, Load::None), 5.0), None);
         assert_eq!(of_load(&servo(0.0, Load::None), 5.0), None);
+    }
+
+    #[test]
+    fn a_load_explains_what_has_its_sign() {
+        let rests = |off| Advice::new(Check::Zeros, "", off, 0.0, "Look at the zero.");
+        let mut all = [rests(2.78), rests(-2.5)];
+        Advice::name_load(&mut all, -2.43, "The load.");
+        assert_eq!(
+            all.map(|item| item.remedy),
+            ["Look at the zero.", "The load."]
+        );
     }
 }

@@ -9,8 +9,8 @@
 //!
 //! With m the middle of the commands, the servo rests c - m from its command there. Under two levels every stroke upwards ends at the same command, and g and f are one.
 //!
-//! Rests at a stop are left out: the stop holds them off their commands. Where rests change along the recording by as much as they are off, that is a
-//! drift of the sensor, which says nothing about its zero.
+//! Rests at a stop are left out: the stop holds them off their commands. Where rests change along the recording by half as much as they are off,
+//! that is a drift of the sensor, which says nothing about its zero.
 
 use servoid_identification::column::{mean, span};
 use servoid_identification::diagnostics::stops_of_rests;
@@ -67,7 +67,7 @@ pub(super) fn advice(record: &Record, unit: Option<&str>) -> Option<Advice> {
     let (off, least) = (line.off, MATTERS * travel);
     let beside = line.friction.unwrap_or(line.direction);
     let chance = BEYOND_CHANCE * line.off_sd;
-    let is_off = off.abs() > beside.max(least).max(chance).max(line.drift());
+    let is_off = off.abs() > beside.max(least).max(chance).max(2.0 * line.drift());
     let unit = unit.map_or_else(String::new, |unit| format!(" {unit}"));
     let friction = line.friction.map_or(String::new(), |friction| {
         format!(

@@ -46,6 +46,7 @@ mod support;
 #[cfg(target_os = "linux")]
 mod terminal;
 mod trains;
+mod travel;
 mod units;
 mod verdicts;
 mod wording;

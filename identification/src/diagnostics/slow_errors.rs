@@ -57,3 +57,51 @@ impl SlowErrors {
         )
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identify::identify;
+    use crate::options::Options;
+
+    /// Levels at random that are held for 0.4 s, every 5 ms.
+    fn levels(seed: usize) -> Vec<f64> {
+        let level = |hold: usize| {
+            ((hold * hold * 7919 + seed * 104_729 + hold * 31) % 61) as f64 / 2.0 - 15.0
+        };
+        (0..8000).map(|k| level(k / 80)).collect()
+    }
+
+    /// A lag of the input, to which `further` adds what is not linear of it, or not of it.
+    fn slow(seed: usize, further: impl Fn(usize, f64) -> f64) -> Option<SlowErrors> {
+        let input = levels(seed);
+        let mut lag = 0.0;
+        let output: Vec<f64> = (input.iter().enumerate())
+            .map(|(k, u)| {
+                lag += 0.1 * (u - lag);
+                let noise = 0.1 * (0.7 * (k * k) as f64).sin();
+                further(k, lag) + noise
+            })
+            .collect();
+        let record = Record::of_run(0.005, input, output).unwrap();
+        let model = identify(&record, &Options::default()).unwrap();
+        SlowErrors::of(&record, &model)
+    }
+
+    #[test]
+    fn a_drift_is_slow_and_what_depends_on_the_motion_is_not() {
+        for seed in 0..4 {
+            let drift = slow(seed, |k, y| {
+                y + (k as f64 * 0.005 / 7.0 * std::f64::consts::TAU).sin()
+            });
+            assert!(
+                drift.is_some_and(|found| found.share > 0.6),
+                "{seed}: {drift:?}"
+            );
+            let stop = slow(seed, |_, y| y.min(9.0));
+            assert_eq!(stop, None, "{seed}");
+            let bent = slow(seed, |_, y| y + 0.02 * y * y);
+            assert_eq!(bent, None, "{seed}");
+        }
+    }
+}

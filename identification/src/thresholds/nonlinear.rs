@@ -88,7 +88,7 @@ pub const BARE_MENTION: f64 = 2.0;
 /// Time from 90 to 98 % of a stroke, relative to that at its highest speed, below which the motion is cut off.
 ///
 /// Protects: users from times of a stop that are taken for those of the servo, and servos that are free from a stop that does not exist.
-/// Evidence: docs/method.md, "Arrivals"; the tests of the arrival.
+/// Evidence: the tests of the arrival.
 pub const CUT_OFF: f64 = 1.25;
 
 /// The same above which the servo slows down before its rest; see [`CUT_OFF`].

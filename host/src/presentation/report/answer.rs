@@ -73,7 +73,7 @@ fn verdict(page: &Page<'_>) -> String {
             (Some(found), _) if !doubt => paragraph(
                 "servo",
                 "",
-                &summary::servo_sentence(&found.model, own, first.subject.units),
+                &summary::headline_of_servo(&found.model, own, first.subject.units),
             ),
             (_, Bounds::Valid(_)) => {
                 paragraph("", "", &summary::headline_of_model(own, first.metadata))

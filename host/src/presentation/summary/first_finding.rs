@@ -12,7 +12,7 @@ pub(crate) fn first_finding(model: &Model) -> Option<&Advice> {
 }
 
 /// The first finding that is said before the sentence on a servo, which stands all the same.
-pub(super) fn said_before(model: &Model) -> Option<&Advice> {
+pub(crate) fn said_before(model: &Model) -> Option<&Advice> {
     model
         .advice
         .iter()

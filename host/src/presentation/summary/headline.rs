@@ -5,11 +5,13 @@ use super::first_finding::{first_finding, said_before};
 use super::metrics::settling_time;
 use super::model_sentence::{certainty, hides_step};
 use super::numbers::percent;
+use super::servo_sentence::servo_sentence;
 use super::strokes::which_step;
 use crate::data::model_metadata::ModelMetadata;
 use crate::data::units::Units;
 use servoid_identification::comparison::{Comparison, ComparisonBounds, Direction, Verdict};
 use servoid_identification::results::{Bounds, Interval, Model};
+use servoid_identification::servo_model::ServoModel;
 
 /// How fast a servo is, and how sure that is.
 pub(crate) fn headline_of_model(model: &Model, of: &ModelMetadata) -> String {
@@ -34,6 +36,12 @@ pub(crate) fn headline_of_model(model: &Model, of: &ModelMetadata) -> String {
     };
     let before = said_before(model).map_or_else(String::new, |item| format!("{} ", item.finding));
     before + &motion + &certainty(model)
+}
+
+/// The same of a servo model beside a linear one.
+pub(crate) fn headline_of_servo(servo: &ServoModel, model: &Model, units: Units<'_>) -> String {
+    let before = said_before(model).map_or_else(String::new, |item| format!("{} ", item.finding));
+    before + &servo_sentence(servo, model, units)
 }
 
 /// Whether two differ, and by how much; `a` and `b` are their names, `units` those of both.

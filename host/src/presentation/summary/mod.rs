@@ -27,8 +27,8 @@ pub(crate) use strokes::stroke_in_words;
 pub(crate) use comparison::{
     NOT_COMPARED, facts_of_comparison, how_compared, table_of_comparison, verdict,
 };
-pub(crate) use first_finding::first_finding;
-pub(crate) use headline::{headline_of_comparison, headline_of_model};
+pub(crate) use first_finding::{first_finding, said_before};
+pub(crate) use headline::{headline_of_comparison, headline_of_model, headline_of_servo};
 pub(crate) use key_figures::{
     KEY_FIGURES, KeyFigure, of_both, of_both_machines, of_comparison as key_figures_of_comparison,
     of_machine, of_response,
@@ -59,6 +59,8 @@ pub(crate) fn level_text(model: &Model) -> String {
 /// How much of an identification is printed.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Extent<'a> {
+    /// A sentence on the servo as a machine, where findings are said before it.
+    pub of_servo: &'a str,
     /// A picture of the step response, which comes after the sentence.
     pub picture: &'a str,
     /// Whether structure, residuals and widths are printed too.
@@ -79,7 +81,8 @@ pub fn of_model(source: &str, model: &Model, of: &ModelMetadata, extent: Extent<
         none if none.is_empty() => none,
         some => some + "\n",
     };
-    let mut text = format!("{source}\n{first}{sentence}\n{}", extent.picture);
+    let of_servo = extent.of_servo;
+    let mut text = format!("{source}\n{first}{of_servo}{sentence}\n{}", extent.picture);
     match model.level() {
         Bounds::Withdrawn(reason) => {
             let because = reason.because();
