@@ -73,6 +73,11 @@ pub enum DatasetFault {
         /// What to add to the command, as far as the names of the columns suggest it.
         options: String,
     },
+    /// Rows of a single cell.
+    #[error(
+        "has one cell in each row ({0:?} in the header row), and a command and a position are needed: part cells by commas, semicolons, tabs or vertical bars"
+    )]
+    OneCell(String),
     /// The sampling period is not known.
     #[error(
         "has no column that is called like one of time ('t', 'time_ms', 'Zeit [s]', say): name it with --time COLUMN, or say how far apart the rows are with --period SECONDS"

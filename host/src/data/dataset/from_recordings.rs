@@ -103,11 +103,7 @@ fn about(
         output_unit: Some("deg".to_owned()),
         condition: Some(header.condition.clone()).filter(|c| !c.is_empty()),
         provenance: vec![provenance],
-        calibrations: vec![SensorCalibration {
-            degrees_per_count: header.degrees_per_count,
-            zero_counts: header.zero_counts,
-            scale_sd_percent: header.scale_sd_percent,
-        }],
+        calibrations: vec![SensorCalibration::of(header)],
         ..About::default()
     };
     let (shown, rows) = (path.display(), recording.rows.len());
