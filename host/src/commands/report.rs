@@ -1,7 +1,7 @@
 //! `servoid report`
 
 use super::compare::warn_of_small_margin;
-use super::input::{TableArgs, name_of};
+use super::input::{SecondSideArgs, TableArgs, name_of};
 use super::output::{Output, Talk, stem, wrong_usage};
 use super::servo_search::ServoSearch;
 use crate::analysis::{compared, compared_models, identified, scale_ratio_sd, servo_fit};
@@ -51,6 +51,8 @@ pub(super) struct Report {
     output: Output,
     #[command(flatten)]
     table: TableArgs,
+    #[command(flatten)]
+    second: SecondSideArgs,
 }
 
 impl Report {
@@ -65,7 +67,7 @@ impl Report {
         };
         let mut servos = match sides[..] {
             [a, b] if model_file(a).is_none() && model_file(b).is_none() => {
-                let [data_a, data_b] = self.table.load_sides([a, b], talk)?;
+                let [data_a, data_b] = self.table.load_sides([a, b], &self.second, talk)?;
                 vec![self.servo(a, data_a)?, self.servo(b, data_b)?]
             }
             ref sides => {

@@ -622,18 +622,19 @@ fn bounds_of_the_difference_hold_where_scales_differ_as_they_are_stated() {
             plain(&scaled(&other, b), 3001 + 2 * pair),
         ];
         let found = compare(&sides[0], &sides[1], &two_scales()).unwrap();
-        let bounds = found.bounds.valid().unwrap().difference_percent;
+        // A recording in fifty is told from a linear servo by chance, and has no bounds.
+        let bounds = found.bounds.valid()?.difference_percent;
         let [low, high] = gain_of(&found);
         // In terms of the first, whose own gain is off by its scale.
         let gain = -0.06 * (1.0 + a);
-        [
+        Some([
             bounds.at_least > 100.0 * exact || 100.0 * exact > bounds.at_most,
             low > gain || gain > high,
-        ]
+        ])
     };
-    let all: Vec<[bool; 2]> = (0..pairs).into_par_iter().map(missed).collect();
+    let all: Vec<[bool; 2]> = (0..pairs).into_par_iter().filter_map(missed).collect();
     let [curves, gains] = [0, 1].map(|k| all.iter().filter(|of| of[k]).count());
-    println!("missed of {pairs}: curves {curves}, gains {gains}");
+    println!("missed of {}: curves {curves}, gains {gains}", all.len());
     // 1 % of 400 and three standard deviations, 4 + 3 * 2.
     assert!(curves <= 10 && gains <= 10, "{curves} {gains}");
 }

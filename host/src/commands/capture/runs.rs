@@ -51,7 +51,7 @@ pub(in crate::commands) fn capture(
     talk.say(format_args!(
         "{address}: {board}, firmware {build}, {clock} clock"
     ));
-    if let Some(remark) = delay_of_virtual_board(hello, job.rig) {
+    if let Some(remark) = delay_of_virtual_board(hello, &job.rig) {
         talk.say(remark);
     }
     let mut ends = Vec::new();

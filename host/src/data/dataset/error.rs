@@ -21,6 +21,14 @@ pub enum DatasetError {
     Data(String, DataError),
 }
 
+impl DatasetError {
+    /// Whether a table has no column of a name that was given.
+    pub(crate) fn is_of_a_missing_column(&self) -> bool {
+        let Self::File(file) = self else { return false };
+        matches!(file.fault, DatasetFault::Table(TableFault::NoColumn { .. }))
+    }
+}
+
 /// A fault in a file.
 #[derive(Debug, thiserror::Error)]
 pub enum DatasetFault {

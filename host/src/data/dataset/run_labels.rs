@@ -39,6 +39,9 @@ mod tests {
         let texts = ["T0", "T0", "T1", "T0"].map(str::to_owned);
         let (labels, remark) = of_texts("trial", &texts);
         assert_eq!(labels, [1.0, 1.0, 2.0, 1.0]);
-        assert!(remark.ends_with("in their order: 1 is \"T0\", 2 is \"T1\""), "{remark}");
+        assert!(
+            remark.ends_with("in their order: 1 is \"T0\", 2 is \"T1\""),
+            "{remark}"
+        );
     }
 }

@@ -103,14 +103,21 @@ const TRAVEL: [&str; 2] = ["# From ", " degrees: "];
 fn travel_in_words(document: &DocumentMut) -> Option<String> {
     let number = |section: &str, key: &str| {
         let value = document.get(section)?.get(key)?.as_value()?;
-        value.as_float().or(value.as_integer().map(|whole| whole as f64))
+        value
+            .as_float()
+            .or(value.as_integer().map(|whole| whole as f64))
     };
-    let (neutral, scale) = (number("servo", "neutral_us")?, number("servo", "us_per_degree")?);
+    let (neutral, scale) = (
+        number("servo", "neutral_us")?,
+        number("servo", "us_per_degree")?,
+    );
     let ends = ["shortest_us", "longest_us"].map(|key| number("limits", key));
     let [a, b] = ends.map(|end| end.map(|us| (us - neutral) / scale));
     let (low, high) = (a?.min(b?), a?.max(b?));
     let [begins, has] = TRAVEL;
-    Some(format!("{begins}{low:.1} to {high:.1}{has}up to where the servo stops, by its calibration."))
+    Some(format!(
+        "{begins}{low:.1} to {high:.1}{has}up to where the servo stops, by its calibration."
+    ))
 }
 
 /// Puts this line in the place of the one that said how far earlier limits reached, where there is one.
