@@ -109,7 +109,8 @@ def identify(
         recording = as_recording(u, {name: value for name, value in options.items() if value is not None})
         # How files were read is said where it was not said before.
         said = isinstance(u, Recording)
-        return Model(_servoid.identify(recording._data, wanted), () if said else recording.remarks)
+        core, found = _servoid.identify(recording._data, wanted)
+        return Model(core, (*(() if said else recording.remarks), *found))
     if reading:
         raise TypeError(f"identify() of arrays got unexpected options {', '.join(sorted(reading))}")
     runs, of_arrays = array_runs(

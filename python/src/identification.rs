@@ -49,18 +49,19 @@ impl IdentifyOptions {
     }
 }
 
-/// The model of data.
+/// The model of data, and what a user should know about it.
 #[pyfunction]
 pub(crate) fn identify(
     py: Python<'_>,
     data: &Bound<'_, Data>,
     options: IdentifyOptions,
-) -> PyResult<Model> {
+) -> PyResult<(Model, Vec<String>)> {
     let source = data.get().0.clone();
     let request = options.request()?;
     compute(py, move |interrupted| {
         let (data, read_as) = (&source.dataset, source.read_as.clone());
-        identified(data, &source.name, read_as, &request, interrupted)
+        let (model, prior) = identified(data, &source.name, read_as, &request, interrupted)?;
+        Ok((model, prior.into_iter().collect()))
     })
 }
 
@@ -78,8 +79,9 @@ pub(crate) fn identify_arrays(
     compute_borrowed(py, |interrupted| {
         let data = dataset::of_arrays(arrays)?;
         let read_as = DatasetOptions::default();
-        let model = identified(&data, &name, read_as, &request, interrupted)?;
-        Ok((model, remarks(&data)))
+        let (model, prior) = identified(&data, &name, read_as, &request, interrupted)?;
+        let remarks = remarks(&data).into_iter().chain(prior).collect();
+        Ok((model, remarks))
     })
 }
 
@@ -89,9 +91,10 @@ fn identified(
     read_as: DatasetOptions,
     request: &IdentifyRequest,
     interrupted: Interrupted,
-) -> anyhow::Result<Model> {
+) -> anyhow::Result<(Model, Option<String>)> {
     let found = Identified::of(data, name, request, || interrupted)?;
     let document = to_json(&found.document(data, read_as))?;
     let summary = found.as_text(data, name, false);
-    Model::of(document, name.to_owned(), Some(summary))
+    let model = Model::of(document, name.to_owned(), Some(summary))?;
+    Ok((model, found.prior_not_used()))
 }

@@ -64,8 +64,9 @@ impl SimulatedBoard {
 }
 
 fn identity(options: &SimulationOptions) -> Identity {
+    // A board and its sensor are one: the seed is of a run.
     let mut unique_id = *b"sim.        ";
-    unique_id[4..].copy_from_slice(&options.seed.to_le_bytes());
+    unique_id[4..].copy_from_slice(&options.conditions.sensor_gain.to_le_bytes());
     let board = ["sim:", options.servo.name()].concat();
     Identity {
         board: Text16::new(&board),

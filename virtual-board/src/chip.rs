@@ -156,7 +156,7 @@ impl Chip {
                 _ => None,
             }));
         let mut unique_id = *b"virt        ";
-        unique_id[4..].copy_from_slice(&simulation.seed.to_le_bytes());
+        unique_id[4..].copy_from_slice(&simulation.conditions.sensor_gain.to_le_bytes());
         let sources = Sources::new(
             !faults.contains(&Fault::NoCrystal),
             !faults.contains(&Fault::NoPll),

@@ -123,7 +123,18 @@ fn find_image(named: Option<&Path>) -> Result<PathBuf> {
         std::env::var_os("CARGO_TARGET_DIR").map(|target| Path::new(&target).join(IMAGE));
     let candidates = [configured, beside, Some(Path::new("target").join(IMAGE))];
     let found = candidates.into_iter().flatten().find(|path| path.is_file());
-    found.context("no image was found: build it with 'cargo fw', or name one with --elf")
+    match found {
+        Some(path) => Ok(path),
+        None => no_image(),
+    }
+}
+
+/// Ends the program with what gives the board a program. An error would have a backtrace, and its user has made no mistake.
+fn no_image() -> ! {
+    eprintln!(
+        "error: this board has no program: no image was found\n  'cargo fw' in the sources of servoid builds it, and --elf FILE names one;\n  or start the board with --erased --boot0, and write the program that servoid has in it: servoid flash --port PORT"
+    );
+    std::process::exit(1)
 }
 
 fn open(tcp: Option<&str>, bootloader: bool) -> Result<Box<dyn HostEnd>> {
@@ -157,7 +168,9 @@ fn announce(port: &str, bootloader: bool) {
         true => eprintln!(
             "servoid flash --port {port}\n  writes the program and starts it, by which the board leaves its bootloader; it has no reset button: start it again without --boot0 and --erased, and the program runs at once"
         ),
-        false => eprintln!("servoid capture --port {port} -o recording.csv"),
+        false => eprintln!(
+            "servoid init --yes --port {port} --sensor-delay 0 --sensor-delay-uncertainty 0\n  writes a rig file of this board: its simulated sensor does not lag, as a real one does\nservoid capture --port {port} -o recording.csv"
+        ),
     }
 }
 

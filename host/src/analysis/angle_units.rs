@@ -1,8 +1,11 @@
 //! Radians beside degrees within one recording, by its gain.
 
+use crate::data::dataset::Dataset;
 use crate::data::model_metadata::unit_meant;
 use crate::data::units::Units;
 use crate::presentation::summary::four_digits;
+use servoid_identification::Run;
+use servoid_identification::column::span;
 use servoid_identification::results::{Advice, Check, Model};
 
 /// Gains this near to the ratio of radians and degrees are doubted \[%\]: a servo whose two columns are in one unit has a gain of 1 within
@@ -52,10 +55,64 @@ pub(super) fn advice_on_gain(model: &Model, units: Units<'_>) -> Option<Advice> 
     })
 }
 
+/// Travels of a servo, by the unit of its angle: one that is no winch turns by less than a turn, and strokes of less than a degree are hardly
+/// more than its play. Radians are 57 degrees, so that what is outside of one range is far within the other.
+const TRAVEL_RAD: f64 = std::f64::consts::TAU;
+const TRAVEL_DEG: f64 = 1.0;
+
+/// That the position, whose column names its unit, goes as far as if it were in the other one.
+pub(super) fn advice_on_travel(data: &Dataset) -> Option<Advice> {
+    let unit = unit_meant(data.about.units().output?)?;
+    let positions = data.record.runs().iter().flat_map(Run::output).copied();
+    travel_in_doubt(span(positions)?, &unit)
+}
+
+fn travel_in_doubt(travel: f64, unit: &str) -> Option<Advice> {
+    let (limit, other, factor) = match unit {
+        "rad" if travel > TRAVEL_RAD => (TRAVEL_RAD, "degrees", "0.01745329"),
+        "deg" if 0.0 < travel && travel < TRAVEL_DEG => (TRAVEL_DEG, "radians", "57.29578"),
+        _ => return None,
+    };
+    let (shown, in_degrees) = match unit {
+        "rad" => (
+            "radians",
+            format!(", {} degrees", four_digits(travel.to_degrees())),
+        ),
+        _ => ("degrees", String::new()),
+    };
+    Some(Advice::new(
+        Check::UnitMix,
+        format!(
+            "The position moves over {} {shown} in all{in_degrees}, by the name of its column, and no usual servo does. In {other} it would be what one does.",
+            four_digits(travel)
+        ),
+        travel,
+        limit,
+        format!(
+            "If the column is in {other}, change its name, or multiply it by {factor}: speeds and the time for 60 degrees follow from it."
+        ),
+    ))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use servoid_identification::{Options, Record, identify};
+
+    #[test]
+    fn a_travel_that_is_none_of_a_servo_is_doubted() {
+        let found = |travel, unit| travel_in_doubt(travel, unit).map(|advice| advice.finding);
+        let said = found(30.0, "rad").unwrap();
+        assert!(said.contains("30 radians in all, 1719 degrees"), "{said}");
+        assert!(
+            found(0.52, "deg")
+                .unwrap()
+                .contains("0.5200 degrees in all")
+        );
+        for (travel, unit) in [(10.0, "deg"), (0.5, "rad"), (300.0, "deg"), (0.5, "V")] {
+            assert_eq!(found(travel, unit), None, "{travel} {unit}");
+        }
+    }
 
     #[test]
     fn radians_beside_degrees_are_named_and_other_gains_are_not() {

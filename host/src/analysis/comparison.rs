@@ -1,6 +1,6 @@
 //! The comparison of two sides, with what the commands add to that of the library: servo models, and advice on the files.
 
-use super::{delay_errors, servo_fit};
+use super::{delay_errors, scale_errors, servo_fit};
 use crate::data::dataset::Dataset;
 use crate::data::fingerprint;
 use crate::data::mixed_units::advice_on_units;
@@ -31,6 +31,7 @@ pub fn compared(
     let options = ComparisonOptions {
         input_unit: a.about.input_unit_with(&b.about),
         output_unit: a.about.output_unit_with(&b.about),
+        scale_sd: scale_errors::ratio_sd([&metadata[0], &metadata[1]]),
         ..delay_errors::allowed_for([&metadata[0], &metadata[1]], options)
     };
     let found = compare(&a.record, &b.record, &options);
@@ -55,6 +56,10 @@ pub fn compared(
     found
         .advice
         .extend(delay_errors::advice([&metadata[0], &metadata[1]]));
+    let level = options.identification.level;
+    found
+        .advice
+        .extend(scale_errors::advice([&metadata[0], &metadata[1]], level));
     Ok(found)
 }
 
@@ -184,6 +189,7 @@ pub fn compared_models(
     let strokes = a.only_stroke.zip(b.only_stroke);
     let unit = a.units().input.filter(|unit| b.units().input == Some(unit));
     let options = ComparisonOptions {
+        scale_sd: scale_errors::ratio_sd(metadata),
         strokes_of_models: strokes.map(<[f64; 2]>::from),
         input_unit: unit.unwrap_or_default().to_owned(),
         ..delay_errors::allowed_for(metadata, options)
@@ -191,6 +197,8 @@ pub fn compared_models(
     let found = compare_models(models[0], models[1], &options).map_err(with_machines);
     let mut found = found.with_context(|| names.join(" against "))?;
     found.advice.extend(delay_errors::advice(metadata));
+    let level = options.identification.level;
+    found.advice.extend(scale_errors::advice(metadata, level));
     Ok(found)
 }
 
@@ -231,8 +239,13 @@ impl Compared {
         let wanted = |found| servo_fit::are_compared(servo_model, found);
         let servos = (found.compared().is_none_or(wanted))
             .then(|| servo_fit::find_both([a, b], names, &identification, &watch()));
+        let metadata = [a, b].map(|side| ModelMetadata::from(&side.about));
+        let scale_sd = scale_errors::ratio_sd([&metadata[0], &metadata[1]]);
         let (servo_model, no_servo_model) = match servos {
-            Some(Ok([a, b])) => (Some(compare_servo_models(&a.model, &b.model)), None),
+            Some(Ok([a, b])) => (
+                Some(compare_servo_models(&a.model, &b.model, scale_sd)),
+                None,
+            ),
             Some(Err(reason)) => (None, Some(reason)),
             None => (None, None),
         };
@@ -266,6 +279,7 @@ impl Compared {
         }
         let [of_a, of_b] = servos;
         let both = of_a.zip(of_b);
+        let scale_sd = scale_errors::ratio_sd(metadata);
         let mut found = StepResponses::of(found, both.is_some(), options.margin_percent)?;
         if let StepResponses::Compared(found) = &mut found {
             let same = fingerprint::advice_on_sides(&a.fingerprints, &b.fingerprints);
@@ -273,7 +287,7 @@ impl Compared {
         }
         Ok(Self {
             found,
-            servo_model: both.map(|(a, b)| compare_servo_models(&a.model, &b.model)),
+            servo_model: both.map(|(a, b)| compare_servo_models(&a.model, &b.model, scale_sd)),
             no_servo_model: None,
             metadata: a.metadata.clone(),
         })

@@ -9,7 +9,7 @@ use crate::presentation::summary::{self, Extent};
 use crate::presentation::{explanation, scope};
 use anyhow::Result;
 use serde::Serialize;
-use servoid_identification::diagnostics::Explanation;
+use servoid_identification::diagnostics::{Explanation, PriorOutcome};
 use servoid_identification::flight_model::{self, FlightModel, FlightModelOptions};
 use servoid_identification::nonlinear::{DirectionModel, Limits, split_by_direction};
 use servoid_identification::results::{Advice, Model, StepResponse};
@@ -184,6 +184,15 @@ impl Identified {
                 .map(|(limits, split)| summary::of_limits(limits, split.as_ref(), units.common())),
         );
         text
+    }
+}
+
+impl Identified {
+    /// What became of the prior that was asked for, where it is not used.
+    #[must_use]
+    pub fn prior_not_used(&self) -> Option<String> {
+        let prior = self.explanation.prior.as_ref()?;
+        (!matches!(prior, PriorOutcome::Used { .. })).then(|| prior.in_words())
     }
 }
 

@@ -1,10 +1,11 @@
 //! The linear model of a data set, with the advice that its files ask for.
 
-use super::angle_units::advice_on_gain;
+use super::angle_units::{advice_on_gain, advice_on_travel};
 use super::command_edges::{CommandEdges, command_edges};
 use super::duration_in_words::in_words;
 use super::travel;
 use crate::data::dataset::Dataset;
+use crate::data::dataset::suggested_columns::quoted;
 use crate::data::sensor_preset::is_of_data_sheet;
 use crate::presentation::summary::percent;
 use anyhow::{Context, Result};
@@ -31,7 +32,9 @@ pub fn identified(data: &Dataset, name: &str, options: &Options) -> Result<Ident
     let doubtful = unlikely_period(data.record.sample_period_s());
     let doubtful = doubtful.or_else(|| unlikely_duration(&found.model));
     let mixed = advice_on_gain(&found.model, data.about.units());
+    let mixed = mixed.into_iter().chain(advice_on_travel(data));
     let off = travel::advice(data, &found.model);
+    name_planned_command(data, &mut found.model.advice);
     found
         .model
         .advice
@@ -71,6 +74,22 @@ pub fn identified(data: &Dataset, name: &str, options: &Options) -> Result<Ident
     let delay_error_s = data.about.sensor_delay_uncertainty_s;
     found.model = found.model.with_delay_error(delay_error_s);
     Ok(found)
+}
+
+/// Of an input that follows the output: that the file has another column of commands, where it does.
+fn name_planned_command(data: &Dataset, advice: &mut [Advice]) {
+    let Some(column) = &data.about.other_input else {
+        return;
+    };
+    for found in advice
+        .iter_mut()
+        .filter(|found| found.check == Check::Feedback)
+    {
+        found.remedy += &format!(
+            " The file has a column {column:?}, too: where that was planned before, --input {} gives the response of servo and controller together.",
+            quoted(column)
+        );
+    }
 }
 
 /// Errors that follow the motion are those of commands that came at other times than their rows, about a mean that the response contains:

@@ -59,7 +59,7 @@ mod tests {
     fn a_load_explains_what_has_its_sign() {
         let rests = |off| Advice::new(Check::Zeros, "", off, 0.0, "Look at the zero.");
         let mut all = [rests(2.78), rests(-2.5)];
-        Advice::name_load(&mut all, -2.43, "The load.");
+        Advice::name_load(&mut all, Some(-2.43), "The load.");
         assert_eq!(
             all.map(|item| item.remedy),
             ["Look at the zero.", "The load."]

@@ -1,6 +1,6 @@
 //! `servoid compare`
 
-use super::input::TableArgs;
+use super::input::{SecondSideArgs, TableArgs};
 use super::output::{Output, Talk, sides_are_open, wrong_usage};
 use super::servo_search::ServoSearch;
 use crate::analysis::Compared;
@@ -53,6 +53,8 @@ pub(super) struct Compare {
     output: Output,
     #[command(flatten)]
     table: TableArgs,
+    #[command(flatten)]
+    second: SecondSideArgs,
 }
 
 impl Compare {
@@ -91,7 +93,7 @@ impl Compare {
                     bail!("{model:?} is a model: compare two models, or recordings on both sides");
                 }
                 let talk = self.output.talk;
-                let [a, b] = self.table.load_sides([a, b], talk)?;
+                let [a, b] = self.table.load_sides([a, b], &self.second, talk)?;
                 let watch = || ServoSearch::begin("both servos as machines", talk);
                 Compared::recordings([&a, &b], names, options, self.servo_model, watch)?
             }

@@ -54,7 +54,7 @@ struct Given {
     /// Port of the rig: a serial device, tcp:HOST:PORT, or sim:bench, sim:aircraft, sim:linear
     #[arg(long, short, value_parser = completion_values::port(), hide_possible_values = true)]
     port: Option<String>,
-    /// Condition of the measurements: bench, aircraft, or your own words [default: bench]
+    /// Condition of the measurements: bench, aircraft, or your own words [default: bench; with --port sim:aircraft: aircraft]
     #[arg(long, value_name = "NAME", value_parser = completion_values::condition(), hide_possible_values = true)]
     condition: Option<String>,
     /// Name of the servo
@@ -195,6 +195,9 @@ impl Given {
     /// Every answer, from the options and the asker.
     fn complete(self, asker: &Asker, talk: Talk) -> Result<RigAnswers> {
         let mut to = RigAnswers::default();
+        if let Some(port) = &self.port {
+            to.take_port(port);
+        }
         asker.ask(self.name, NAME, &mut to.name, |name| check_name(name))?;
         asker.ask(self.condition, CONDITION, &mut to.condition, |name| {
             check_condition(name)
@@ -205,7 +208,7 @@ impl Given {
         };
         asker.ask(self.servo, SERVO, &mut to.servo, |name| check_name(name))?;
         // Wide pulses may break a narrow-pulse servo, so nobody gets them without having been asked.
-        let mut pulse_type = PulseTypeName::default();
+        let mut pulse_type = to.pulse_type;
         asker.ask(self.pulse_type, PULSE_TYPE, &mut pulse_type, |_| Ok(()))?;
         to.take_pulse_type(pulse_type);
         let pulse_type = to.pulse_type;

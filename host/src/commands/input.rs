@@ -2,9 +2,9 @@
 
 use super::output::{Talk, stem, wrong_usage};
 use crate::data::dataset::suggested_columns::quoted;
-use crate::data::dataset::{self, Dataset, DatasetOptions, TimeUnit};
+use crate::data::dataset::{self, Dataset, DatasetError, DatasetOptions, TimeUnit};
 use crate::instrument::simulated_servo::SimulatedServoError;
-use anyhow::Result;
+use anyhow::{Result, anyhow};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -47,6 +47,42 @@ pub(super) struct TableArgs {
     /// as long, and a real servo does not follow them in proportion
     #[arg(long)]
     with_rest: bool,
+}
+
+/// The columns of a second side, where they have other names than those of the first.
+#[derive(Clone, Debug, Default, Args)]
+#[command(next_help_heading = "Input files")]
+pub(super) struct SecondSideArgs {
+    /// Column of the input of the second side, where it is called otherwise than that of the first
+    #[arg(long, value_name = "COLUMN", requires = "input")]
+    input_b: Option<String>,
+    /// Column of the output of the second side, likewise
+    #[arg(long, value_name = "COLUMN", requires = "output")]
+    output_b: Option<String>,
+}
+
+impl SecondSideArgs {
+    /// How the second side is to be read, whose first is read so.
+    fn options(&self, first: &DatasetOptions) -> DatasetOptions {
+        let or = |own: &Option<String>, of_first: &Option<String>| own.clone().or(of_first.clone());
+        DatasetOptions {
+            input: or(&self.input_b, &first.input),
+            output: or(&self.output_b, &first.output),
+            ..first.clone()
+        }
+    }
+
+    /// The error of reading two sides, with what names the columns of the second, where that is what it lacks.
+    fn named(&self, error: DatasetError) -> anyhow::Error {
+        let open = self.input_b.is_none() && self.output_b.is_none();
+        match open && error.is_of_a_missing_column() {
+            true => anyhow!(
+                "{error}; where the columns of the two sides have different names, --input and --output are those of the first, and --input-b and \
+                 --output-b those of the second"
+            ),
+            false => error.into(),
+        }
+    }
 }
 
 impl TableArgs {
@@ -116,9 +152,12 @@ impl TableArgs {
     pub(super) fn load_sides(
         &self,
         sides: [&[PathBuf]; 2],
+        second: &SecondSideArgs,
         talk: Talk,
     ) -> Result<[Dataset<'static>; 2]> {
-        let sides = dataset::load_sides(sides, &self.options())?;
+        let first = self.options();
+        let both = [&first, &second.options(&first)];
+        let sides = dataset::load_sides(sides, both).map_err(|error| second.named(error))?;
         sides.iter().for_each(|side| say_remarks(side, talk));
         Ok(sides)
     }

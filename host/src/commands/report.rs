@@ -1,10 +1,10 @@
 //! `servoid report`
 
 use super::compare::warn_of_small_margin;
-use super::input::{TableArgs, name_of};
+use super::input::{SecondSideArgs, TableArgs, name_of};
 use super::output::{Output, Talk, sides_are_open, stem, wrong_usage};
 use super::servo_search::ServoSearch;
-use crate::analysis::{compared, compared_models, identified, servo_fit};
+use crate::analysis::{compared, compared_models, identified, scale_ratio_sd, servo_fit};
 use crate::data::dataset::{Dataset, listed};
 use crate::data::model_file::{ModelFile, is_model};
 use crate::presentation::report::{self, Page, Servo};
@@ -51,6 +51,8 @@ pub(super) struct Report {
     output: Output,
     #[command(flatten)]
     table: TableArgs,
+    #[command(flatten)]
+    second: SecondSideArgs,
 }
 
 impl Report {
@@ -68,7 +70,7 @@ impl Report {
         };
         let mut servos = match sides[..] {
             [a, b] if model_file(a).is_none() && model_file(b).is_none() => {
-                let [data_a, data_b] = self.table.load_sides([a, b], talk)?;
+                let [data_a, data_b] = self.table.load_sides([a, b], &self.second, talk)?;
                 vec![self.servo(a, data_a)?, self.servo(b, data_b)?]
             }
             ref sides => {
@@ -160,7 +162,8 @@ fn model_file(files: &[PathBuf]) -> Option<&PathBuf> {
 fn servo_models(a: &Servo, b: &Servo) -> Option<ServoModelComparison> {
     a.metadata.same_units(&a.name, &b.metadata, &b.name).ok()?;
     let both = a.servo_model.as_ref().zip(b.servo_model.as_ref())?;
-    Some(compare_servo_models(&both.0.model, &both.1.model))
+    let scale_sd = scale_ratio_sd([&a.metadata, &b.metadata]);
+    Some(compare_servo_models(&both.0.model, &both.1.model, scale_sd))
 }
 
 /// The comparison of the two; `None` where there is none, as for a recording beside a model.

@@ -4,6 +4,7 @@ use crate::data::rig_file::RigFile;
 use crate::data::sensor_preset::SensorKind;
 use crate::instrument::port;
 use anyhow::{Result, bail};
+use servoid_protocol::Hello;
 use std::path::Path;
 
 /// The pulses that a servo gets where no file names them.
@@ -84,8 +85,23 @@ pub(super) fn delay_of_another_rig(address: &str, file: &RigFile) -> Option<Stri
     (!simulated && unknown).then(|| {
         let usual = SensorKind::default().preset();
         format!(
-            "the sensor's delay is taken as 0 ms, as that of a simulated rig: times come out longer by the true one, which is {} ms for the {}; state it as delay_ms and delay_uncertainty_ms in the rig file",
+            "the sensor's delay is taken as 0 ms, as that of a simulated rig or a virtual board: of a real one times come out longer by the true one, which is {} ms for the {}; state it as delay_ms and delay_uncertainty_ms in the rig file",
             usual.delay_ms[0], usual.name
+        )
+    })
+}
+
+/// How the number of a virtual board begins.
+const VIRTUAL: &[u8] = b"virt";
+
+/// Why the sensor's delay in `file` is not that of the board that answers, where it is a virtual one.
+pub(super) fn delay_of_virtual_board(hello: &Hello, file: &RigFile) -> Option<String> {
+    let delay_ms = file.sensor.delay_ms;
+    let lags = delay_ms > file.sensor.delay_uncertainty_ms;
+    (hello.unique_id.starts_with(VIRTUAL) && lags).then(|| {
+        format!(
+            "this is a virtual board, whose simulated sensor reads the angle at once, and the rig file takes a delay of {delay_ms} ms out: times come out \
+             shorter by that; write 0 as delay_ms and delay_uncertainty_ms for it"
         )
     })
 }

@@ -45,6 +45,12 @@ pub struct ModelMetadata {
     /// That delay is at most this far from the true one \[s\].
     #[serde(default, skip_serializing_if = "is_zero")]
     pub sensor_delay_uncertainty_s: f64,
+    /// Degrees for one count of the sensor, where all recordings state one and agree.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub degrees_per_count: Option<f64>,
+    /// Standard deviation of that scale (percent of it): the largest of those of the recordings.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub scale_sd_percent: f64,
     /// The size of the strokes in the recording, where all have one (unit of the command).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub only_stroke: Option<f64>,
@@ -60,6 +66,8 @@ impl ModelMetadata {
             sensor_delay_s: None,
             board_id: None,
             sensor_delay_uncertainty_s: 0.0,
+            degrees_per_count: None,
+            scale_sd_percent: 0.0,
             only_stroke: None,
         }
     }
@@ -91,6 +99,10 @@ impl ModelMetadata {
         Self {
             sensor_delay_s: found.sensor_delay_s.filter(of_sensor),
             sensor_delay_uncertainty_s: uncertainty_s.unwrap_or_default(),
+            degrees_per_count: found.degrees_per_count.filter(|scale| scale.is_finite()),
+            scale_sd_percent: Some(found.scale_sd_percent)
+                .filter(|sd| (0.0..=100.0).contains(sd))
+                .unwrap_or_default(),
             only_stroke: found.only_stroke.filter(|size| *size > 0.0),
             pulse_frame_s: found
                 .pulse_frame_s

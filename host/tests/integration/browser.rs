@@ -265,6 +265,56 @@ fn every_plot_is_drawn_and_nothing_goes_wrong() {
     );
 }
 
+/// Makes the page narrower once its figures are there, and says how far it and its widest picture reach then.
+const NARROWED: &str = r##"<script>
+"use strict";
+(async () => {
+  const frame = document.querySelector("iframe"), wait = (ms) => new Promise((done) => setTimeout(done, ms));
+  const inner = () => frame.contentDocument;
+  while (!inner()?.documentElement?.dataset.drawn) await wait(20);
+  frame.width = 400;
+  const pictures = () => [...inner().querySelectorAll(".main-svg")].map((picture) => Math.ceil(picture.getBoundingClientRect().right));
+  // The page draws again when its width has not changed for 150 ms.
+  for (let tries = 0; tries < 200 && Math.max(...pictures()) > 400; tries++) await wait(20);
+  const root = inner().documentElement;
+  document.documentElement.dataset.narrowed = [root.scrollWidth - root.clientWidth, Math.max(...pictures())].join(" ");
+})();
+</script>"##;
+
+#[test]
+fn a_page_that_is_made_narrower_has_narrower_pictures() {
+    let Some(browser) = chromium_for("a_page_that_is_made_narrower_has_narrower_pictures") else {
+        return;
+    };
+    let dir = tempfile::tempdir().unwrap();
+    let recording = simulated(dir.path(), "linear", 1);
+    let out = dir.path().join("page.html");
+    run(&["report", "-q", arg(&recording), "-o", arg(&out)]);
+    let page = first_figure_only(&std::fs::read_to_string(&out).unwrap());
+    let page = page.replace('&', "&amp;").replace('"', "&quot;");
+    let frame = format!("<iframe width=\"900\" height=\"800\" srcdoc=\"{page}\"></iframe>");
+    let around = dir.path().join("around.html");
+    std::fs::write(
+        &around,
+        format!("<!DOCTYPE html><html><body>{frame}{NARROWED}</body></html>"),
+    )
+    .unwrap();
+    let options = [
+        "--dump-dom",
+        "--virtual-time-budget=30000",
+        "--window-size=1300,900",
+    ];
+    let (dom, _) = browse(browser, dir.path(), &around, &options);
+    let narrowed: Vec<i32> = attribute(&dom, "narrowed")
+        .split(' ')
+        .map(|n| n.parse().unwrap_or(9999))
+        .collect();
+    let [overflow, right] = narrowed[..] else {
+        panic!("{narrowed:?}");
+    };
+    assert!(overflow <= 0 && right <= 400, "{narrowed:?}");
+}
+
 /// Asks each page, once its first figure is there, how far down the parts of its first screen reach.
 const FIRST_SCREENS: &str = r##"<script>
 "use strict";

@@ -84,6 +84,7 @@ pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Co
             model: &a.model,
             sd_at_rest,
             zero_sd: options.zero_sd,
+            scale_sd: options.scale_sd,
             wait: options.wait_samples.unwrap_or(wait),
             level,
             units: [&options.input_unit, &options.output_unit],
@@ -163,12 +164,15 @@ fn of_curves(
         DelayErrors::Apart(_) => a.delay_error_s() + b.delay_error_s(),
     };
     let apart = apart_s / timing.sample_period_s;
-    let of_recordings = Differences::of(&curves[0], &curves[1], level);
-    let differences = match runs.map(RunMeans::difference) {
+    let level_of_noise = options.level_of_noise();
+    let of_recordings = Differences::of(&curves[0], &curves[1], level_of_noise);
+    let differences = match runs.map(|runs| runs.difference(level_of_noise)) {
         Some((value, half)) => of_recordings.of_servos(&value, &half),
         None => of_recordings,
     };
-    let differences = differences.with_delay_error([&curves[0], &curves[1]], apart);
+    let differences = differences
+        .with_delay_error([&curves[0], &curves[1]], apart)
+        .with_scale_error(&curves[1], options.scale_beside_noise());
     let largest = differences.largest();
     let shift_of = |which: std::ops::Range<usize>| {
         let mut found = shift::shift(&curves[0], &curves[1], which.clone(), level);
@@ -229,7 +233,7 @@ fn of_curves(
         over_prediction: None,
         levels: None,
         asymmetry: None,
-        differences: metric_differences(&sides, runs, apart_s > 0.0),
+        differences: metric_differences(&sides, runs, apart_s > 0.0, options.scale_error()),
         curves: difference_curves,
         summary: String::new(),
         advice: Vec::new(),

@@ -138,6 +138,9 @@ pub(crate) struct LargestDifference {
     pub(crate) sample: usize,
 }
 
+/// Scales tried to each side of the one that is stated: with 20 % to each side, the next is 0.02 % of the step away.
+const SCALES: i32 = 1000;
+
 /// Second curves minus the first, relative to the gain of the first.
 #[derive(Debug, Clone)]
 pub(crate) struct Differences {
@@ -145,6 +148,8 @@ pub(crate) struct Differences {
     /// All differences lie within their half widths of these estimates at once with the probability of the
     /// level, and so does the largest.
     half: Bounds<Vec<f64>>,
+    /// By how much each of them moves where the scale of the second curves is off by as much as it may be; `half` contains that.
+    scale: Vec<f64>,
     points: usize,
     /// Final value of the first curves, without its sign.
     gain: f64,
@@ -162,6 +167,7 @@ impl Differences {
                 let half = a.half_widths(b, level).into_iter();
                 half.map(|half| half / gain).collect()
             }),
+            scale: vec![0.0; a.value.len()],
             points: a.points,
             gain,
         }
@@ -199,6 +205,19 @@ impl Differences {
         }
     }
 
+    /// The same where the scale of the second curves may be off from that of the first by `share` of it.
+    pub(super) fn with_scale_error(self, b: &Curves, share: f64) -> Self {
+        let gain = self.gain;
+        let scale: Vec<f64> = b.value.iter().map(|b| share * b / gain).collect();
+        // The errors of the second curves are as much larger as these may be.
+        let further = |(half, scale): (f64, &f64)| (1.0 + share) * half + scale.abs();
+        Self {
+            half: (self.half).map(|half| half.into_iter().zip(&scale).map(further).collect()),
+            scale,
+            ..self
+        }
+    }
+
     pub(crate) fn curves(&self) -> usize {
         self.value.len() / self.points
     }
@@ -210,15 +229,33 @@ impl Differences {
         (&self.value[range], half)
     }
 
+    /// The least that the largest difference may be, and the point where that is surest. One scale moves all points together: at each that is possible,
+    /// some point shows the most.
+    fn least_of_any_scale(&self, half: &[f64]) -> (f64, usize) {
+        let of_scale = |part: f64| {
+            let least = |m: usize| {
+                (self.value[m] + part * self.scale[m]).abs() - (half[m] - self.scale[m].abs())
+            };
+            let all = (0..self.value.len()).map(|m| (least(m), m));
+            all.max_by(|(a, _), (b, _)| a.total_cmp(b))
+                .unwrap_or((0.0, 0))
+        };
+        if self.scale.iter().all(|scale| *scale == 0.0) {
+            return of_scale(0.0);
+        }
+        let parts = (-SCALES..=SCALES).map(|k| f64::from(k) / f64::from(SCALES));
+        parts
+            .map(of_scale)
+            .min_by(|(a, _), (b, _)| a.total_cmp(b))
+            .unwrap_or((0.0, 0))
+    }
+
     pub(crate) fn largest(&self) -> Bounds<LargestDifference> {
         self.half.as_ref().map(|half| {
-            let least = |m: usize| self.value[m].abs() - half[m];
-            let surest = (0..self.value.len())
-                .max_by(|&i, &j| least(i).total_cmp(&least(j)))
-                .unwrap_or(0);
+            let (at_least, surest) = self.least_of_any_scale(half);
             let most = |(d, half): (&f64, &f64)| d.abs() + half;
             LargestDifference {
-                at_least: least(surest),
+                at_least,
                 at_most: self.value.iter().zip(half).map(most).fold(0.0, f64::max),
                 curve: surest / self.points,
                 sample: surest % self.points,

@@ -13,11 +13,13 @@ pub(super) struct MetricsOfSide {
 }
 
 /// Metric by metric. The interval of a difference contains the scatter of the `runs`, where these serve for that, and the errors of
-/// both delays where they are `two_delay_errors`: each is a limit, so that they add up.
+/// both delays where they are `two_delay_errors`: each is a limit, so that they add up. That of the gain contains that the second output may be off
+/// by the share `scale_error` in terms of the first.
 pub(super) fn metric_differences(
     [a, b]: &[MetricsOfSide; 2],
     runs: Option<&RunMeans>,
     two_delay_errors: bool,
+    scale_error: f64,
 ) -> Vec<MetricDifference> {
     let stated = [a, b].map(|side| side.at_stated_delay.named());
     let shown = [a, b].map(|side| side.metrics.named());
@@ -36,6 +38,9 @@ pub(super) fn metric_differences(
                 });
             between = between.reaching(below_b + above_a, above_b + below_a);
         }
+        if metric == "dc_gain" {
+            between = with_error(between, shown_b.value.map(|gain| scale_error * gain));
+        }
         let bounds = |of: &Interval| of.lower.zip(of.upper).map(<[f64; 2]>::from);
         MetricDifference {
             metric: metric.to_owned(),
@@ -49,6 +54,21 @@ pub(super) fn metric_differences(
         }
     };
     (0..stated[0].len()).map(of_place).collect()
+}
+
+/// The interval with an `error` that has nothing to do with what it contains.
+fn with_error(of: Interval, error: Option<f64>) -> Interval {
+    let value = of.value.zip(error);
+    let beyond = |bound: Option<f64>| {
+        let (bound, (value, error)) = bound.zip(value)?;
+        Some((bound - value).hypot(error))
+    };
+    let (below, above) = (beyond(of.lower), beyond(of.upper));
+    Interval {
+        lower: of.value.zip(below).map(|(value, below)| value - below),
+        upper: of.value.zip(above).map(|(value, above)| value + above),
+        ..of
+    }
 }
 
 /// Second less first, from the intervals of both.

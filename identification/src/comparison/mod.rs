@@ -16,6 +16,10 @@
 //! With three or more a side they are those of the servos: d_m of the means of the runs, and q s_m of Welch's interval about it
 //! where that is wider than the noise.
 //!
+//! **Scales.** Where two sensors recorded the sides, with r the standard deviation of the ratio of their scales and b_m the second curve, z r |b_m| is added
+//! to q s_m, and each of z and q is taken for half of what may miss. One scale moves all points together, so L is the least that this maximum is at any scale that
+//! is possible. One sensor errs alike on both sides: r is zero.
+//!
 //! When a side answers up and down strokes differently ([`DirectionModel`](crate::nonlinear::DirectionModel)), both curves enter.
 //! Differences of single metrics are intervals from the intervals of both sides (G. Y. Zou and
 //! A. Donner, Statistics in Medicine 2008): with d = b - a,

@@ -1,5 +1,6 @@
 //! Options of a comparison.
 
+use crate::numerics::pointwise_critical;
 use crate::options::Options;
 
 /// By how much the outputs of two sides may have been recorded earlier or later than they are taken for, at most \[s\]. Models contain their own
@@ -36,12 +37,37 @@ pub struct ComparisonOptions {
     pub zero_sd: f64,
     /// By how much the output of either side may have been recorded earlier or later than its record says.
     pub delay_errors: DelayErrors,
+    /// Standard deviation of the ratio of the scales of both outputs, 0.05 for 5 %. Zero where one sensor recorded both sides, whose error is the same
+    /// in both.
+    pub scale_sd: f64,
     /// The size of all strokes in the recording of each of two models, where each has one \[input\]; records show theirs by themselves.
     pub strokes_of_models: Option<[f64; 2]>,
     /// The unit of the input, for sentences; empty when it is not known.
     pub input_unit: String,
     /// The unit of the output, likewise.
     pub output_unit: String,
+}
+
+impl ComparisonOptions {
+    /// The level of what noise and scatter add to bounds that hold at all points at once. Where the scale adds to them, too, each of the two may miss
+    /// half as often (Bonferroni).
+    pub(super) fn level_of_noise(&self) -> f64 {
+        let level = self.identification.level;
+        match self.scale_sd > 0.0 {
+            true => (1.0 + level) / 2.0,
+            false => level,
+        }
+    }
+
+    /// By how much of itself the second output may be off in terms of the first, beside the noise of such bounds.
+    pub(super) fn scale_beside_noise(&self) -> f64 {
+        pointwise_critical(self.level_of_noise()) * self.scale_sd
+    }
+
+    /// The same by itself, at the level of the bounds.
+    pub(super) fn scale_error(&self) -> f64 {
+        pointwise_critical(self.identification.level) * self.scale_sd
+    }
 }
 
 impl Default for ComparisonOptions {
@@ -52,6 +78,7 @@ impl Default for ComparisonOptions {
             wait_samples: None,
             zero_sd: 0.0,
             delay_errors: DelayErrors::Apart([0.0; 2]),
+            scale_sd: 0.0,
             strokes_of_models: None,
             input_unit: String::new(),
             output_unit: String::new(),

@@ -11,7 +11,7 @@
 //!
 //! Plateaus are the units of scatter: with a_j the mean of plateau j, w_j its length, K their number,
 //! s² = K/(K-1) sum (w_j (a_j - a))² / (sum w_j)², the interval is Student's with K-1 degrees of freedom
-//! around (s/â)² + v (a/â²)² + (s_zero/â)², v the variance of â. Drift and scatter between runs are not in
+//! around (s/â)² + v (a/â²)² + (s_zero/â)² + (s_scale a/â)², v the variance of â and s_scale that of the ratio of both scales. Drift and scatter between runs are not in
 //! it.
 
 use serde::{Deserialize, Serialize};
@@ -44,6 +44,8 @@ pub(crate) struct Predictor<'a> {
     pub(crate) sd_at_rest: [f64; 2],
     /// Standard deviation of the zero of the sensor between the two records.
     pub(crate) zero_sd: f64,
+    /// Standard deviation of the ratio of their scales.
+    pub(crate) scale_sd: f64,
     pub(crate) wait: usize,
     pub(crate) level: f64,
     /// Of input and output, for sentences; empty where they are not known.
@@ -90,8 +92,10 @@ pub(crate) fn over_prediction(
             return Interval::new(f64::NAN, f64::NAN, f64::NAN);
         }
         let (a, b) = (end.mean, end.predicted);
-        let variance =
-            (end.sd / b).powi(2) + (sd_at_rest * a / (b * b)).powi(2) + (zero / b).powi(2);
+        let variance = (end.sd / b).powi(2)
+            + (sd_at_rest * a / (b * b)).powi(2)
+            + (zero / b).powi(2)
+            + (predictor.scale_sd * a / b).powi(2);
         interval(
             1.0 - a / b,
             variance.sqrt(),
@@ -103,7 +107,8 @@ pub(crate) fn over_prediction(
     // The zero cancels, and so does the offset; the gain's part adds up.
     let sd_predicted = predictor.sd_at_rest[0].hypot(predictor.sd_at_rest[1]);
     let variance = (plus.sd.hypot(minus.sd) / predicted).powi(2)
-        + (sd_predicted * travel / (predicted * predicted)).powi(2);
+        + (sd_predicted * travel / (predicted * predicted)).powi(2)
+        + (predictor.scale_sd * travel / predicted).powi(2);
     let degrees = plus.plateaus.min(minus.plateaus) - 1;
     let [input, output] = predictor.units;
     let with = |number: f64, unit: &str| with_unit(four_digits(number), unit);

@@ -41,10 +41,10 @@ impl RunMeans {
     }
 
     /// Mean of the second side less that of the first at every point of all curves, and half the width of its interval, which
-    /// holds at all points at once.
-    pub(super) fn difference(&self) -> (Vec<f64>, Vec<f64>) {
+    /// holds at all points at once with the probability `level`.
+    pub(super) fn difference(&self, level: f64) -> (Vec<f64>, Vec<f64>) {
         let points = self.sides[0][0].value.len();
-        let level = 1.0 - (1.0 - self.level) / DIRECTIONS;
+        let level = 1.0 - (1.0 - level) / DIRECTIONS;
         let at = |m: usize| {
             let [a, b] = [0, 1].map(|side| self.each(side, |curves| curves.value[m]));
             (mean(&b) - mean(&a), half_width(&a, &b, level))

@@ -7,8 +7,9 @@
 //! from b_low - a_up   to b_up - a_low
 //! ```
 //!
-//! which holds wherever both hold. For independent records it is wider than it would have to be.
+//! which holds wherever both hold. Where two sensors recorded the sides, what their scales may be off from each other is added. For independent records it is wider than it would have to be.
 
+use crate::numerics::pointwise_critical;
 use crate::results::{Bounds, Interval};
 use crate::servo_model::{Quantity, QuantityKind, ServoModel, Stops, StopsDocument, Unit};
 use serde::{Deserialize, Serialize};
@@ -90,9 +91,9 @@ impl QuantityDifference {
     }
 }
 
-/// Puts two servo models beside each other. Where they have several controllers, the quantities are those of the first.
+/// Puts two servo models beside each other, where the ratio of the scales of their outputs has the standard deviation `scale_sd`, 0.05 for 5 %. Where they have several controllers, the quantities are those of the first.
 #[must_use]
-pub fn compare_servo_models(a: &ServoModel, b: &ServoModel) -> ServoModelComparison {
+pub fn compare_servo_models(a: &ServoModel, b: &ServoModel, scale_sd: f64) -> ServoModelComparison {
     let pairs = paired(&a.quantities, &b.quantities);
     let pair = |(a, b): &(Option<&Quantity>, Option<&Quantity>)| {
         let either = a.or(*b)?;
@@ -105,10 +106,11 @@ pub fn compare_servo_models(a: &ServoModel, b: &ServoModel) -> ServoModelCompari
         })
     };
     let level = |of: &ServoModel| of.covariance.as_ref().map(|found| found.level);
-    let differences = || {
+    let differences = |level: f64| {
+        let scale_error = pointwise_critical(level) * scale_sd;
         pairs
             .iter()
-            .filter_map(|(a, b)| difference(*a, *b))
+            .filter_map(|(a, b)| difference(*a, *b, scale_error))
             .collect()
     };
     ServoModelComparison {
@@ -116,7 +118,7 @@ pub fn compare_servo_models(a: &ServoModel, b: &ServoModel) -> ServoModelCompari
         stops: stops(a, b),
         bounds: level(a).zip(level(b)).map(|(a, b)| QuantityDifferences {
             level: a.min(b),
-            differences: differences(),
+            differences: differences(a.min(b)),
         }),
     }
 }
@@ -157,7 +159,22 @@ fn paired<'q>(
     of_a.chain(only_b).collect()
 }
 
-fn difference(a: Option<&Quantity>, b: Option<&Quantity>) -> Option<QuantityDifference> {
+/// Whether a quantity of this unit grows with the scale of the output.
+fn has_scale(unit: Unit) -> bool {
+    match unit {
+        Unit::Seconds | Unit::Hertz | Unit::One | Unit::Command => false,
+        Unit::OutputPerCommand
+        | Unit::Output
+        | Unit::OutputPerSecond
+        | Unit::OutputPerSecondSquared => true,
+    }
+}
+
+fn difference(
+    a: Option<&Quantity>,
+    b: Option<&Quantity>,
+    scale_error: f64,
+) -> Option<QuantityDifference> {
     let interval = |of: Option<&Quantity>| of.and_then(|of| of.interval.valid().copied());
     let (a_is, b_is) = (interval(a), interval(b));
     let both = a.zip(b).filter(|(a, b)| a.determined && b.determined);
@@ -167,6 +184,12 @@ fn difference(a: Option<&Quantity>, b: Option<&Quantity>) -> Option<QuantityDiff
         lower: less(b.lower, a.upper),
         upper: less(b.upper, a.lower),
     });
+    let of_scale = |b: &Quantity| match has_scale(b.unit) {
+        true => scale_error * b.value.abs(),
+        false => 0.0,
+    };
+    let error = b.map_or(0.0, of_scale);
+    let difference = difference.map(|of: Interval| of.reaching(error, error));
     Some(QuantityDifference {
         name: a.or(b)?.name.clone(),
         a: a_is,
@@ -199,7 +222,7 @@ mod tests {
     fn a_stop_that_only_one_has_is_a_difference_where_the_other_one_goes_beyond_it() {
         let free = model(1.0);
         let mut stopped = free.clone();
-        let found = |a: &ServoModel, b: &ServoModel| compare_servo_models(a, b).stops;
+        let found = |a: &ServoModel, b: &ServoModel| compare_servo_models(a, b, 0.0).stops;
         assert_eq!(found(&free, &stopped), None);
         // Commands of the record go from -3 to 5.
         for (end, differ) in [(3.0, true), (6.0, false)] {
@@ -210,7 +233,7 @@ mod tests {
             assert_eq!(found(&stopped, &free).unwrap().differ, differ, "{end}");
             assert!(!found(&stopped, &stopped).unwrap().differ);
         }
-        let text = serde_json::to_string(&compare_servo_models(&free, &stopped)).unwrap();
+        let text = serde_json::to_string(&compare_servo_models(&free, &stopped, 0.0)).unwrap();
         assert!(
             text.contains(r#""stops":{"a":{},"b":{"upper":6.0},"differ":false}"#),
             "{text}"
@@ -239,7 +262,7 @@ mod tests {
             with_interval(slow.clone(), 1.0),
             with_interval(fast.clone(), 1.0),
         );
-        let found = compare_servo_models(&a, &b);
+        let found = compare_servo_models(&a, &b, 0.0);
         let bounds = found.bounds.valid().unwrap();
         assert_eq!(bounds.differences.len(), found.quantities.len());
         let at = |name: &str| bounds.differences.iter().find(|d| d.name == name).unwrap();
@@ -259,7 +282,7 @@ mod tests {
         assert!(speed.is_sure() && !at("gain").is_sure());
         let mut without = b.clone();
         without.covariance = Bounds::Withdrawn(Reason::ErrorsNotNoise);
-        let found = compare_servo_models(&a, &without);
+        let found = compare_servo_models(&a, &without, 0.0);
         assert_eq!(found.bounds.withdrawn(), Some(Reason::ErrorsNotNoise));
         let text = serde_json::to_string(&found).unwrap();
         assert!(!text.contains("lower"), "{text}");

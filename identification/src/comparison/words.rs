@@ -143,6 +143,13 @@ fn feel(found: &Comparison, options: &ComparisonOptions) -> String {
         .as_ref()
         .and_then(|levels| rest(levels, options));
     let rest = rest.unwrap_or_default();
+    let scale = match options.scale_error() {
+        0.0 => String::new(),
+        error => format!(
+            "; the bounds contain that the scales of the two sensors may be off from each other by ±{:.1} %",
+            100.0 * error
+        ),
+    };
     let runs = match (found.of, &found.motions) {
         (Subject::Servos, _) => "the bounds contain the scatter of the runs",
         (Subject::Runs, Some(_)) => {
@@ -152,7 +159,7 @@ fn feel(found: &Comparison, options: &ComparisonOptions) -> String {
             "what differs from run to run, or between up and down strokes, is not included, which takes recordings"
         }
     };
-    format!("{time}{rest}; {runs}.")
+    format!("{time}{rest}{scale}; {runs}.")
 }
 
 /// Whether the second is behind the first in time, stroke by stroke where they differ.

@@ -183,7 +183,13 @@ mod tests {
         let [speed, brake, stop] = limits;
         let noise = Normal::new(0.0, 0.05).unwrap();
         let mut random = ChaCha8Rng::seed_from_u64(seed);
-        let level = |k: usize| if (k / HOLD).is_multiple_of(2) { -20.0 } else { 20.0 };
+        let level = |k: usize| {
+            if (k / HOLD).is_multiple_of(2) {
+                -20.0
+            } else {
+                20.0
+            }
+        };
         let (mut angle, mut rate) = (f64::max(-20.0, -stop), 0.0);
         let output: Vec<f64> = (0..10 * HOLD)
             .map(|k| {

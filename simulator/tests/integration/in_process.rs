@@ -49,7 +49,8 @@ impl Host {
         };
         assert_eq!(hello.schema_hash, SCHEMA_HASH);
         assert_eq!(hello.clock, ClockSource::Simulated);
-        assert_eq!(hello.unique_id[4..], options.seed.to_le_bytes());
+        let sensor_gain = options.conditions.sensor_gain;
+        assert_eq!(hello.unique_id[4..], sensor_gain.to_le_bytes());
         host
     }
 

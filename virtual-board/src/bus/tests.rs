@@ -114,7 +114,8 @@ fn the_unique_number_may_be_read_by_bytes() {
     let bytes: Vec<u8> = (0..12)
         .map(|n| rig.shared.read(0x1fff_f7e8 + n, 1) as u8)
         .collect();
-    assert_eq!(bytes, b"virt\x07\0\0\0\0\0\0\0");
+    // Behind the letters the gain of its sensor, 1.
+    assert_eq!(bytes, b"virt\0\0\0\0\0\0\xf0\x3f");
     assert_eq!(rig.read(0x1fff_f7e8), u32::from_le_bytes(*b"virt"));
     assert_eq!(rig.reported(), []);
 }

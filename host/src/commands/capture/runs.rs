@@ -5,6 +5,7 @@ use crate::commands::ctrl_c;
 use crate::commands::output::Talk;
 use crate::commands::partial_recording::PartialRecording;
 use crate::commands::rig_args::require_clock;
+use crate::commands::rig_remarks::delay_of_virtual_board;
 use crate::data::recording::{Ending, Header, RecordingWriter, ReservedFile};
 use crate::data::rig_file::RigFile;
 use crate::instrument::port;
@@ -50,6 +51,9 @@ pub(in crate::commands) fn capture(
     talk.say(format_args!(
         "{address}: {board}, firmware {build}, {clock} clock"
     ));
+    if let Some(remark) = delay_of_virtual_board(hello, &job.rig) {
+        talk.say(remark);
+    }
     let mut ends = Vec::new();
     let mut outcome = Ok(());
     for (file, path) in files.into_iter().zip(job.files) {

@@ -9,7 +9,7 @@ use crate::data::rig_file::{
     ServoSection, USUAL_RATE_HZ,
 };
 use crate::data::sensor_preset::{SensorKind, SensorPreset};
-use crate::instrument::port::is_simulated;
+use crate::instrument::port::{is_simulated, simulated_servo, simulates_narrow_pulses};
 use crate::presentation::template;
 use servoid_protocol::PulseTrain;
 use servoid_protocol::pulse_train::PulseType;
@@ -56,6 +56,9 @@ const DEFAULT_TRAVEL_DEG: Range = Range {
     low: -10.0,
     high: 10.0,
 };
+
+/// The simulated servo on the aircraft, and the condition of what is measured there.
+const ON_AIRCRAFT: &str = "aircraft";
 
 /// Neutral of most narrow-pulse servos (µs).
 const NARROW_NEUTRAL_US: u16 = 760;
@@ -233,6 +236,16 @@ impl RigAnswers {
         };
     }
 
+    /// Takes what is known of the rig at this port: a simulated servo on the aircraft is under load, and one that takes narrow pulses takes no others.
+    pub(super) fn take_port(&mut self, port: &str) {
+        if simulated_servo(port) == Some(ON_AIRCRAFT) {
+            self.condition = ON_AIRCRAFT.into();
+        }
+        if simulates_narrow_pulses(port) {
+            self.pulse_type = PulseTypeName::Narrow;
+        }
+    }
+
     fn is_simulated(&self) -> bool {
         self.port.as_deref().is_some_and(is_simulated)
     }
@@ -322,9 +335,22 @@ impl RigAnswers {
         let angle = |us: u16| (f64::from(us) - f64::from(self.neutral_us)) / self.us_per_degree;
         let [a, b] = self.limits_us().map(angle);
         let (low, high) = (a.min(b), a.max(b));
-        let because = match self.travel_deg == DEFAULT_TRAVEL_DEG {
-            true => "a cautious default; widen it once you know that the linkage allows more",
-            false => "the travel of the linkage, within the servo's pulses",
+        // Limits are whole microseconds.
+        let of_rounding = 1.0 / self.us_per_degree.abs();
+        let Range {
+            low: from,
+            high: to,
+        } = self.travel_deg;
+        let is_cut = from < low - of_rounding || to > high + of_rounding;
+        let because = match (self.travel_deg == DEFAULT_TRAVEL_DEG, is_cut) {
+            (true, _) => {
+                "a cautious default; widen it once you know that the linkage allows more".to_owned()
+            }
+            (false, false) => "the travel of the linkage".to_owned(),
+            (false, true) => format!(
+                "the travel of the linkage, {from} to {to}, cut to the pulses that the servo takes, {} µs (--pulses)",
+                self.pulses_us
+            ),
         };
         format!("From {low:.1} to {high:.1} degrees: {because}.")
     }

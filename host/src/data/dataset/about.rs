@@ -1,6 +1,7 @@
 //! Where data come from, as far as the files state it.
 
 use crate::data::model_metadata::ModelMetadata;
+use crate::data::recording::Header;
 use crate::data::units::Units;
 use servoid_identification::results::{Advice, Check};
 
@@ -36,6 +37,8 @@ pub struct About {
     pub sensor_delay_uncertainty_s: f64,
     /// Whether commands of a file of another program are taken to change at their rows.
     pub commands_at_rows: bool,
+    /// Another column of a file that is called like one of commands, beside the one that was taken.
+    pub other_input: Option<String>,
     /// Whether a logger is stated to have polled the commands.
     pub polled: bool,
     /// The delay that was taken out of the recordings (s), where all state one and agree.
@@ -53,6 +56,17 @@ pub struct SensorCalibration {
     pub zero_counts: f64,
     /// Standard deviation of the scale (percent of it).
     pub scale_sd_percent: f64,
+}
+
+impl SensorCalibration {
+    /// That of a recording.
+    pub(super) fn of(header: &Header) -> Self {
+        Self {
+            degrees_per_count: header.degrees_per_count,
+            zero_counts: header.zero_counts,
+            scale_sd_percent: header.scale_sd_percent,
+        }
+    }
 }
 
 impl About {
@@ -140,6 +154,7 @@ impl About {
         agree(&mut self.output_unit, &other.output_unit);
         agree(&mut self.condition, &other.condition);
         agree(&mut self.board_id, &other.board_id);
+        agree(&mut self.other_input, &other.other_input);
         agree(&mut self.sensor_delay_s, &other.sensor_delay_s);
         self.calibrations.extend(other.calibrations);
         self.provenance.extend(other.provenance);
@@ -180,6 +195,11 @@ impl From<&About> for ModelMetadata {
         metadata.sensor_delay_s = about.sensor_delay_s;
         metadata.board_id.clone_from(&about.board_id);
         metadata.sensor_delay_uncertainty_s = about.sensor_delay_uncertainty_s;
+        let scales = || about.calibrations.iter();
+        let first = scales().next().map(|first| first.degrees_per_count);
+        metadata.degrees_per_count =
+            first.filter(|first| scales().all(|of| of.degrees_per_count == *first));
+        metadata.scale_sd_percent = scales().map(|of| of.scale_sd_percent).fold(0.0, f64::max);
         metadata.only_stroke = about.only_stroke;
         metadata
     }

@@ -21,6 +21,14 @@ pub enum DatasetError {
     Data(String, DataError),
 }
 
+impl DatasetError {
+    /// Whether a table has no column of a name that was given.
+    pub(crate) fn is_of_a_missing_column(&self) -> bool {
+        let Self::File(file) = self else { return false };
+        matches!(file.fault, DatasetFault::Table(TableFault::NoColumn { .. }))
+    }
+}
+
 /// A fault in a file.
 #[derive(Debug, thiserror::Error)]
 pub enum DatasetFault {
@@ -73,6 +81,11 @@ pub enum DatasetFault {
         /// What to add to the command, as far as the names of the columns suggest it.
         options: String,
     },
+    /// Rows of a single cell.
+    #[error(
+        "has one cell in each row ({0:?} in the header row), and a command and a position are needed: part cells by commas, semicolons, tabs or vertical bars"
+    )]
+    OneCell(String),
     /// The sampling period is not known.
     #[error(
         "has no column that is called like one of time ('t', 'time_ms', 'Zeit [s]', say): name it with --time COLUMN, or say how far apart the rows are with --period SECONDS"

@@ -104,11 +104,7 @@ fn about(
         condition: Some(header.condition.clone()).filter(|c| !c.is_empty()),
         provenance: vec![provenance],
         us_per_degree: Some(header.us_per_degree),
-        calibrations: vec![SensorCalibration {
-            degrees_per_count: header.degrees_per_count,
-            zero_counts: header.zero_counts,
-            scale_sd_percent: header.scale_sd_percent,
-        }],
+        calibrations: vec![SensorCalibration::of(header)],
         ..About::default()
     };
     let (shown, rows) = (path.display(), recording.rows.len());

@@ -5,7 +5,7 @@ use super::error::DatasetFault;
 use super::loaded::{Loaded, run};
 use super::options::DatasetOptions;
 use super::time_column::{self, TimeUnit};
-use super::{sentinel_values, suggested_columns, wrapped_angle};
+use super::{run_labels, sentinel_values, suggested_columns, wrapped_angle};
 use crate::data::table::{Table, TableFault, unit_of};
 use crate::data::timeline::{self, Stretch, TimeColumn};
 use clap::ValueEnum;
@@ -19,9 +19,15 @@ pub(super) fn from_table(
     options: &DatasetOptions,
 ) -> Result<Loaded<'static>, DatasetFault> {
     let (Some(input), Some(output)) = (&options.input, &options.output) else {
+        if let [only] = table.columns() {
+            return Err(DatasetFault::OneCell(only.clone()));
+        }
         return Err(DatasetFault::Unnamed {
             columns: table.columns_clause(),
-            options: suggested_columns::options(table.columns()),
+            options: match table.begins_with_times() {
+                true => suggested_columns::options_behind_times(table.columns()),
+                false => suggested_columns::options(table.columns()),
+            },
         });
     };
     let names = [table.column(input)?, table.column(output)?];
@@ -32,6 +38,7 @@ pub(super) fn from_table(
         u,
         mut y,
         labels,
+        label_texts,
         drivers,
         clock,
     } = Columns::read(table, names, options)?;
@@ -53,6 +60,7 @@ pub(super) fn from_table(
         remarks.push(remark);
     }
     remarks.extend(remark);
+    remarks.extend(label_texts);
     remarks.extend(controllers_not_named(table, options));
     if let (Some(column), Some(_)) = (clock_name, &time) {
         remarks.extend(remarks_on_time(column, &found, labels.is_some()));
@@ -87,6 +95,7 @@ pub(super) fn from_table(
             .iter()
             .map(|remark| format!("{file}: {remark}"))
             .collect(),
+        other_input: suggested_columns::another_input(table.columns(), names).cloned(),
         commands_at_rows: !options.polled,
         polled: options.polled,
         ..About::default()
@@ -175,6 +184,8 @@ struct Columns<'a> {
     y: Vec<f64>,
     /// Names of runs.
     labels: Option<Vec<f64>>,
+    /// A remark on which number stands for which run, where the file has texts.
+    label_texts: Option<String>,
     /// Names of controllers.
     drivers: Option<Vec<f64>>,
     clock: Option<Clock<'a>>,
@@ -206,15 +217,30 @@ impl<'a> Columns<'a> {
         };
         let driver = options.controller.as_deref();
         let wanted: Vec<&str> = names.into_iter().chain(run).chain(driver).collect();
-        let (numbers, times) = table.numbers_beside(&wanted, clock.map(|(name, _)| name))?;
+        let beside = clock.map(|(name, _)| name);
+        let read = table.numbers_beside(&wanted, beside);
+        let ((numbers, times), labels) = match (read, run) {
+            (Err(TableFault::NotANumber { column, .. }), Some(run)) if column == run => {
+                let others: Vec<&str> = names.into_iter().chain(driver).collect();
+                let texts = run_labels::of_texts(run, &table.texts(run)?);
+                (table.numbers_beside(&others, beside)?, Some(texts))
+            }
+            (read, _) => (read?, None),
+        };
         // Hours, minutes and seconds are seconds whatever the name says.
         let of_clock = times.as_ref().is_some_and(|times| times.of_clock);
         let mut numbers = numbers.into_iter();
         let mut next = || numbers.next().unwrap_or_default();
+        let (u, y) = (next(), next());
+        let (labels, label_texts) = match labels {
+            Some((labels, remark)) => (Some(labels), Some(remark)),
+            None => (run.map(|_| next()), None),
+        };
         Ok(Self {
-            u: next(),
-            y: next(),
-            labels: run.map(|_| next()),
+            u,
+            y,
+            labels,
+            label_texts,
             drivers: driver.map(|_| next()),
             clock: clock.map(|(name, unit)| Clock {
                 name,

@@ -14,6 +14,7 @@ mod from_tables;
 mod loaded;
 mod named_columns;
 mod options;
+mod run_labels;
 mod sensor_delay;
 mod sentinel_values;
 pub(crate) mod suggested_columns;
@@ -191,11 +192,12 @@ fn without_run(
 /// the columns that `options` name, and the other has them, `options` are how to read the other.
 pub fn load_sides(
     sides: [&[PathBuf]; 2],
-    options: &DatasetOptions,
+    options: [&DatasetOptions; 2],
 ) -> Result<[Dataset<'static>; 2], DatasetError> {
+    let [options_a, options_b] = options;
     let as_recordings = |paths: &[PathBuf]| -> Result<Dataset<'static>, DatasetError> {
         let plain = DatasetOptions {
-            with_rest: options.with_rest,
+            with_rest: options_a.with_rest,
             ..DatasetOptions::default()
         };
         let mut side = load(paths, &plain)?;
@@ -205,7 +207,7 @@ pub fn load_sides(
         ));
         Ok(side)
     };
-    match sides.map(|paths| load(paths, options)) {
+    match [load(sides[0], options_a), load(sides[1], options_b)] {
         [Err(a), Ok(b)] if has_other_columns(&a) => Ok([as_recordings(sides[0])?, b]),
         [Ok(a), Err(b)] if has_other_columns(&b) => Ok([a, as_recordings(sides[1])?]),
         // Columns were named for the other side, and that is where to look for the mistake.

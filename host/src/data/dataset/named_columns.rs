@@ -1,5 +1,6 @@
 //! A recording of servoid whose columns are named, as where its header is damaged: its times are those of the recording all the same.
 
+use super::about::SensorCalibration;
 use super::error::DatasetFault;
 use super::loaded::{Loaded, run};
 use super::options::DatasetOptions;
@@ -53,6 +54,7 @@ pub(super) fn timed(
     }
     about.sensor_delay_s = Some(delay.delay_s);
     about.board_id = header.known_board_id();
+    about.calibrations = vec![SensorCalibration::of(&header)];
     about.sensor_delay_uncertainty_s = about.sensor_delay_uncertainty_s.max(delay.uncertainty_s);
     about.pulse_frame_s = Some(f64::from(header.pulse_period_us) / 1e6);
     Ok(Loaded {

@@ -30,6 +30,18 @@ const CONTROLLERS: [&str; 4] = ["kp", "k_p", "gain", "controller"];
 /// "--input u --output y --period SECONDS" for a file with these columns; words in capitals where no name
 /// is known.
 pub(super) fn options(columns: &[String]) -> String {
+    named_options(columns, false)
+}
+
+/// The same for columns without names, of which the first is one of times: what is left of three is the command and then the position, usually.
+pub(super) fn options_behind_times(columns: &[String]) -> String {
+    match columns {
+        [time, input, output] => format!("--time {time} --input {input} --output {output}"),
+        _ => named_options(columns, true),
+    }
+}
+
+fn named_options(columns: &[String], first_is_time: bool) -> String {
     let input = named(columns, INPUTS, None);
     let output = named(columns, OUTPUTS, input);
     let word = |column: Option<&String>| column.map_or_else(|| "COLUMN".to_owned(), |c| quoted(c));
@@ -45,10 +57,25 @@ pub(super) fn options(columns: &[String]) -> String {
         "--input {} --output {}{}{}{}",
         word(input),
         word(output),
-        if timed { "" } else { " --period SECONDS" },
+        match (first_is_time, timed) {
+            (true, _) => " --time 1",
+            (false, true) => "",
+            (false, false) => " --period SECONDS",
+        },
         called("--run", &RUNS),
         called("--controller", &CONTROLLERS)
     )
+}
+
+/// Another column of the command than `input`, by its name.
+pub(super) fn another_input<'a>(columns: &'a [String], used: [&str; 2]) -> Option<&'a String> {
+    let others: Vec<&String> = columns
+        .iter()
+        .filter(|column| !used.contains(&column.as_str()))
+        .collect();
+    let words: Vec<String> = others.iter().map(|column| (*column).clone()).collect();
+    let found = named(&words, INPUTS, None)?;
+    others.into_iter().find(|column| *column == found)
 }
 
 /// The column that says which controller drove a run, by its name.

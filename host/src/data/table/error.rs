@@ -47,7 +47,8 @@ pub enum TableFault {
     },
     /// A cell is no number.
     #[error(
-        "line {line}, column {column:?}: {text:?} is no finite number (leave the cell empty where a sample is missing)"
+        "line {line}, column {column:?}: {text:?} is no finite number ({})",
+        remedy.in_words()
     )]
     NotANumber {
         /// The column.
@@ -56,5 +57,37 @@ pub enum TableFault {
         line: u64,
         /// The cell's text.
         text: String,
+        /// What to do about it.
+        remedy: Remedy,
     },
+}
+
+/// What to do about a cell that is no number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Remedy {
+    /// Nothing but that it is missing can be meant.
+    LeaveEmpty,
+    /// The row is the header row once more.
+    LeaveHeaderOut,
+    /// The number has a comma in it, among cells that are parted by commas.
+    DecimalPoint,
+    /// The number has its unit behind it.
+    UnitInHeader,
+}
+
+impl Remedy {
+    fn in_words(self) -> &'static str {
+        match self {
+            Self::LeaveEmpty => "leave the cell empty where a sample is missing",
+            Self::LeaveHeaderOut => {
+                "this is the header row once more: leave the line out, and where a new run begins there, number the runs in a column for --run"
+            }
+            Self::DecimalPoint => {
+                "where that is a decimal comma, write points, or part the cells by semicolons or tabs; where it parts thousands, leave it out"
+            }
+            Self::UnitInHeader => {
+                "write the unit in the header row, as in 'angle [deg]', and the number alone in the cell"
+            }
+        }
+    }
 }

@@ -1,6 +1,6 @@
 //! The layout of a table: the place of its header row, and the separator of its cells.
 //!
-//! Programs write tables with commas, semicolons or tabs, with lines of text above the header row, with a
+//! Programs write tables with commas, semicolons, tabs or vertical bars, with lines of text above the header row, with a
 //! row of units below it, or without any header row. What is found is what the rows themselves confirm:
 //! cells of numbers, as many as the header row has.
 
@@ -8,7 +8,7 @@ use super::number::{self, Decimal};
 use super::rows::reader;
 
 /// What may part cells, the most usual first.
-const SEPARATORS: [u8; 3] = [b',', b';', b'\t'];
+const SEPARATORS: [u8; 4] = [b',', b';', b'\t', b'|'];
 
 /// Lines looked at to find the layout: text above a table is shorter.
 const LOOKED_AT: usize = 200;
@@ -41,8 +41,9 @@ impl Layout {
         best.map(|(_, layout)| layout)
     }
 
-    /// The layout with this separator, and how many rows and cells of numbers speak for it.
-    fn with(bytes: &[u8], separator: u8) -> Option<((usize, usize), Self)> {
+    /// The layout with this separator, and what speaks for it: rows of numbers, cells of numbers, and where there are none, rows that have as many
+    /// cells as the header row.
+    fn with(bytes: &[u8], separator: u8) -> Option<((usize, usize, usize), Self)> {
         let (starts, cells): (Vec<usize>, Vec<Vec<String>>) =
             lines(bytes, separator).take(LOOKED_AT).unzip();
         let (header, rows) = headed(&cells, separator)
@@ -78,14 +79,14 @@ impl Layout {
         let kinds = cells.iter().skip(rows);
         let matching = kinds.filter(|cells| fits(cells.iter(), columns.len()));
         let numbers = matching.map(|cells| numbers_in(cells, separator));
-        let (count, total) = numbers.fold((0, 0), |(rows, all), n| {
-            (rows + usize::from(n > 0), all + n)
+        let (count, total, even) = numbers.fold((0, 0, 0), |(rows, all, even), n| {
+            (rows + usize::from(n > 0), all + n, even + 1)
         });
         // More columns are no better by themselves, rows of numbers are.
         let speaks = if columns.len() > 1 {
-            (count, total)
+            (count, total, even)
         } else {
-            (0, total)
+            (0, total, 0)
         };
         let rows_at = starts.get(rows).copied().unwrap_or(bytes.len());
         Some((

@@ -10,7 +10,7 @@ mod rows;
 
 pub use column_unit::unit_of;
 pub(crate) use column_unit::without_unit;
-pub use error::{TableError, TableFault};
+pub use error::{Remedy, TableError, TableFault};
 pub(crate) use layout::is_unit;
 
 use crate::data::input_file;
@@ -21,7 +21,7 @@ use rows::reader;
 use std::path::Path;
 
 /// A CSV file in memory, its header row read. Lines that begin with `#` are passed over; cells may be
-/// parted by commas, semicolons or tabs, and numbers may have a decimal comma where cells have not.
+/// parted by commas, semicolons, tabs or vertical bars, and numbers may have a decimal comma where cells have not.
 #[derive(Debug)]
 pub struct Table {
     bytes: Vec<u8>,
@@ -189,6 +189,7 @@ impl Table {
                         column: (*name).to_owned(),
                         line: self.line_of(&record),
                         text: String::from_utf8_lossy(cell).chars().take(40).collect(),
+                        remedy: self.remedy(&record, cell),
                     })?;
                 if self.decimal == Decimal::Comma {
                     self.check_decimals(cell, &record, &mut seen)?;
@@ -202,6 +203,59 @@ impl Table {
             }
         }
         Ok((columns, times.map(Times::counted)))
+    }
+
+    /// The texts of a column, without spaces around them.
+    pub(crate) fn texts(&self, name: &str) -> Result<Vec<String>, TableFault> {
+        let place = self.place_of(name)?;
+        let rows = self.bytes.get(self.layout.rows_at..).unwrap_or_default();
+        let mut texts = Vec::new();
+        for record in reader(rows, self.layout.separator).into_byte_records() {
+            let record = record.map_err(|error| TableFault::NotCsv(error.to_string()))?;
+            self.check_width(&record)?;
+            let cell = record.get(place).unwrap_or_default().trim_ascii();
+            texts.push(String::from_utf8_lossy(cell).into_owned());
+        }
+        Ok(texts)
+    }
+
+    /// What to do about this cell, which is no number.
+    fn remedy(&self, record: &csv::ByteRecord, cell: &[u8]) -> Remedy {
+        let text = String::from_utf8_lossy(cell);
+        let head = text.trim_end_matches(|letter: char| !letter.is_ascii_digit());
+        let is_number = |text: &str| {
+            let parsed = |decimal| number::parse(text.as_bytes(), decimal);
+            !text.is_empty() && (parsed(Decimal::Point).or(parsed(Decimal::Comma))).is_some()
+        };
+        let is_header = || {
+            let mut both = record.iter().zip(self.columns());
+            both.all(|(cell, name)| name.as_bytes().starts_with(cell.trim_ascii()))
+        };
+        if self.layout.named && is_header() {
+            return Remedy::LeaveHeaderOut;
+        }
+        match (is_number(&text), is_number(head)) {
+            (true, _) if text.contains(',') => Remedy::DecimalPoint,
+            (false, true) => Remedy::UnitInHeader,
+            _ => Remedy::LeaveEmpty,
+        }
+    }
+
+    /// Whether a first column without a name goes up evenly, as times do.
+    pub(crate) fn begins_with_times(&self) -> bool {
+        let first = match self.columns() {
+            [first, _, ..] if !self.layout.named => first,
+            _ => return false,
+        };
+        let numbers = self.numbers(&[first.as_str()]);
+        let numbers = numbers.ok().and_then(|mut columns| columns.pop());
+        let [a, b, ..] = numbers.as_deref().unwrap_or_default() else {
+            return false;
+        };
+        let (step, rows) = (b - a, numbers.iter().flatten());
+        // Half a step for times that are rounded.
+        let even = |(at, next): (&f64, &f64)| (next - at - step).abs() <= 0.5 * step;
+        step > 0.0 && rows.clone().zip(rows.skip(1)).all(even)
     }
 
     /// Line of the file that a row is in, from 1.

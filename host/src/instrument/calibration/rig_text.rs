@@ -54,6 +54,10 @@ pub fn put_into(rig_file: &str, found: &Found<'_>) -> Result<String, String> {
             explain(limits, key, "the servo stops beyond this pulse");
         }
     }
+    if found.limits_us != [None; 2] {
+        let remark = travel_in_words(&document);
+        replace_travel(section(&mut document, "limits")?, remark.as_deref());
+    }
     if let Some((sensor, remark)) = found.sensor {
         let table = section(&mut document, "sensor")?;
         for (key, number) in [
@@ -90,6 +94,50 @@ fn set(table: &mut dyn TableLike, key: &str, number: impl Into<Value>, remark: &
             table.insert(key, Item::Value(value));
         }
     }
+}
+
+/// How the line begins by which 'servoid init' says how far the limits reach, and a word that it has.
+const TRAVEL: [&str; 2] = ["# From ", " degrees: "];
+
+/// How far the limits reach; `None` where the file does not say what a degree is.
+fn travel_in_words(document: &DocumentMut) -> Option<String> {
+    let number = |section: &str, key: &str| {
+        let value = document.get(section)?.get(key)?.as_value()?;
+        value
+            .as_float()
+            .or(value.as_integer().map(|whole| whole as f64))
+    };
+    let (neutral, scale) = (
+        number("servo", "neutral_us")?,
+        number("servo", "us_per_degree")?,
+    );
+    let ends = ["shortest_us", "longest_us"].map(|key| number("limits", key));
+    let [a, b] = ends.map(|end| end.map(|us| (us - neutral) / scale));
+    let (low, high) = (a?.min(b?), a?.max(b?));
+    let [begins, has] = TRAVEL;
+    Some(format!(
+        "{begins}{low:.1} to {high:.1}{has}up to where the servo stops, by its calibration."
+    ))
+}
+
+/// Puts this line in the place of the one that said how far earlier limits reached, where there is one.
+fn replace_travel(limits: &mut dyn TableLike, remark: Option<&str>) {
+    let [begins, has] = TRAVEL;
+    let Some(mut key) = limits.key_mut("shortest_us") else {
+        return;
+    };
+    let decor = key.leaf_decor_mut();
+    let before = decor.prefix().and_then(|prefix| prefix.as_str());
+    let is_old = |line: &&str| line.starts_with(begins) && line.contains(has);
+    let lines: Vec<&str> = before.unwrap_or_default().lines().collect();
+    if !lines.iter().any(is_old) {
+        return;
+    }
+    let kept = lines.into_iter().filter_map(|line| match is_old(&line) {
+        true => remark,
+        false => Some(line),
+    });
+    decor.set_prefix(kept.map(|line| format!("{line}\n")).collect::<String>());
 }
 
 /// Puts a comment above a key, in the place of an earlier one of this kind.

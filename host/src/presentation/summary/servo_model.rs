@@ -293,6 +293,7 @@ fn quantity_row(quantity: &Quantity, units: Units<'_>) -> QuantityRow {
             (false, None, None) => NOT_DETERMINED.to_owned(),
             (true, None, None) => String::new(),
             (true, lower, upper) => format!("{} .. {}", end(lower), end(upper)),
+            (false, Some(lower), None) if lower <= 0.0 => NOT_DETERMINED.to_owned(),
             (false, Some(lower), None) => {
                 let least = with_unit(shown(lower), &unit);
                 format!("{NOT_DETERMINED}: {least} or more")
@@ -312,7 +313,11 @@ fn quantity_row(quantity: &Quantity, units: Units<'_>) -> QuantityRow {
     };
     let spread = quantity.other_fits.filter(|_| quantity.determined);
     let spread = spread
-        .map(|Spread { least, most }| format!("other fits {} to {}", shown(least), shown(most)));
+        .map(|Spread { least, most }| (shown(least), shown(most)))
+        .map(|ends| match ends {
+            (least, most) if least == most => "the same in other fits".to_owned(),
+            (least, most) => format!("other fits {least} to {most}"),
+        });
     QuantityRow {
         name: quantity.name.clone(),
         value,

@@ -87,11 +87,11 @@ fn reason_in_words(misfit: &Misfit) -> (String, f64, f64) {
         MisfitEvidence::Whitening => {
             let (plain, generalised) = (misfit.least_squares_percent, misfit.generalised_percent);
             let simulated = |percent: f64| match percent > 0.0 {
-                true => format!("to {percent:.1} %"),
-                false => "worse than its mean does".to_owned(),
+                true => format!("explains {percent:.1} % of the motion"),
+                false => "explains none of the motion".to_owned(),
             };
             let words = format!(
-                "generalised least squares simulates the record {}, plain least squares {}",
+                "the model of servo and noise together {}, and one of the servo alone {}",
                 simulated(generalised),
                 simulated(plain)
             );

@@ -103,17 +103,22 @@ fn farthest(evidence: &Evidence<'_>, runs: &RunComparison) -> Option<String> {
     let run = runs.runs.iter().find(|run| run.run == farthest.run)?;
     let chance = match 100.0 * farthest.p {
         percent if percent < LIKELY_PERCENT => {
-            format!("happens by chance in at most {percent:.0} %")
+            format!(
+                "of {} runs of one servo happens by chance in at most {percent:.0} % of recordings",
+                runs.runs.len()
+            )
         }
-        _ => "may well happen by chance in any".to_owned(),
+        _ => format!(
+            "is nothing unusual: of {} runs of one servo, some run is always the farthest",
+            runs.runs.len()
+        ),
     };
     Some(format!(
         " Run {} lies farthest from the others ({}; {:.1} of their standard deviations), which \
-         {chance} of records of {} runs of one kind.",
+         {chance}.",
         evidence.run_name(run.run),
         differences(run),
-        farthest.distance,
-        runs.runs.len()
+        farthest.distance
     ))
 }
 

@@ -32,7 +32,8 @@ pub(super) fn settled(evidence: &Evidence<'_>) -> Option<Advice> {
             "The response still moves at {longest:.3} s, the longest time that this recording shows."
         ),
     };
-    let (hold, in_all) = (MARGIN * longest, 7.0 * MARGIN * longest);
+    // A longer recording shows a longer time, in which the response may still move: twice what would show this time alone.
+    let (hold, in_all) = (MARGIN * longest, 2.0 * 7.0 * MARGIN * longest);
     Some(Advice::new(
         Check::Settled,
         format!("{seen} {bounds} final value is not certain."),
@@ -95,7 +96,7 @@ pub(super) fn still_rising(evidence: &Evidence<'_>) -> Option<Advice> {
         Check::StillRising,
         format!(
             "The step response has no end: it still rises by {:.0} % of its value in the last quarter of {seconds:.3} s. That happens where the input \
-             commands a speed and not a position, and where holds are far too short.",
+             sets how fast the output turns and not where it stops, and where holds are far too short.",
             100.0 * rise
         ),
         rise,
