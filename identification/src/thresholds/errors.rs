@@ -41,9 +41,8 @@ pub const STEPS_FOLLOWED: f64 = 0.75;
 
 /// Motion in the second half of a hold, as a share of the response at its end, up to which a servo has come to rest there.
 ///
-/// Protects: linear servos that ring from being called nonlinear since they move again after a hold. Of second-order servos with damping of 0.05 to 0.6,
-/// with holds of every length, none moves more after a hold than before it, by 1 %, where it moved by less than this; with 0.1, those of damping 0.4 and 0.5
-/// do. Evidence: the test of responses under way.
+/// Protects: linear servos that ring from being called nonlinear since they move again after a hold. With 0.1, those of damping 0.4 and 0.5 are
+/// still under way after some holds. Evidence: the test of servos that ring, over dampings, delays and holds.
 pub const MOVES_AT_REST: f64 = 0.05;
 
 /// Share of its largest value that a response must have come to within a hold; see [`MOVES_AT_REST`]. In its dead time a servo is at rest, too.
