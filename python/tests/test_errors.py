@@ -152,3 +152,11 @@ def test_sides_that_are_arrays_are_refused_with_the_remedy() -> None:
         servoid.compare((u, y), (u, y))
     a, b = (servoid.recording(*servoid.simulate("linear", seed=seed).runs[0], period=0.002) for seed in (1, 2))
     assert servoid.compare(a, b).of == "runs"
+
+
+def test_a_prior_that_is_not_used_is_said() -> None:
+    # The response of a servo that goes on beyond the record has no such prior.
+    u = np.repeat(RANDOM.integers(-1, 2, size=25).astype(float), 6)
+    y = np.cumsum(u) * 1e-3 + 1e-4 * RANDOM.normal(size=len(u))
+    model = servoid.identify(u, y, period=0.02, prior="stable")
+    assert any(remark.startswith("Prior: not used, because") for remark in model.remarks)

@@ -103,7 +103,10 @@ mod tests {
     fn a_travel_that_is_none_of_a_servo_is_doubted() {
         let found = |travel, unit| travel_in_doubt(travel, unit).map(|advice| advice.finding);
         let said = found(30.0, "rad").unwrap();
-        assert!(said.contains("30 radians in all, 1719 degrees"), "{said}");
+        assert!(
+            said.contains("30.00 radians in all, 1719 degrees"),
+            "{said}"
+        );
         assert!(
             found(0.52, "deg")
                 .unwrap()

@@ -160,6 +160,7 @@ fn different_calibrations_of_two_sides_are_named() {
     assert!(!said.contains("calibrations of the sensor"), "{said}");
 }
 
+<<<<<<< HEAD
 #[test]
 fn files_without_sides_are_answered_with_the_command_that_names_them() {
     let said = refusal(&["report", "a.csv", "b.csv", "c.csv", "-o", "r.html"]);
@@ -211,4 +212,78 @@ fn conditions_that_the_files_state_are_named_where_they_differ() {
         "{said}"
     );
     assert!(!compared(&sides[0], &sides[0]).contains("different conditions"));
+=======
+/// A recording of the linear servo with a sensor of this gain.
+fn by_sensor(dir: &Path, name: &str, servo: &str) -> PathBuf {
+    let file = dir.join(name);
+    run(&["simulate", "-q", "--servo", servo, "-o", arg(&file)]);
+    file
+}
+
+fn verdict_of(a: &Path, b: &Path) -> serde_json::Value {
+    serde_json::from_str(&run(&["compare", "-q", arg(a), arg(b), "--json"])).unwrap()
+}
+
+#[test]
+fn two_sensors_of_a_data_sheet_make_no_two_servos_of_one() {
+    let dir = tempfile::tempdir().unwrap();
+    let one = by_sensor(dir.path(), "one.csv", "linear?seed=21");
+    let again = by_sensor(dir.path(), "again.csv", "linear?seed=31");
+    let other = by_sensor(dir.path(), "other.csv", "linear?seed=31&sensor-gain=0.9");
+    let slow = by_sensor(
+        dir.path(),
+        "slow.csv",
+        "linear?seed=33&sensor-gain=0.95&delay-ms=40",
+    );
+    // One sensor, whose error is the same in both.
+    let found = verdict_of(&one, &again);
+    assert_eq!(found["verdict"], "same", "{}", found["summary"]);
+    // Two sensors, each known to 5 %: 10 % less is no finding, a delay that is longer by 20 ms is.
+    let found = verdict_of(&one, &other);
+    assert_eq!(found["verdict"], "undecided", "{}", found["summary"]);
+    let summary = found["summary"].as_str().unwrap();
+    assert!(
+        summary.contains("may be off from each other by ±18.2 %"),
+        "{summary}"
+    );
+    assert!(
+        found["advice"]
+            .to_string()
+            .contains("scales of their sensors")
+    );
+    let found = verdict_of(&one, &slow);
+    assert_eq!(found["verdict"], "different", "{}", found["summary"]);
+    // Their models know as much.
+    let models = [&one, &other].map(|file| {
+        let model = file.with_extension("json");
+        run(&["identify", "-q", arg(file), "-o", arg(&model)]);
+        model
+    });
+    let found = verdict_of(&models[0], &models[1]);
+    assert_eq!(found["verdict"], "undecided", "{}", found["summary"]);
+}
+
+#[test]
+fn columns_of_two_sides_may_have_different_names() {
+    let dir = tempfile::tempdir().unwrap();
+    let [_, one] = recording_and_table(dir.path());
+    let other = dir.path().join("other-names.csv");
+    let text = std::fs::read_to_string(&one).unwrap();
+    let text = text
+        .replacen("reference", "u", 1)
+        .replacen("position", "y", 1);
+    std::fs::write(&other, text).unwrap();
+    let sentence = refusal(&[&["compare", arg(&one), arg(&other)], &NAMED[..]].concat());
+    assert!(
+        sentence.contains("--input-b and --output-b those of the second"),
+        "{sentence}"
+    );
+    let second = ["--input-b", "u", "--output-b", "y"];
+    run(&[
+        &["compare", "-q", arg(&one), arg(&other)],
+        &NAMED[..],
+        &second[..],
+    ]
+    .concat());
+>>>>>>> sides
 }

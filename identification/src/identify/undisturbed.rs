@@ -14,6 +14,7 @@ use crate::diagnostics::{
 use crate::error::Error;
 use crate::options::{Detrend, Options};
 use crate::selection::odd_at_most;
+use crate::thresholds::IMMATERIAL_TAIL;
 
 /// Turns of fit and search.
 const TURNS: usize = 5;
@@ -76,12 +77,16 @@ impl<'a> Undisturbed<'a> {
         Some(levels)
     }
 
-    /// Bayes' criterion for each row, which is comparable between settling times.
+    /// Bayes' criterion for each row, which is comparable between settling times. Errors that are nothing beside the motion, as those of a record
+    /// without noise, count alike.
     fn criterion(&self) -> f64 {
-        let fit = &self.estimate.fit;
+        let Estimate {
+            information, fit, ..
+        } = &self.estimate;
         let rows = fit.rows as f64;
+        let least = IMMATERIAL_TAIL.powi(2) * information.moments.output_spread() / rows;
         let parameters = fit.coordinates.len() + fit.ar.len() + self.disturbances.levels.len();
-        fit.variance.ln() + parameters as f64 * rows.ln() / rows
+        fit.variance.max(least).ln() + parameters as f64 * rows.ln() / rows
     }
 
     /// Whether a search for smaller outliers, too, may find others.

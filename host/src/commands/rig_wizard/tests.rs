@@ -154,3 +154,41 @@ fn each_kind_of_sensor_has_its_scale_and_its_delay() {
         }
     }
 }
+
+#[test]
+fn what_is_known_of_a_simulated_rig_is_taken() {
+    let of = |port: &str| {
+        let mut answers = RigAnswers::default();
+        answers.take_port(port);
+        (answers.condition, answers.pulse_type)
+    };
+    let bench = "bench".to_owned();
+    assert_eq!(
+        of("sim:aircraft?seed=2"),
+        ("aircraft".to_owned(), PulseTypeName::Wide)
+    );
+    assert_eq!(
+        of("sim:bench?pulses=narrow"),
+        (bench.clone(), PulseTypeName::Narrow)
+    );
+    assert_eq!(of("/dev/ttyUSB0"), (bench, PulseTypeName::Wide));
+}
+
+#[test]
+fn a_travel_that_is_cut_says_so() {
+    let of = |travel: &str| {
+        let answers = RigAnswers {
+            travel_deg: travel.parse().unwrap(),
+            ..RigAnswers::default()
+        };
+        answers.travel_in_words()
+    };
+    assert_eq!(
+        of("-20:20"),
+        "From -20.0 to 20.0 degrees: the travel of the linkage."
+    );
+    assert_eq!(
+        of("-80:80"),
+        "From -50.0 to 50.0 degrees: the travel of the linkage, -80 to 80, cut to the pulses that the servo takes, 1000:2000 µs (--pulses)."
+    );
+}

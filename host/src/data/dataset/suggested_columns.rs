@@ -128,6 +128,18 @@ mod tests {
     }
 
     #[test]
+    fn another_column_of_the_command_is_named_and_not_one_that_is_used() {
+        let columns = ["t", "ref_deg", "u_deg", "y_deg"].map(str::to_owned);
+        let found = |used| another_input(&columns, used).map(String::as_str);
+        assert_eq!(found(["u_deg", "y_deg"]), Some("ref_deg"));
+        assert_eq!(another_input(&columns[2..], ["u_deg", "y_deg"]), None);
+        assert_eq!(
+            options_behind_times(&["1", "2", "3"].map(str::to_owned)),
+            "--time 1 --input 2 --output 3"
+        );
+    }
+
+    #[test]
     fn a_word_that_both_names_have_goes_to_the_one_that_is_left() {
         assert_eq!(
             of(&["Time [s]", "Set angle", "Meas angle"]),

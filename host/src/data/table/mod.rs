@@ -85,7 +85,7 @@ impl Table {
             && parted_by_spaces(rows)
         {
             return refused(
-                "its cells are parted by spaces: part them by commas, semicolons or tabs",
+                "its cells are parted by spaces: part them by commas, semicolons, tabs or vertical bars",
             );
         }
         let decimal = match layout.separator {

@@ -147,3 +147,43 @@ fn what_is_not_certain_is_asked_and_not_guessed() {
         assert!(said.contains(words) && !said.contains('\n'), "{said}");
     }
 }
+
+#[test]
+fn a_cell_that_is_no_number_has_the_remedy_for_what_it_is() {
+    let said = |text: &str| {
+        let table = Table::parse(text.as_bytes().to_vec()).unwrap();
+        table.numbers(&["u"]).unwrap_err().to_string()
+    };
+    for (text, remedy) in [
+        (
+            "t,u\n0,1\n1,2\nt,u\n2,3\n",
+            "this is the header row once more",
+        ),
+        (
+            "t,u\n\"0,1\",\"0,2\"\n\"0,3\",\"0,4\"\n",
+            "where that is a decimal comma, write points",
+        ),
+        (
+            "t;u\n0;1,5 deg\n1;2,5 deg\n",
+            "write the unit in the header row",
+        ),
+        ("t,u\n0,1\n1,2\n2,none\n", "leave the cell empty"),
+    ] {
+        assert!(said(text).contains(remedy), "{}", said(text));
+    }
+}
+
+#[test]
+fn vertical_bars_part_cells_and_a_first_column_of_times_is_known() {
+    let table = Table::parse(b"t|u|y\n0|1|2\n1|3|4\n".to_vec()).unwrap();
+    assert_eq!(table.columns(), ["t", "u", "y"]);
+    assert_eq!(table.numbers(&["y"]).unwrap(), [[2.0, 4.0]]);
+    assert!(!table.begins_with_times());
+    let of = |text: &str| {
+        Table::parse(text.as_bytes().to_vec())
+            .unwrap()
+            .begins_with_times()
+    };
+    assert!(of("0.00,1,2\n0.02,3,4\n0.04,5,6\n"));
+    assert!(!of("0.00,1,2\n0.02,3,4\n0.01,5,6\n"));
+}

@@ -152,3 +152,26 @@ fn explain(table: &mut dyn TableLike, key: &str, remark: &str) {
     let kept: String = lines.iter().map(|line| format!("{line}\n")).collect();
     decor.set_prefix(format!("{kept}{REMARK}{remark}\n"));
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_reach_of_the_limits_is_that_of_the_new_ones() {
+        let before = "[servo]\nneutral_us = 1500\nus_per_degree = 10.0\n[limits]\n# From -10.0 to 10.0 degrees: a cautious default.\n# Mine.\nshortest_us = 1400  # short\nlongest_us = 1600\n";
+        let found = Found {
+            limits_us: [None, Some(1560)],
+            ..Found::default()
+        };
+        let after = put_into(before, &found).unwrap();
+        assert!(
+            after.contains("# From -10.0 to 6.0 degrees: up to where the servo stops"),
+            "{after}"
+        );
+        assert!(
+            !after.contains("cautious") && after.contains("# Mine.\nshortest_us = 1400  # short"),
+            "{after}"
+        );
+    }
+}
