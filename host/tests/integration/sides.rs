@@ -160,7 +160,6 @@ fn different_calibrations_of_two_sides_are_named() {
     assert!(!said.contains("calibrations of the sensor"), "{said}");
 }
 
-<<<<<<< HEAD
 #[test]
 fn files_without_sides_are_answered_with_the_command_that_names_them() {
     let said = refusal(&["report", "a.csv", "b.csv", "c.csv", "-o", "r.html"]);
@@ -212,7 +211,8 @@ fn conditions_that_the_files_state_are_named_where_they_differ() {
         "{said}"
     );
     assert!(!compared(&sides[0], &sides[0]).contains("different conditions"));
-=======
+}
+
 /// A recording of the linear servo with a sensor of this gain.
 fn by_sensor(dir: &Path, name: &str, servo: &str) -> PathBuf {
     let file = dir.join(name);
@@ -285,5 +285,4 @@ fn columns_of_two_sides_may_have_different_names() {
         &second[..],
     ]
     .concat());
->>>>>>> sides
 }

@@ -14,7 +14,7 @@ use crate::diagnostics::{
 use crate::error::Error;
 use crate::options::{Detrend, Options};
 use crate::selection::odd_at_most;
-use crate::thresholds::IMMATERIAL_TAIL;
+use crate::thresholds::IMMATERIAL_ERROR;
 
 /// Turns of fit and search.
 const TURNS: usize = 5;
@@ -84,7 +84,7 @@ impl<'a> Undisturbed<'a> {
             information, fit, ..
         } = &self.estimate;
         let rows = fit.rows as f64;
-        let least = IMMATERIAL_TAIL.powi(2) * information.moments.output_spread() / rows;
+        let least = IMMATERIAL_ERROR.powi(2) * information.moments.output_spread() / rows;
         let parameters = fit.coordinates.len() + fit.ar.len() + self.disturbances.levels.len();
         fit.variance.max(least).ln() + parameters as f64 * rows.ln() / rows
     }
