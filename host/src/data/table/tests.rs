@@ -167,7 +167,7 @@ fn a_cell_that_is_no_number_has_the_remedy_for_what_it_is() {
             "t;u\n0;1,5 deg\n1;2,5 deg\n",
             "write the unit in the header row",
         ),
-        ("t,u\n0,1\n1,2\n2,none\n", "leave the cell empty"),
+        ("t,u\n0,1\n1,2\n2,off\n", "leave the cell empty"),
     ] {
         assert!(said(text).contains(remedy), "{}", said(text));
     }
