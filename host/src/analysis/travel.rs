@@ -90,7 +90,7 @@ pub(super) fn advice(data: &Dataset, model: &Model) -> Option<Advice> {
             "stops or a limit of the travel, which then make all times here, a load to which the servo yields, or {scales}"
         ),
         (false, true) => format!(
-            "a load to which the servo yields, or {scales} (no stop, since the servo slows down before its rest or passes it)"
+            "a load to which the servo yields, or {scales} (a stop is unlikely, since the servo slows down before its rest or passes it)"
         ),
         (false, false) => scales,
     };

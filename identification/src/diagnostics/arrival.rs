@@ -25,6 +25,10 @@ const SAMPLES_ON_THE_WAY: f64 = 8.0;
 /// Largest noise, as a share of the travel (rms): it moves `a` of one stroke by 0.09.
 const LARGEST_NOISE: f64 = 0.005;
 
+/// Standard deviations of the noise by which a servo goes beyond its rest for sure, and by which means of three samples go beyond it by chance.
+const OF_NOISE: f64 = 4.0;
+const AT_END: f64 = 3.0;
+
 /// How the servo comes to its rests under one command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Approach {
@@ -95,12 +99,14 @@ impl Arrival {
     fn of(command: f64, ways: &[Way]) -> Option<Self> {
         let middle = |of: fn(&Way) -> f64| median(ways.iter().map(of).collect());
         let (slowness, beyond) = (middle(|way| way.slowness)?, middle(|way| way.beyond)?);
+        let noise = middle(|way| way.noise)?;
         let is_known = ways.len() >= STROKES
             && middle(|way| way.samples)? >= SAMPLES_ON_THE_WAY
-            && middle(|way| way.noise)? <= LARGEST_NOISE;
+            && noise <= LARGEST_NOISE;
+        let passes_its_end = beyond > PASSES_ITS_END.max(OF_NOISE * noise);
         let approach = match is_known {
-            true if beyond > PASSES_ITS_END || slowness > SLOWS_DOWN => Approach::Free,
-            true if slowness < CUT_OFF => Approach::CutOff,
+            true if passes_its_end || slowness > SLOWS_DOWN => Approach::Free,
+            true if slowness < CUT_OFF && beyond < AT_END * noise => Approach::CutOff,
             _ => Approach::Unknown,
         };
         Some(Self {
@@ -238,21 +244,29 @@ mod tests {
         }
     }
 
-    /// Half way to its command and earlier. Later a servo that is well damped has slowed down by itself, and may not be known from a free one; it
-    /// is not called free.
+    /// Half way to its command and earlier. Later a servo that is well damped has slowed down by itself.
     #[test]
     fn a_servo_that_meets_its_stops_is_cut_off() {
         for seed in 0..4 {
-            for zeta in [0.6, 0.8] {
-                for omega in [25.0, 40.0, 70.0] {
-                    for (stop, speed) in [(6.0, FREE), (10.0, FREE), (10.0, 400.0), (14.0, 400.0)] {
-                        let found = approaches(zeta, omega, [speed, FREE, stop], seed).unwrap();
-                        let is = |approach| found.iter().all(|found| *found == approach);
-                        let case = format!("{zeta} {omega} {stop} {speed} {seed}: {found:?}");
-                        assert!(!found.contains(&Approach::Free), "{case}");
-                        assert!(is(Approach::CutOff) || stop > 10.0, "{case}");
+            for omega in [25.0, 40.0] {
+                for stop in [6.0, 10.0] {
+                    for speed in [FREE, 400.0] {
+                        let found = approaches(0.6, omega, [speed, FREE, stop], seed);
+                        let stopped = Some([Approach::CutOff; 2]);
+                        assert_eq!(found, stopped, "{omega} {stop} {speed} {seed}");
                     }
                 }
+            }
+        }
+    }
+
+    /// Well damped, and slow where it meets them: the record does not show it, which is not that there are none.
+    #[test]
+    fn a_stop_that_is_met_slowly_is_not_known() {
+        for seed in 0..4 {
+            for omega in [25.0, 40.0] {
+                let found = approaches(0.8, omega, [FREE, FREE, 12.0], seed);
+                assert_eq!(found, Some([Approach::Unknown; 2]), "{omega} {seed}");
             }
         }
     }

@@ -91,9 +91,8 @@ pub const BARE_MENTION: f64 = 2.0;
 /// Evidence: the tests of the arrival.
 pub const CUT_OFF: f64 = 1.25;
 
-/// The same above which the servo slows down before its rest; see [`CUT_OFF`].
-pub const SLOWS_DOWN: f64 = 1.6;
+/// The same above which the servo slows down before its rest; see [`CUT_OFF`]. A stop up to 0.75 of the way to the command leaves it below.
+pub const SLOWS_DOWN: f64 = 4.0;
 
-/// Share of the travel by which a servo that is free goes beyond its rest. The gear yields at a stop, and noise adds half a percent; see
-/// [`CUT_OFF`].
-pub const PASSES_ITS_END: f64 = 0.03;
+/// Share of the travel by which a servo that is free goes beyond its rest at the least; see [`CUT_OFF`].
+pub const PASSES_ITS_END: f64 = 0.01;
