@@ -196,8 +196,8 @@ fn what_is_reached_is_the_rest_that_was_measured() {
     let [low, high] = limits.ends.unwrap();
     for end in [low, high] {
         let reached = end.reached.value.unwrap();
-        // A mean of 25 samples of noise of 0.05 and less, over six visits.
-        assert!((reached - end.command).abs() < 0.05, "{}", end.statement);
+        // Coloured noise of 0.05 over 25 samples in each of three visits, and a converter with steps of 0.037.
+        assert!((reached - end.command).abs() < 0.1, "{}", end.statement);
         assert!(end.statement.starts_with("No stop"), "{}", end.statement);
     }
 }

@@ -14,7 +14,7 @@ mod time_to_rest;
 
 use serde::{Deserialize, Serialize};
 
-use crate::data::{Record, Run, strokes};
+use crate::data::{EXACTLY, Record, Run, holds, strokes};
 use crate::results::Model;
 use crate::thresholds::MARGIN;
 use time_to_rest::time_to_rest;
@@ -111,14 +111,18 @@ fn settling(record: &Record, model: &Model) -> usize {
     }
 }
 
-/// The runs less the motion that the linear model predicts, y(k) - (ŷ(k) - c - G0 u(k)), so that ringing
-/// does not pass for rest. Missing where the model has no full history.
+/// The runs less the motion that the linear model predicts from each sample of a hold to its end, so that ringing does not pass for rest, and the
+/// rest is where the servo was. Missing where the model has no full history.
 fn without_motion<'a>(record: &'a Record, model: &Model) -> Vec<Run<'a>> {
     let still = |run: &'a Run| {
         let moving = model.simulate(run);
-        let output: Vec<f64> = (0..run.len())
-            .map(|k| run.output()[k] - (moving[k] - model.offset - model.theta[0] * run.input()[k]))
-            .collect();
+        let mut output = run.output().to_vec();
+        for hold in holds(run, EXACTLY) {
+            let end = moving[hold.samples.end - 1];
+            for k in hold.samples {
+                output[k] -= moving[k] - end;
+            }
+        }
         let still = Run::new(run.input(), output).ok()?;
         Some(match run.input_at_rest() {
             Some(input) => still.with_input_at_rest(input),
