@@ -69,8 +69,13 @@ pub(super) struct Found {
 }
 
 impl ResetTest {
-    pub(super) fn new(runs: &[Simulated<'_>], moments: &Moments, fit: &GlsFit) -> Option<Self> {
-        let speed_over = speed_over(&fit.coordinates.basis.step_response(&fit.theta()));
+    /// With the speed over so many samples on either side.
+    pub(super) fn new(
+        runs: &[Simulated<'_>],
+        moments: &Moments,
+        fit: &GlsFit,
+        speed_over: usize,
+    ) -> Option<Self> {
         let scale = Scale::of(runs, speed_over)?;
         let several = runs.len() > 1;
         let runs: Vec<RunColumns> = runs
@@ -269,10 +274,10 @@ pub(super) struct MisfitSize {
     pub(super) local: f64,
 }
 
-/// Samples on either side over which the speed is taken: the fewest in which the response `step` changes by [`SPEED_OVER`] of its largest value
-/// somewhere. From one row to the next a servo hardly moves where rows are close together, and the speed of the simulation would be what the noise
+/// Samples on either side over which a slower speed is taken: the fewest in which the response `step` changes by [`SPEED_OVER`] of its largest value
+/// somewhere. From one row to the next a servo hardly moves where rows are close together, and the speed of the simulation is what the noise
 /// has left in the response.
-fn speed_over(step: &[f64]) -> usize {
+pub(super) fn slower_speed_over(step: &[f64]) -> usize {
     let largest = step.iter().fold(0.0f64, |most, g| most.max(g.abs()));
     let changes = |apart: &usize| {
         let pairs = step.iter().zip(step.iter().skip(2 * apart));

@@ -135,7 +135,7 @@ fn moments_by_transforms_give_what_the_explicit_regression_gives() {
         for frequencies in [SETTLING, 5] {
             let (information, fit) = fitted(&record, frequencies);
             let runs = simulated(&record, &information.moments, &fit);
-            let offered = ResetTest::new(&runs, &information.moments, &fit).unwrap();
+            let offered = ResetTest::new(&runs, &information.moments, &fit, 2).unwrap();
             let found = offered.regress(&fit).unwrap();
             assert_eq!((found.degrees, found.of_runs), (FUNCTIONS, of_runs.len()));
             let explicit = Explicit::new(&offered, &fit);
