@@ -175,7 +175,7 @@ fn limited_to(
         false => format!("{up} {} and {down} downwards", upwards(model)),
     };
     Some(match is_never_reached(model, &speeds?) {
-        true => format!("has a top speed of {limits}, which it never reached"),
+        true => format!("never reached its top speed of {limits}"),
         false => format!("is limited to {limits}"),
     })
 }
