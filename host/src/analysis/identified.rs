@@ -81,10 +81,7 @@ fn name_planned_command(data: &Dataset, advice: &mut [Advice]) {
     let Some(column) = &data.about.other_input else {
         return;
     };
-    for found in advice
-        .iter_mut()
-        .filter(|found| found.check == Check::Feedback)
-    {
+    for found in advice.iter_mut().filter(|found| found.is_of_feedback()) {
         found.remedy += &format!(
             " The file has a column {column:?}, too: where that was planned before, --input {} gives the response of servo and controller together.",
             quoted(column)

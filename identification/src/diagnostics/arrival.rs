@@ -29,6 +29,9 @@ const LARGEST_NOISE: f64 = 0.005;
 const OF_NOISE: f64 = 4.0;
 const AT_END: f64 = 3.0;
 
+/// What rounding leaves of a record without noise, as a share of the travel.
+const ROUNDING: f64 = 1e-12;
+
 /// How the servo comes to its rests under one command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Approach {
@@ -61,7 +64,7 @@ impl Arrival {
     /// let u: Vec<f64> = (0..4000).map(|k| if k / 250 % 2 == 0 { -20.0 } else { 20.0 }).collect();
     /// let free = |limit: f64| -> Record {
     ///     let (mut lag, mut y) = (0.0, 0.0);
-    ///     let output: Vec<f64> = u.iter().map(|u| { lag += 0.1 * (u - lag); y += 0.1 * (lag - y); y.clamp(-limit, limit) }).collect();
+    ///     let output: Vec<f64> = u.iter().map(|u| { lag += 0.04 * (u - lag); y += 0.04 * (lag - y); y.clamp(-limit, limit) }).collect();
     ///     Record::of_run(0.002, u.clone(), output).unwrap()
     /// };
     /// let approach = |record: &Record| -> Result<Option<Approach>, servoid_identification::Error> {
@@ -69,7 +72,7 @@ impl Arrival {
     ///     Ok(Arrival::at_both_ends(record, &model)[1].map(|found| found.approach))
     /// };
     /// assert_eq!(approach(&free(30.0))?, Some(Approach::Free));
-    /// assert_eq!(approach(&free(8.0))?, Some(Approach::CutOff));
+    /// assert_eq!(approach(&free(4.0))?, Some(Approach::CutOff));
     /// # Ok::<(), servoid_identification::Error>(())
     /// ```
     #[must_use]
@@ -106,7 +109,7 @@ impl Arrival {
         let passes_its_end = beyond > PASSES_ITS_END.max(OF_NOISE * noise);
         let approach = match is_known {
             true if passes_its_end || slowness > SLOWS_DOWN => Approach::Free,
-            true if slowness < CUT_OFF && beyond < AT_END * noise => Approach::CutOff,
+            true if slowness < CUT_OFF && beyond < ROUNDING + AT_END * noise => Approach::CutOff,
             _ => Approach::Unknown,
         };
         Some(Self {

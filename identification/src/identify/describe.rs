@@ -72,8 +72,7 @@ fn is_linear(fitted: &Fitted) -> bool {
 }
 
 fn is_closed_loop(fitted: &Fitted) -> bool {
-    let follows_motion = (fitted.linearity).is_some_and(|found| found.errors_follow_motion());
-    let are_noise = fitted.misfit.is_none() && !follows_motion;
+    let are_noise = fitted.misfit.is_none() && !fitted.errors_follow_motion();
     fitted
         .feedback
         .is_some_and(|found| found.is_evident() || (are_noise && found.is_found()))

@@ -58,6 +58,11 @@ impl Fitted {
         }
     }
 
+    /// Whether the errors are shown to follow the motion: a servo that is not linear.
+    pub(super) fn errors_follow_motion(&self) -> bool {
+        (self.linearity).is_some_and(|found| found.errors_follow_motion())
+    }
+
     /// A fit to a candidate, without any findings.
     pub(super) fn untested(candidate: Candidate, estimate: Estimate) -> Self {
         Self {

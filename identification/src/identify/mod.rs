@@ -125,9 +125,14 @@ impl<'a> Request<'a> {
         } = found;
         let task = self.task(&record, &disturbances);
         let fitted = Fitted::tested(&task, candidate, estimate);
-        let follows_motion = (fitted.linearity).is_some_and(|found| found.errors_follow_motion());
-        if !follows_motion || disturbances.is_without_errors() {
-            return then(Response::new(&task, fitted)?);
+        let may_be_disturbances =
+            |fitted: &Fitted| disturbances.is_without_errors() || !fitted.errors_follow_motion();
+        if may_be_disturbances(&fitted) {
+            // Another settling time may show what the first hid.
+            let response = Response::new(&task, fitted)?;
+            if may_be_disturbances(&response.fitted) {
+                return then(response);
+            }
         }
         let whole = Undisturbed::with_errors(self.record, self.options, &disturbances)?;
         let task = self.task(&whole.record, &whole.disturbances);

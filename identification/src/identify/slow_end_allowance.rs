@@ -26,13 +26,8 @@ pub(super) fn slow_columns<'a>(task: &Task<'_>, fitted: &'a Fitted) -> Option<&'
 fn with_noise_for_errors<'a>(task: &Task<'a>, fitted: &Fitted) -> Option<&'a Record<'a>> {
     let (record, plan) = (task.record?, &fitted.candidate.plan);
     let within_holds = (plan.choice.as_ref()).is_some_and(|choice| choice.within_holds);
-    let follows_motion = fitted
-        .linearity
-        .is_some_and(|found| found.errors_follow_motion());
-    if follows_motion || within_holds || fitted.misfit.is_some() || !plan.basis.is_complete() {
-        return None;
-    }
-    Some(record)
+    let noise = !fitted.errors_follow_motion() && fitted.misfit.is_none();
+    (noise && !within_holds && plan.basis.is_complete()).then_some(record)
 }
 
 /// `fitted` with the covariance that allows for a slow end. The stable prior has one of its own, and who states a settling time states

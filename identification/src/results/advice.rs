@@ -272,6 +272,18 @@ impl Advice {
         matches!(self.check, Check::Seams | Check::UnlikeRuns)
     }
 
+    /// Whether the finding is that the input follows the output.
+    #[must_use]
+    pub fn is_of_feedback(&self) -> bool {
+        self.check == Check::Feedback
+    }
+
+    /// Whether the finding is of the scale of the sensor.
+    #[must_use]
+    pub fn is_of_sensor_scale(&self) -> bool {
+        self.check == Check::Calibration
+    }
+
     /// Whether it says that errors follow the motion.
     #[must_use]
     pub fn is_of_errors_in_motion(&self) -> bool {

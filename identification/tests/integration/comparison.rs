@@ -658,7 +658,7 @@ fn bounds_of_the_difference_hold_where_scales_differ_as_they_are_stated() {
             plain(&scaled(&other, b), 3001 + 2 * pair),
         ];
         let found = compare(&sides[0], &sides[1], &two_scales()).unwrap();
-        // A recording in fifty is told from a linear servo by chance, and has no bounds.
+        // A recording in fifty differs from a linear servo by chance, and has no bounds.
         let bounds = found.bounds.valid()?.difference_percent;
         let [low, high] = gain_of(&found);
         // In terms of the first, whose own gain is off by its scale.

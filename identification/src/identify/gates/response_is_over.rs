@@ -41,10 +41,9 @@ pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
             candidate.with(task, FsfBasis::full(choice.settling)?, candidate.plan.order);
         longer.plan.choice = Some(choice);
         if let Ok(longer) = Fitted::new(task, longer) {
-            let linearity = longer.linearity;
-            if linearity.is_some_and(|found| found.errors_follow_motion()) {
+            if longer.errors_follow_motion() {
                 let known_to_follow = Fitted {
-                    linearity,
+                    linearity: longer.linearity,
                     ..fitted
                 };
                 return errors_are_noise::pass(task, known_to_follow);

@@ -3,7 +3,7 @@
 use crate::data::model_file::ServoModelDocument;
 use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::export::error::ExportError;
-use servoid_identification::results::{Check, Model};
+use servoid_identification::results::Model;
 use servoid_identification::servo_model::{Load, ServoModel, ServoParameters, Stops};
 
 /// Longest delay that a servo may have \[s\]: files keep the commands of that time.
@@ -93,7 +93,7 @@ impl<'a> ServoExport<'a> {
     #[must_use]
     pub fn beside(self, linear: &'a Model) -> Self {
         let advice = linear.advice.iter();
-        let of_sensor = advice.filter(|found| found.check == Check::Calibration);
+        let of_sensor = advice.filter(|found| found.is_of_sensor_scale());
         Self {
             of_sensor: of_sensor.map(|found| found.finding.as_str()).collect(),
             ..self
