@@ -12,11 +12,11 @@
 
 use faer::Mat;
 
-use crate::data::{EXACTLY, holds};
+use crate::data::Hold;
 use crate::diagnostics::clustered_errors::{Cluster, EffectScatter};
 use crate::diagnostics::delayed_response::slope_and_bend;
 use crate::diagnostics::filtered_rows::{filtered, present};
-use crate::diagnostics::simulation_error::{Simulated, one_step_errors};
+use crate::diagnostics::held_run::HeldRun;
 use crate::estimation::{EstimatedPart, GlsFit, noise_filter};
 
 /// The mean of the answers takes one of them.
@@ -25,7 +25,7 @@ const FITTED: f64 = 1.0;
 /// Adds the scatter of the answers of `runs` to the covariance of `fit`, where there is any beyond chance. They are a share `seen` of the record.
 /// Returns the standard deviation of a time \[samples\].
 pub(super) fn allow_for_answer_scatter(
-    runs: &[Simulated<'_>],
+    runs: &[HeldRun<'_>],
     seen: f64,
     fit: &mut GlsFit,
 ) -> Option<f64> {
@@ -46,13 +46,12 @@ pub(super) fn allow_for_answer_scatter(
 }
 
 /// The errors of each answer.
-fn answers(run: &Simulated<'_>, ar: &[f64]) -> Vec<Cluster> {
-    let errors = one_step_errors(run.own_errors(), ar);
-    let speed: Vec<f64> = run.speed().into_iter().map(present).collect();
+fn answers(held: &HeldRun<'_>, ar: &[f64]) -> Vec<Cluster> {
+    let speed: Vec<f64> = held.run.speed().into_iter().map(present).collect();
     let weights = filtered(&speed, &noise_filter(ar));
-    let holds = holds(&run.run, EXACTLY).into_iter();
-    let of_hold = |samples: std::ops::Range<usize>| {
-        Cluster::of_rows(&weights[samples.clone()], &errors[samples])
+    let of_hold = |hold: &Hold| {
+        let samples = hold.samples.clone();
+        Cluster::of_rows(&weights[samples.clone()], &held.errors[samples])
     };
-    holds.map(|hold| of_hold(hold.samples)).collect()
+    held.holds.iter().map(of_hold).collect()
 }

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::data::Moments;
 use crate::diagnostics::answer_scatter::allow_for_answer_scatter;
+use crate::diagnostics::held_run::HeldRun;
 use crate::diagnostics::level_scatter::{OffLevels, allow_for_level_scatter};
 use crate::diagnostics::simulation_error::Simulated;
 use crate::estimation::GlsFit;
@@ -49,8 +50,9 @@ pub(crate) fn allow_for_hold_scatter(
     // The runs may be the beginning of a longer record, which has more answers, and more visits to the same levels.
     let rows: f64 = runs.iter().map(|run| run.errors.len() as f64).sum();
     let seen = (rows / fit.rows as f64).min(1.0);
-    let late = allow_for_answer_scatter(runs, seen, fit);
-    let off = allow_for_level_scatter(runs, moments, seen, fit);
+    let held = HeldRun::all(runs, fit);
+    let late = allow_for_answer_scatter(&held, seen, fit);
+    let off = allow_for_level_scatter(runs, &held, moments, seen, fit);
     let OffLevels { visits, levels } = off.unwrap_or_default();
     (late.is_some() || off.is_some()).then(|| HoldScatter {
         answers_s: late.unwrap_or_default() * moments.sample_period_s(),

@@ -6,12 +6,13 @@ use std::ops::Range;
 
 use faer::Mat;
 
-use crate::data::{EXACTLY, HELD, Hold, Moments, holds};
+use crate::data::{HELD, Hold, Moments};
 use crate::diagnostics::clustered_errors::Cluster;
 use crate::diagnostics::filtered_rows::{filtered, only, with_history};
-use crate::diagnostics::simulation_error::{Simulated, one_step_errors};
+use crate::diagnostics::further_columns::FurtherColumns;
+use crate::diagnostics::held_run::HeldRun;
+use crate::diagnostics::simulation_error::Simulated;
 use crate::estimation::{GlsFit, noise_filter};
-use crate::numerics::LaggedSums;
 
 /// A level that is held.
 pub(super) struct Visit {
@@ -23,20 +24,24 @@ pub(super) struct Visit {
 
 /// All visits of all levels, level by level.
 pub(super) fn visits(runs: &[Simulated<'_>], fit: &GlsFit) -> Vec<Visit> {
+    visits_in(&HeldRun::all(runs, fit), fit)
+}
+
+/// The same of runs whose holds are known.
+pub(super) fn visits_in(runs: &[HeldRun<'_>], fit: &GlsFit) -> Vec<Visit> {
     let d = noise_filter(&fit.ar);
     let step = step_response(fit);
     let mut visits: Vec<Visit> = Vec::new();
     for (index, run) in runs.iter().enumerate() {
-        let errors = one_step_errors(run.own_errors(), &fit.ar);
-        let held = holds(&run.run, EXACTLY).into_iter();
+        let held = run.holds.iter();
         for hold in held.filter(|hold| hold.samples.len() >= HELD) {
             let length = hold.samples.len();
             let answer: Vec<f64> = (0..length).map(|k| at(&step, k)).collect();
-            let errors = Cluster::of_rows(&filtered(&answer, &d), &errors[hold.samples.clone()]);
+            let errors = &run.errors[hold.samples.clone()];
             visits.push(Visit {
                 run: index,
-                hold,
-                errors,
+                hold: hold.clone(),
+                errors: Cluster::of_rows(&filtered(&answer, &d), errors),
             });
         }
     }
@@ -76,33 +81,21 @@ impl<'a> CrossMoments<'a> {
 
     /// One column for each visit; the offset last.
     pub(super) fn of(&self, visits: &[Visit]) -> Mat<f64> {
-        let lags = self.fit.coordinates.basis.settling();
-        let gain: f64 = self.d.iter().sum();
-        let mut by_lag = Mat::<f64>::zeros(lags, visits.len());
-        let mut with_offset = vec![0.0; visits.len()];
-        let history = lags - 1 + self.fit.ar.len();
+        let mut columns = FurtherColumns::new(self.fit, visits.len());
+        let history = self.fit.coordinates.basis.settling() - 1 + self.fit.ar.len();
         for (index, run) in self.runs.iter().enumerate() {
             let input = with_history(&run.run, history, self.moments.centre.0);
             let input = filtered(&input, &self.d);
             let rows =
                 (run.run).complete_rows(self.moments.input_lags(), self.moments.output_lags());
             let of_run = visits.iter().enumerate();
-            for (column, visit) in of_run.filter(|(_, visit)| visit.run == index) {
+            for (place, visit) in of_run.filter(|(_, visit)| visit.run == index) {
                 let answer = self.answer(visit, &rows, run.errors.len());
-                with_offset[column] = gain * answer.iter().sum::<f64>();
-                let first = visit.hold.samples.start + history + 1 - lags;
-                let mut sums = LaggedSums::new(lags, 1);
-                sums.add(&input[first..first + lags - 1 + answer.len()], &[&answer]);
-                let sums = sums.sums();
-                by_lag.col_as_slice_mut(column).copy_from_slice(&sums[0]);
+                let end = history + visit.hold.samples.start + answer.len();
+                columns.add(&input[..end], &[place], &[&answer]);
             }
         }
-        let by_coordinate = self.fit.coordinates.compress(by_lag);
-        let p = by_coordinate.nrows();
-        Mat::from_fn(p + 1, visits.len(), |i, j| match i {
-            i if i < p => by_coordinate[(i, j)],
-            _ => with_offset[j],
-        })
+        columns.cross_moments()
     }
 
     /// D(z) x from the beginning of the hold until the servo has left it, in the `rows` of the regression, of a run of so many `samples`.

@@ -15,6 +15,7 @@ use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use crate::data::{Moments, Run};
 use crate::diagnostics::common_offset::common_offset;
+use crate::diagnostics::further_columns::FurtherColumns;
 use crate::diagnostics::part_means::part_means;
 use crate::diagnostics::simulation_error::Simulated;
 use crate::estimation::{GlsFit, noise_filter};
@@ -65,37 +66,46 @@ pub(crate) fn differing_means(runs: &[&[f64]], settling: usize, wanted: bool) ->
 
 /// The covariance of `fit` becomes that with an offset of each of `runs`.
 pub(crate) fn allow_for_run_offsets(runs: &[Run], moments: &Moments, fit: &mut GlsFit) {
-    let d = noise_filter(&fit.ar);
-    let gain: f64 = d.iter().sum();
-    let n = fit.coordinates.basis.settling();
-    let others = &runs[..runs.len() - 1];
-    let sums: Vec<(Vec<f64>, f64)> = others
-        .iter()
-        .map(|run| lagged_totals(run, moments, n + fit.ar.len()))
-        .collect();
-    let by_lag = Mat::from_fn(n, others.len(), |a, r| {
-        d.iter()
-            .zip(&sums[r].0[a..])
-            .map(|(d, sum)| gain * d * sum)
-            .sum::<f64>()
-    });
-    let by_coordinate = fit.coordinates.compress(by_lag);
-    let p = by_coordinate.nrows();
-    let own = |r: usize| gain * gain * sums[r].1;
-    let cross = Mat::from_fn(p + 1, others.len(), |i, r| match i {
-        i if i < p => by_coordinate[(i, r)],
-        _ => own(r),
-    });
-    let inverse = &fit.solution.inverse;
-    let weighted = inverse * &cross;
+    let Columns { cross, own } = Columns::of(&runs[..runs.len() - 1], moments, fit);
+    let weighted = &fit.solution.inverse * &cross;
     let explained = cross.transpose() * &weighted;
-    let left = Mat::from_fn(others.len(), others.len(), |i, j| {
-        let own = if i == j { own(i) } else { 0.0 };
+    let left = Mat::from_fn(own.len(), own.len(), |i, j| {
+        let own = if i == j { own[i] } else { 0.0 };
         own - explained[(i, j)]
     });
     if let Some(lower) = cholesky(&left) {
         let more = &weighted * inverse_of_square(&lower) * weighted.transpose();
         fit.spread_further(1.0, Some(more));
+    }
+}
+
+/// The columns of the offsets beside the regression, behind the noise filter: D(1) in each row of a run.
+struct Columns {
+    /// C.
+    cross: Mat<f64>,
+    /// The diagonal of B, which has nothing else.
+    own: Vec<f64>,
+}
+
+impl Columns {
+    /// A column for each of `runs`. It is the same number in each row, so no products need be summed.
+    fn of(runs: &[Run], moments: &Moments, fit: &GlsFit) -> Self {
+        let d = noise_filter(&fit.ar);
+        let gain: f64 = d.iter().sum();
+        let lags = fit.coordinates.basis.settling() + fit.ar.len();
+        let mut columns = FurtherColumns::new(fit, runs.len());
+        let mut own = Vec::new();
+        for (place, run) in runs.iter().enumerate() {
+            let (totals, rows) = lagged_totals(run, moments, lags);
+            let behind = |totals: &[f64]| d.iter().zip(totals).map(|(d, sum)| gain * d * sum).sum();
+            let by_lag: Vec<f64> = totals.windows(d.len()).map(behind).collect();
+            columns.add_sums(place, &by_lag, gain * gain * rows);
+            own.push(gain * gain * rows);
+        }
+        Self {
+            cross: columns.cross_moments(),
+            own,
+        }
     }
 }
 
@@ -117,4 +127,24 @@ fn lagged_totals(run: &Run, moments: &Moments, lags: usize) -> (Vec<f64>, f64) {
         }
     }
     (totals, count)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnostics::further_columns::row_by_row::{fitted, require_close, summed};
+
+    #[test]
+    fn the_columns_of_offsets_are_those_that_rows_make() {
+        let (record, moments, fit) = fitted();
+        let gain: f64 = noise_filter(&fit.ar).iter().sum();
+        let found = Columns::of(record.runs(), &moments, &fit);
+        let column =
+            |of_run: usize| move |run: usize, _: usize| f64::from(u8::from(run == of_run)) * gain;
+        for (run, own) in found.own.iter().enumerate() {
+            let slow = summed(&record, &moments, &fit, column(run));
+            require_close(found.cross.col_as_slice(run), &slow.cross);
+            require_close(&[*own], &[slow.own]);
+        }
+    }
 }

@@ -9,10 +9,11 @@ use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use crate::data::{Moments, Run};
 use crate::diagnostics::filtered_rows::{filtered, only, present, with_history};
+use crate::diagnostics::further_columns::FurtherColumns;
 use crate::diagnostics::part_means::part_means;
 use crate::diagnostics::simulation_error::Simulated;
 use crate::estimation::{GlsFit, noise_filter};
-use crate::numerics::{LaggedSums, cholesky, dot, inverse_of_square, times};
+use crate::numerics::{cholesky, dot, inverse_of_square, times};
 use crate::thresholds::{DRIFT_SIGNIFICANCE, SHORTEST_SETTLING};
 
 /// The slope of each run \[output per sample\]; empty where there is none.
@@ -66,30 +67,23 @@ struct Columns {
 impl Columns {
     /// `None` where the input explains a trend by itself.
     fn new<'a>(
-        runs: impl Iterator<Item = &'a Run<'a>>,
+        runs: impl ExactSizeIterator<Item = &'a Run<'a>>,
         moments: &Moments,
         fit: &GlsFit,
     ) -> Option<Self> {
         let d = noise_filter(&fit.ar);
-        let gain: f64 = d.iter().sum();
-        let lags = fit.coordinates.basis.settling();
-        let (mut trends, mut crosses) = (Vec::new(), Vec::new());
-        for run in runs {
-            let history = lags + fit.ar.len();
+        let history = fit.coordinates.basis.settling() + fit.ar.len();
+        let mut columns = FurtherColumns::new(fit, runs.len());
+        let mut trends = Vec::new();
+        for (place, run) in runs.enumerate() {
             let input = with_history(run, history, moments.centre.0);
             let rows = run.complete_rows(moments.input_lags(), moments.output_lags());
             let trend: Vec<f64> = (0..run.len()).map(|k| trend_at(run, k)).collect();
             let trend = only(&rows, filtered(&trend, &d));
-            let mut sums = LaggedSums::new(lags, 1);
-            sums.add(&filtered(&input, &d)[history + 1 - lags..], &[&trend]);
-            let sums = sums.sums().remove(0);
-            let by_lag = Mat::from_fn(lags, 1, |a, _| sums[a]);
-            let mut cross = fit.coordinates.compress(by_lag).col_as_slice(0).to_vec();
-            cross.push(gain * trend.iter().sum::<f64>());
-            crosses.push(cross);
+            columns.add(&filtered(&input, &d), &[place], &[&trend]);
             trends.push(trend);
         }
-        let cross = Mat::from_fn(crosses.first()?.len(), crosses.len(), |i, r| crosses[r][i]);
+        let cross = columns.cross_moments();
         let weighted = &fit.solution.inverse * &cross;
         let explained = cross.transpose() * &weighted;
         let left = Mat::from_fn(trends.len(), trends.len(), |i, j| {

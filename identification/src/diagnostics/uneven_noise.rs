@@ -25,6 +25,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::data::Moments;
 use crate::diagnostics::filtered_rows::filtered;
+use crate::diagnostics::further_columns::in_coordinates;
 use crate::diagnostics::simulation_error::{Simulated, one_step_errors};
 use crate::estimation::{EstimatedPart, GlsFit, noise_filter};
 use crate::numerics::{chi_square_upper_tail, dot, normal_upper_quantile, outer_square};
@@ -105,16 +106,15 @@ pub(crate) fn allow_for_uneven_noise(
     let (at_rest, moving) = Rows { runs, moments, fit }.meat(&rows, &speeds, &found);
     let inverse = &fit.solution.inverse;
     let between = |meat: Mat<f64>| &(inverse * meat) * inverse;
-    let mut further = between(at_rest) - inverse;
+    let at_rest = between(at_rest) - inverse;
     let moving = moving.map(|moving| EstimatedPart {
         covariance: between(moving),
         relative_variance,
     });
-    if let Some(moving) = &moving {
-        further += &moving.covariance;
+    fit.spread_further(1.0, Some(at_rest));
+    if let Some(moving) = moving {
+        fit.spread_by(moving);
     }
-    fit.spread_further(1.0, Some(further));
-    fit.further.estimated.extend(moving);
     Some(UnevenNoise {
         jitter_s: in_motion.sqrt() * moments.sample_period_s(),
         loudest_over_quietest: found.levels.loudest_over_quietest(),
@@ -327,12 +327,8 @@ impl Rows<'_> {
                 *value = weight * input;
             }
         }
-        let compressed = coordinates.compress(lags);
-        let p = compressed.nrows();
-        Mat::from_fn(p + 1, rows.len(), |i, k| match i {
-            i if i < p => compressed[(i, k)],
-            _ => rows[k].2 * gain,
-        })
+        let offsets: Vec<f64> = rows.iter().map(|(_, _, weight)| weight * gain).collect();
+        in_coordinates(coordinates, lags, &offsets)
     }
 
     /// sum_ij f_i d_j u(k+i-j-a), a = 0..n.

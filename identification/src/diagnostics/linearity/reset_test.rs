@@ -6,10 +6,11 @@ use faer::Mat;
 
 use crate::data::{EXACTLY, Moments, Run, holds};
 use crate::diagnostics::filtered_rows::{filtered, only, present, with_history};
+use crate::diagnostics::further_columns::FurtherColumns;
 use crate::diagnostics::residual_tests::ScoreTest;
 use crate::diagnostics::simulation_error::Simulated;
 use crate::estimation::{GlsFit, noise_filter};
-use crate::numerics::{LaggedSums, causal_filter, dot, times};
+use crate::numerics::{causal_filter, dot, times};
 
 /// Functions of the simulated motion among the regressors.
 pub(super) const FUNCTIONS: usize = 6;
@@ -141,28 +142,13 @@ impl ResetTest {
     /// Sum over the rows of D z_j(k) times the filtered regressors of the fit, the offset last: columns x
     /// (n+1).
     fn cross_moments(&self, fit: &GlsFit) -> Mat<f64> {
-        let lags = fit.coordinates.basis.settling();
         let d = noise_filter(&fit.ar);
-        let gain: f64 = d.iter().sum();
-        let mut by_lag = Mat::<f64>::zeros(lags, self.columns);
-        let mut with_offset = vec![0.0; self.columns];
+        let mut columns = FurtherColumns::new(fit, self.columns);
         for run in &self.runs {
-            let input = filtered(&run.input, &d);
             let functions: Vec<&[f64]> = run.filtered.iter().map(Vec::as_slice).collect();
-            let mut sums = LaggedSums::new(lags, functions.len());
-            sums.add(&input[run.history + 1 - lags..], &functions);
-            for ((sums, function), &column) in sums.sums().iter().zip(functions).zip(&run.columns) {
-                let total = by_lag.col_as_slice_mut(column).iter_mut();
-                total.zip(sums).for_each(|(total, sum)| *total += sum);
-                with_offset[column] += gain * function.iter().sum::<f64>();
-            }
+            columns.add(&filtered(&run.input, &d), &run.columns, &functions);
         }
-        let by_coordinate = fit.coordinates.compress(by_lag);
-        let p = by_coordinate.nrows();
-        Mat::from_fn(self.columns, p + 1, |j, i| match i {
-            i if i < p => by_coordinate[(i, j)],
-            _ => with_offset[j],
-        })
+        columns.cross_moments().transpose().to_owned()
     }
 
     /// Sums over the rows of the products of the filtered columns with each other, and with the errors.
