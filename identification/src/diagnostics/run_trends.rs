@@ -67,23 +67,27 @@ struct Columns {
 impl Columns {
     /// `None` where the input explains a trend by itself.
     fn new<'a>(
-        runs: impl ExactSizeIterator<Item = &'a Run<'a>>,
+        runs: impl Iterator<Item = &'a Run<'a>>,
         moments: &Moments,
         fit: &GlsFit,
     ) -> Option<Self> {
         let d = noise_filter(&fit.ar);
         let history = fit.coordinates.basis.settling() + fit.ar.len();
-        let mut columns = FurtherColumns::new(fit, runs.len());
-        let mut trends = Vec::new();
-        for (place, run) in runs.enumerate() {
+        let (mut trends, mut crosses) = (Vec::new(), Vec::new());
+        for run in runs {
             let input = with_history(run, history, moments.centre.0);
             let rows = run.complete_rows(moments.input_lags(), moments.output_lags());
             let trend: Vec<f64> = (0..run.len()).map(|k| trend_at(run, k)).collect();
             let trend = only(&rows, filtered(&trend, &d));
-            columns.add(&filtered(&input, &d), &[place], &[&trend]);
+            // Each by itself: products with several columns at once are rounded otherwise.
+            let mut column = FurtherColumns::new(fit, 1);
+            column.add(&filtered(&input, &d), &[0], &[&trend]);
+            crosses.push(column.cross_moments());
             trends.push(trend);
         }
-        let cross = columns.cross_moments();
+        let cross = Mat::from_fn(crosses.first()?.nrows(), crosses.len(), |i, r| {
+            crosses[r][(i, 0)]
+        });
         let weighted = &fit.solution.inverse * &cross;
         let explained = cross.transpose() * &weighted;
         let left = Mat::from_fn(trends.len(), trends.len(), |i, j| {

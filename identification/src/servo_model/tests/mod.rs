@@ -1,0 +1,108 @@
+//! The equation against exact answers, and the fit against servos that are known.
+
+mod directions;
+mod equation;
+mod no_intervals;
+mod offsets;
+mod poor_recordings;
+mod recovery;
+mod stops;
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use servoid_dynamics::{Grid, Start, Stops, simulate};
+
+use super::coordinates::{Coordinate, FRICTION_SPEED_SHARE, Point, Terms};
+use super::{ServoModelOptions, fit, quantities};
+use crate::data::Record;
+
+const PERIOD_S: f64 = 0.002;
+
+fn point(terms: Terms, value: impl Fn(Coordinate) -> f64) -> Point {
+    let coordinates = terms.coordinates(1);
+    Point {
+        terms,
+        values: coordinates.iter().map(|at| value(*at)).collect(),
+        coordinates,
+        radians: 1f64.to_radians(),
+        friction_speed_share: FRICTION_SPEED_SHARE,
+        run_offsets: Vec::new(),
+        stops: Stops::default(),
+    }
+}
+
+/// 50 rad/s, damping ratio 0.7, 21.3 ms late; full drive beyond 2 degrees.
+fn value(at: Coordinate) -> f64 {
+    match at {
+        Coordinate::Delay => 0.0213,
+        Coordinate::LnStiffness => 2500f64.ln(),
+        Coordinate::LnDamping => 70f64.ln(),
+        Coordinate::Gain => 1.1,
+        Coordinate::Offset => 0.3,
+        Coordinate::LnTopSpeed => 178.6f64.ln(),
+        Coordinate::MotorShare => 0.4,
+        Coordinate::LnDownToUp => 0.3,
+        Coordinate::DeadBand => 0.11,
+        Coordinate::Friction => 0.13,
+        Coordinate::FrictionAtRest => 0.7,
+        Coordinate::FrictionOfGears => 0.1,
+        Coordinate::ConstantLoad => 0.2,
+        Coordinate::Gravity => 0.4,
+        Coordinate::GravityFrom => 40.0,
+        Coordinate::AirStiffening => 0.02,
+        Coordinate::AirFrom => -2.0,
+        Coordinate::LnOwnStiffness(_) => 0.0,
+    }
+}
+
+/// Strokes of several sizes, with holds of 80 to 240 ms.
+fn strokes(samples: usize) -> Vec<f64> {
+    let levels = [0.0, 5.0, -5.0, 2.0, -3.0, 4.0, -1.0, 5.0, 1.0, -4.0];
+    let mut input = Vec::new();
+    for number in 0.. {
+        if input.len() >= samples {
+            break;
+        }
+        let hold = 40 + 20 * (number * 7 % 5);
+        input.extend(std::iter::repeat_n(levels[number % levels.len()], hold));
+    }
+    input.truncate(samples);
+    input
+}
+
+fn response(point: &Point, input: &[f64], longest_step_s: f64) -> Vec<f64> {
+    let physics = point.physics(0, |_, value| value);
+    let start = Start::at_rest(physics.resting_output(input[0]), Some(input[0]));
+    let mut output = Vec::new();
+    let grid = Grid::new(PERIOD_S, 0.0, longest_step_s);
+    simulate(&physics, &grid, &start, input, |_, y| output.push(y));
+    output
+}
+
+fn noisy(point: &Point, input: &[f64], seed: u64) -> Vec<f64> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let noise = |y: f64| -> f64 {
+        let v: f64 = StandardNormal.sample(&mut random);
+        y + 0.03 * v
+    };
+    response(point, input, 1e-4)
+        .into_iter()
+        .map(noise)
+        .collect()
+}
+
+/// Intervals of what follows from how the shaft rests and how fast it turns, by name.
+fn require_intervals(servo: &Point, names: &[&str], seed: u64) {
+    let input = strokes(3000);
+    let record = Record::of_run(PERIOD_S, &input, noisy(servo, &input, seed)).unwrap();
+    let found = fit(&record, &ServoModelOptions::default()).unwrap();
+    for (name, truth) in quantities::values(servo) {
+        let mut named = found.quantities.iter().filter(|found| found.name == name);
+        if !names.contains(&name) {
+            continue;
+        }
+        let interval = named.next().unwrap().interval.valid().unwrap();
+        assert!(interval.contains(truth), "{name}: {truth} {interval:?}");
+    }
+}

@@ -1,0 +1,73 @@
+//! Recordings that leave the servo open have no intervals.
+
+use super::{PERIOD_S, noisy, point, strokes, value};
+use crate::data::Record;
+use crate::results::{Bounds, Interval, Reason};
+use crate::servo_model::coordinates::Terms;
+use crate::servo_model::{Alternative, ServoModel, ServoModelOptions, Spread, fit};
+
+/// A shaft that is held has no gain, and a model of it has errors that are noise.
+#[test]
+fn a_servo_that_does_not_move_has_no_intervals() {
+    let servo = point(Terms::default(), value);
+    let output = noisy(&servo, &[0.0; 2000], 4);
+    let record = Record::of_run(PERIOD_S, strokes(2000), output).unwrap();
+    let found = fit(&record, &ServoModelOptions::default()).unwrap();
+    assert_eq!(found.covariance.withdrawn(), Some(Reason::InputUnexcited));
+}
+
+/// Two levels of the command leave friction, gain and offset open between them.
+#[test]
+fn two_levels_have_no_intervals() {
+    let terms = Terms {
+        limit: true,
+        friction: true,
+        ..Terms::default()
+    };
+    let servo = point(terms, value);
+    let input: Vec<f64> = (0..2000)
+        .map(|k| if k / 150 % 2 == 0 { -5.0 } else { 5.0 })
+        .collect();
+    let record = Record::of_run(PERIOD_S, &input, noisy(&servo, &input, 3)).unwrap();
+    let found = fit(&record, &ServoModelOptions::default()).unwrap();
+    assert_eq!(found.covariance.withdrawn(), Some(Reason::InputUnexcited));
+    for quantity in &found.quantities {
+        assert!(quantity.interval.withdrawn().is_some());
+        let Spread { least, most } = quantity.other_fits.unwrap();
+        assert!(least <= quantity.value && quantity.value <= most);
+    }
+    // Between two levels fits to parts of the record agree on the time, and not on friction.
+    let spread = |name: &str| {
+        let mut named = found.quantities.iter().filter(|found| found.name == name);
+        named.next().and_then(|found| found.other_fits).unwrap()
+    };
+    let delay = spread("delay");
+    assert!(delay.most - delay.least < 2e-3, "{delay:?}");
+    assert!(
+        found.alternatives.is_empty() && found.respond(&[0.0, 1.0], 0).half_width.valid().is_none()
+    );
+    assert_eq!(found.fit.discrepancy, None);
+    require_one_validity(&found);
+}
+
+/// A document that has bounds in one part and none in another is refused.
+fn require_one_validity(withdrawn: &ServoModel) {
+    assert!(withdrawn.is_consistent());
+    let mut with_interval = withdrawn.clone();
+    let quantity = &mut with_interval.quantities[0];
+    quantity.interval = Bounds::Valid(Interval::new(quantity.value, 0.0, 1.0));
+    assert!(!with_interval.is_consistent());
+    let mut for_another_reason = withdrawn.clone();
+    for_another_reason.quantities[0].interval = Bounds::Withdrawn(Reason::ErrorsNotNoise);
+    assert!(!for_another_reason.is_consistent());
+    let mut with_alternative = withdrawn.clone();
+    let count = withdrawn.values.len();
+    with_alternative.alternatives.push(Alternative {
+        terms: withdrawn.terms,
+        coordinates: withdrawn.coordinates.clone(),
+        values: withdrawn.values.clone(),
+        friction_speed_share: 0.1,
+        covariance: vec![vec![0.0; count]; count],
+    });
+    assert!(!with_alternative.is_consistent());
+}

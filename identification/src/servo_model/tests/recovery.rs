@@ -1,0 +1,138 @@
+//! Servos of each kind are found again, with intervals that hold.
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+use super::{PERIOD_S, noisy, point, response, strokes, value};
+use crate::data::Record;
+use crate::servo_model::coordinates::{Coordinate, Terms};
+use crate::servo_model::{QuantityKind, ServoModelOptions, fit, quantities};
+
+#[test]
+fn a_limited_servo_is_found_again() {
+    let terms = Terms {
+        limit: true,
+        two_speeds: true,
+        ..Terms::default()
+    };
+    let (servo, input) = (point(terms, value), strokes(2000));
+    let record = Record::of_run(PERIOD_S, &input, noisy(&servo, &input, 1)).unwrap();
+    let found = fit(&record, &ServoModelOptions::default()).unwrap();
+    assert_eq!(found.terms, terms);
+    assert!(found.fit.held_out_percent > 98.5, "{:?}", found.fit);
+    for (name, truth) in quantities::values(&servo) {
+        let quantity = found
+            .quantities
+            .iter()
+            .find(|quantity| quantity.name == name)
+            .unwrap();
+        assert_eq!(quantity.other_fits, None);
+        let interval = quantity.interval.valid().unwrap();
+        assert!(interval.contains(truth), "{name}: {truth} {interval:?}");
+        assert!(quantity.determined, "{name}: {quantity:?}");
+    }
+    let new = [vec![0.0; 20], vec![3.0; 200]].concat();
+    let (predicted, truth) = (found.respond(&new, 0), response(&servo, &new, 1e-4));
+    for ((value, half), truth) in predicted
+        .value
+        .iter()
+        .zip(predicted.half_width.valid().unwrap())
+        .zip(truth)
+    {
+        assert!(
+            (value - truth).abs() <= half + 1e-6,
+            "{value} {half} {truth}"
+        );
+    }
+}
+
+/// The motor has next to no damping of its own: full drive ends in no speed.
+#[test]
+fn a_servo_whose_acceleration_alone_is_limited_is_found_again() {
+    let full_drive = 2500.0;
+    let undamped = |at: Coordinate| match at {
+        Coordinate::LnDamping => 60f64.ln(),
+        Coordinate::LnStiffness => 3600f64.ln(),
+        Coordinate::MotorShare => 1e-4,
+        Coordinate::LnTopSpeed => (full_drive / (1e-4 * 60f64)).ln(),
+        other => value(other),
+    };
+    let terms = Terms {
+        limit: true,
+        ..Terms::default()
+    };
+    let servo = point(terms, undamped);
+    // Held twice as long, until it rests.
+    let input: Vec<f64> = (strokes(4000).into_iter())
+        .flat_map(|level| [level; 2])
+        .collect();
+    let record = Record::of_run(PERIOD_S, &input, noisy(&servo, &input, 1)).unwrap();
+    let found = fit(&record, &ServoModelOptions::default()).unwrap();
+    assert_eq!(found.terms, terms);
+    for kind in [
+        QuantityKind::Bandwidth,
+        QuantityKind::DampingRatio,
+        QuantityKind::ErrorOfFullDrive,
+        QuantityKind::AccelerationUpwards,
+        QuantityKind::TopSpeedUpwards,
+    ] {
+        let mut all = quantities::values(&servo).into_iter();
+        let (_, truth) = all.find(|(name, _)| *name == kind.name()).unwrap();
+        let interval = found.quantity(kind).unwrap().interval;
+        assert!(
+            interval.valid().unwrap().contains(truth),
+            "{kind:?}: {truth} {interval:?}"
+        );
+    }
+}
+
+/// A position that follows the command by so much in a second at the most, up and down, and is otherwise there at once.
+#[test]
+fn a_servo_whose_speed_alone_is_limited_is_found_again() {
+    const STEPS: usize = 100;
+    let (delay_s, [up, down]) = (0.02, [40.0, 30.0]);
+    let input = strokes(2400);
+    let step_s = PERIOD_S / STEPS as f64;
+    let late = (delay_s / step_s).round() as usize;
+    let mut random = ChaCha8Rng::seed_from_u64(6);
+    let mut position = input[0];
+    let mut output = Vec::new();
+    for step in 0..input.len() * STEPS {
+        if step % STEPS == 0 {
+            let v: f64 = StandardNormal.sample(&mut random);
+            output.push(position + 0.03 * v);
+        }
+        let command = input[step.saturating_sub(late) / STEPS];
+        position += (command - position).clamp(-down * step_s, up * step_s);
+    }
+    let record = Record::of_run(PERIOD_S, &input, &output).unwrap();
+    let found = fit(&record, &ServoModelOptions::default()).unwrap();
+    for (name, truth) in [
+        ("delay", delay_s),
+        ("gain", 1.0),
+        ("top speed upwards", up),
+        ("top speed downwards", down),
+    ] {
+        let mut named = found.quantities.iter().filter(|found| found.name == name);
+        let quantity = named.next().unwrap();
+        let interval = quantity.interval.valid().unwrap();
+        assert!(
+            quantity.determined && interval.contains(truth),
+            "{name}: {truth} {quantity:?}"
+        );
+    }
+    // Nothing shows how fast it would get there.
+    let accelerations = found.quantities.iter();
+    for quantity in accelerations.filter(|found| found.name.starts_with("acceleration")) {
+        assert!(!quantity.determined, "{quantity:?}");
+    }
+}
+
+#[test]
+fn a_linear_servo_stays_linear() {
+    let (servo, input) = (point(Terms::default(), value), strokes(2000));
+    let record = Record::of_run(PERIOD_S, &input, noisy(&servo, &input, 2)).unwrap();
+    let found = fit(&record, &ServoModelOptions::default()).unwrap();
+    assert!(found.is_linear(), "{:?}", found.terms);
+}
