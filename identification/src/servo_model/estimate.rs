@@ -336,12 +336,13 @@ fn describe(
     record: &Record,
     options: &ServoModelOptions,
     shown: &Shown,
-    Found {
+    servo: &Found,
+) -> ServoModel {
+    let Found {
         parts,
         climbed,
         candidates,
-    }: &Found,
-) -> ServoModel {
+    } = servo;
     let Candidates {
         level,
         possible,
@@ -349,27 +350,10 @@ fn describe(
         ..
     } = candidates;
     let point = &possible[0].point;
-    let known: Vec<f64> = found
-        .errors()
-        .into_iter()
-        .flatten()
-        .filter(|e| !e.is_nan())
-        .collect();
-    let count = known.len() as f64;
-    let error: f64 = known.iter().map(|e| e * e).sum();
-    let outputs = || {
-        parts
-            .iter()
-            .flat_map(|part| &part.output)
-            .filter(|y| !y.is_nan())
-    };
-    let mean = outputs().sum::<f64>() / count;
-    let spread: f64 = outputs().map(|y| (y - mean).powi(2)).sum();
-    let held_out = |rung: &Rung| fit_percent(rung.total(), spread);
-    let linear = climbed.linear();
+    let spread = spread_about_mean(parts);
     let rung = |(index, rung): (usize, &Rung)| LadderRung {
         terms: rung.terms,
-        held_out_percent: held_out(rung),
+        held_out_percent: fit_percent(rung.total(), spread),
         fit_percent: fit_percent(rung.cost, spread),
         chosen: index == climbed.chosen,
     };
@@ -412,22 +396,47 @@ fn describe(
         reached: Some(ReachedSpeeds::of(parts, record.sample_period_s())),
         stops: shown.stops,
         run_offsets: point.run_offsets.clone(),
-        fit: ServoFit {
-            simulation_percent: fit_percent(error, spread),
-            held_out_percent: held_out(climbed.best()),
-            linear_held_out_percent: linear.map_or(f64::NAN, held_out),
-            rmse: (error / count).sqrt(),
-            discrepancy: level.valid().map(|_| found.discrepancy),
-            largest_error: largest_error_of(parts, point, found),
-            samples_used: known.len(),
-            samples_missing: record.samples() - known.len(),
-        },
+        fit: fit_of(servo, record, spread),
         noise: Noise {
             ar: found.ar.clone(),
             sigma: found.sigma,
         },
         ladder: climbed.tried.iter().enumerate().map(rung).collect(),
         linear_models: None,
+    }
+}
+
+/// Sum of the squares of the known output about its mean.
+fn spread_about_mean(parts: &[Stretch]) -> f64 {
+    let outputs = || {
+        let all = parts.iter().flat_map(|part| &part.output);
+        all.filter(|y| !y.is_nan())
+    };
+    let mean = outputs().sum::<f64>() / outputs().count() as f64;
+    outputs().map(|y| (y - mean).powi(2)).sum()
+}
+
+/// How well the model fits the output, whose squares about its mean are `spread`.
+fn fit_of(servo: &Found, record: &Record, spread: f64) -> ServoFit {
+    let Candidates {
+        level,
+        possible,
+        found,
+        ..
+    } = &servo.candidates;
+    let errors = found.errors();
+    let known = || errors.iter().flatten().filter(|e| !e.is_nan());
+    let (count, error) = (known().count(), known().map(|e| e * e).sum::<f64>());
+    let held_out = |rung: &Rung| fit_percent(rung.total(), spread);
+    ServoFit {
+        simulation_percent: fit_percent(error, spread),
+        held_out_percent: held_out(servo.climbed.best()),
+        linear_held_out_percent: servo.climbed.linear().map_or(f64::NAN, held_out),
+        rmse: (error / count as f64).sqrt(),
+        discrepancy: level.valid().map(|_| found.discrepancy),
+        largest_error: largest_error_of(&servo.parts, &possible[0].point, found),
+        samples_used: count,
+        samples_missing: record.samples() - count,
     }
 }
 

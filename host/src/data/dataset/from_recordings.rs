@@ -9,7 +9,7 @@ use crate::data::FAR_FROM_COMMAND_DEG;
 use crate::data::clock_error::internal_clock_error;
 use crate::data::degrees::DegreeScale;
 use crate::data::frozen_sensor::{FrozenSensor, StandStill};
-use crate::data::recording::{Completeness, Recording};
+use crate::data::recording::{Completeness, Header, Recording};
 use servoid_identification::results::Check;
 use servoid_protocol::hello::INTERNAL_CLOCK_ERROR;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
@@ -107,7 +107,22 @@ fn about(
         calibrations: vec![SensorCalibration::of(header)],
         ..About::default()
     };
-    let (shown, rows) = (path.display(), recording.rows.len());
+    let shown = path.display().to_string();
+    note_end(&mut about, &shown, recording);
+    note_instrument(&mut about, &shown, header);
+    note_readings(&mut about, &shown, broken, still);
+    if options.period_s.is_some() {
+        let period_s = header.sample_period_s;
+        about.remarks.push(format!(
+            "{shown} is a recording whose header states that its samples are {period_s} s apart; --period is not used for it"
+        ));
+    }
+    about
+}
+
+/// That a recording has not all of its rows.
+fn note_end(about: &mut About, shown: &str, recording: &Recording) {
+    let rows = recording.rows.len();
     match &recording.completeness {
         Completeness::Complete => {}
         Completeness::Early(reason) => about.remarks.push(format!(
@@ -120,6 +135,10 @@ fn about(
             "The missing rows are left out; capture again for the rest.",
         ),
     }
+}
+
+/// What is not known well of the sensor, the clock and the header.
+fn note_instrument(about: &mut About, shown: &str, header: &Header) {
     let [delay_ms, uncertainty_ms] =
         [header.sensor_delay_s, header.sensor_delay_uncertainty_s].map(in_ms);
     if delay_ms > 0.0 || uncertainty_ms > 0.0 {
@@ -157,6 +176,10 @@ fn about(
             "Hold these values against the rig file, or capture again.",
         );
     }
+}
+
+/// Samples that count as missing: `broken` ones that no healthy sensor gives, and those of a sensor that stood still.
+fn note_readings(about: &mut About, shown: &str, broken: usize, still: &[StandStill]) {
     if broken > 0 {
         about.remarks.push(format!(
             "{shown}: in {broken} samples the sensor read outside its healthy range; they count as missing"
@@ -174,13 +197,6 @@ fn about(
             "Mend the sensor, its wires or the servo's power, and capture again.",
         );
     }
-    if options.period_s.is_some() {
-        let period_s = header.sample_period_s;
-        about.remarks.push(format!(
-            "{shown} is a recording whose header states that its samples are {period_s} s apart; --period is not used for it"
-        ));
-    }
-    about
 }
 
 /// How far the position lies from the command on average \[deg\]; not a number where nothing is known.

@@ -9,6 +9,7 @@ use super::{run_labels, sentinel_values, suggested_columns, wrapped_angle};
 use crate::data::table::{Table, TableFault, unit_of};
 use crate::data::timeline::{self, Stretch, TimeColumn};
 use clap::ValueEnum;
+use servoid_identification::Run;
 use servoid_identification::results::{Advice, Check, six_digits};
 use std::path::Path;
 
@@ -19,16 +20,7 @@ pub(super) fn from_table(
     options: &DatasetOptions,
 ) -> Result<Loaded<'static>, DatasetFault> {
     let (Some(input), Some(output)) = (&options.input, &options.output) else {
-        if let [only] = table.columns() {
-            return Err(DatasetFault::OneCell(only.clone()));
-        }
-        return Err(DatasetFault::Unnamed {
-            columns: table.columns_clause(),
-            options: match table.begins_with_times() {
-                true => suggested_columns::options_behind_times(table.columns()),
-                false => suggested_columns::options(table.columns()),
-            },
-        });
+        return Err(columns_not_named(table));
     };
     let names = [table.column(input)?, table.column(output)?];
     if names[0] == names[1] {
@@ -67,39 +59,13 @@ pub(super) fn from_table(
     }
     let driver = |stretch: &Stretch| drivers.as_ref()?.get(stretch.rows.start).copied();
     let controllers = found.iter().filter_map(driver).collect();
-    let runs = found.iter().map(|stretch| {
-        let at_rest = options.at_rest.filter(|_| !stretch.continues);
-        let run = run(stretch.place(&u), stretch.place(&y), at_rest)?;
-        let label = labels
-            .as_ref()
-            .and_then(|names| names.get(stretch.rows.start));
-        Ok::<_, DatasetFault>(match label {
-            Some(label) => run.with_label(*label),
-            None => run,
-        })
-    });
-    let runs = runs.collect::<Result<_, _>>()?;
+    let runs = runs(&found, [&u, &y], labels.as_deref(), options)?;
+    let mut about = about(table, path, options, names, period_s);
     let file = path.display();
-    let columns = format!("input {input}, output {output}");
-    let facts = [
-        ("file", file.to_string()),
-        ("columns", columns),
-        ("sample period s", period_s.to_string()),
-    ];
-    let [input_unit, output_unit] = names.map(|name| unit_of(name).map(str::to_owned));
-    let mut about = About {
-        input_unit,
-        output_unit,
-        provenance: vec![facts.map(|(key, value)| (key.to_owned(), value)).into()],
-        remarks: remarks
-            .iter()
-            .map(|remark| format!("{file}: {remark}"))
-            .collect(),
-        other_input: suggested_columns::another_input(table.columns(), names).cloned(),
-        commands_at_rows: !options.polled,
-        polled: options.polled,
-        ..About::default()
-    };
+    about.remarks = remarks
+        .iter()
+        .map(|remark| format!("{file}: {remark}"))
+        .collect();
     // A change that is seen in a row came up to one row before.
     let phase_s = match options.polled {
         true => 0.5 * period_s,
@@ -127,6 +93,72 @@ pub(super) fn from_table(
         phase_s,
         about,
     })
+}
+
+/// That no columns are named, with those that may be meant.
+fn columns_not_named(table: &Table) -> DatasetFault {
+    if let [only] = table.columns() {
+        return DatasetFault::OneCell(only.clone());
+    }
+    DatasetFault::Unnamed {
+        columns: table.columns_clause(),
+        options: match table.begins_with_times() {
+            true => suggested_columns::options_behind_times(table.columns()),
+            false => suggested_columns::options(table.columns()),
+        },
+    }
+}
+
+/// The stretches `found` of the columns of input and output as runs.
+fn runs(
+    found: &[Stretch],
+    [u, y]: [&[f64]; 2],
+    labels: Option<&[f64]>,
+    options: &DatasetOptions,
+) -> Result<Vec<Run<'static>>, DatasetFault> {
+    let of_stretch = |stretch: &Stretch| {
+        let at_rest = options.at_rest.filter(|_| !stretch.continues);
+        let run = run(stretch.place(u), stretch.place(y), at_rest)?;
+        let label = labels.and_then(|labels| labels.get(stretch.rows.start));
+        Ok(match label {
+            Some(label) => run.with_label(*label),
+            None => run,
+        })
+    };
+    found.iter().map(of_stretch).collect()
+}
+
+/// Where the columns `names` of input and output come from.
+fn about(
+    table: &Table,
+    path: &Path,
+    options: &DatasetOptions,
+    names: [&str; 2],
+    period_s: f64,
+) -> About {
+    let asked = |name: &Option<String>| name.clone().unwrap_or_default();
+    let facts = [
+        ("file", path.display().to_string()),
+        (
+            "columns",
+            format!(
+                "input {}, output {}",
+                asked(&options.input),
+                asked(&options.output)
+            ),
+        ),
+        ("sample period s", period_s.to_string()),
+    ];
+    let [input_unit, output_unit] = names.map(|name| unit_of(name).map(str::to_owned));
+    About {
+        input_unit,
+        output_unit,
+        provenance: vec![facts.map(|(key, value)| (key.to_owned(), value)).into()],
+        other_input: suggested_columns::another_input(table.columns(), names).cloned(),
+        commands_at_rows: !options.polled,
+        polled: options.polled,
+        ..About::default()
+    }
 }
 
 /// Remarks where a number of a column seems to stand for no reading: as it is, it counts as one.

@@ -3,11 +3,10 @@
 use super::comparison::verdict;
 use super::headline::stroke_in_words;
 use super::metrics::{self, MetricEntry, NONE};
-use super::numbers::{percent, with_bounds};
-use super::servo_model::{
-    QuantityRow, four_digits, per_60_degrees, quantity_rows, scale_and_unit, shown_by,
-    stroke_of_60_degrees_ms,
-};
+use super::numbers::{four_digits, percent, with_bounds};
+use super::quantity_table::{QuantityRow, quantity_rows, scale_and_unit};
+use super::sixty_degrees::{per_60_degrees, stroke_of_60_degrees_ms};
+use super::what_to_record::shown_by;
 use crate::data::units::Units;
 use servoid_identification::comparison::{Comparison, QuantityPair, ServoModelComparison};
 use servoid_identification::results::{Interval, Metrics, Model};

@@ -9,10 +9,13 @@ mod layout;
 mod metrics;
 mod model_sentence;
 mod numbers;
+mod quantity_table;
 mod servo_comparison;
 mod servo_model;
 mod servo_sentence;
+mod sixty_degrees;
 mod strokes;
+mod what_to_record;
 
 pub use beyond_linear::{of_flight_model, of_limits};
 pub use comparison::of_comparison;
@@ -23,6 +26,7 @@ pub use servo_comparison::{of_servo_models, sentence_on_servo_models};
 pub use servo_model::of_servo_model;
 pub use servo_sentence::servo_sentence;
 pub(crate) use strokes::stroke_in_words;
+pub(crate) use what_to_record::advice_on_servo_model;
 
 pub(crate) use comparison::{
     NOT_COMPARED, facts_of_comparison, how_compared, table_of_comparison, verdict,
@@ -35,11 +39,9 @@ pub(crate) use key_figures::{
 };
 pub(crate) use layout::{listed_words, wrapped};
 pub(crate) use metrics::{difference_rows, metric_rows, withheld_line};
-pub(crate) use numbers::{decimals, head_of_bounds, percent, probability};
-pub(crate) use servo_model::{
-    QuantityRow, advice_on_servo_model, digits, four_digits, quantities, quantity_rows,
-    run_offsets_in_words, terms_in_words,
-};
+pub(crate) use numbers::{decimals, digits, four_digits, head_of_bounds, percent, probability};
+pub(crate) use quantity_table::{QuantityRow, quantities, quantity_rows};
+pub(crate) use servo_model::{run_offsets_in_words, terms_in_words};
 pub(crate) use servoid_identification::results::with_unit;
 
 use crate::data::model_metadata::ModelMetadata;

@@ -2,8 +2,7 @@
 
 use super::first_finding::first_finding;
 use super::metrics::settling_time;
-use super::numbers::percent;
-use super::servo_model::digits;
+use super::numbers::{digits, percent};
 use super::strokes::which_step;
 use crate::data::model_metadata::ModelMetadata;
 use crate::data::units::Units;

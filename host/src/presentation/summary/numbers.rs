@@ -49,6 +49,49 @@ pub(super) fn with_bounds(
     }
 }
 
+/// Powers of ten that are written out: of 0.00004347 nobody counts the zeros.
+const POWERS: std::ops::Range<f64> = -4.0..9.0;
+
+/// A number with four digits; one that nobody reads as digits, as a power of ten.
+pub(crate) fn four_digits(value: f64) -> String {
+    digits(value, 4)
+}
+
+/// A number with so many digits.
+pub(crate) fn digits(value: f64, count: usize) -> String {
+    digits_beside(value, count, None)
+}
+
+/// Digits of the width of an interval that are shown: what is smaller says nothing.
+const OF_WIDTH: usize = 3;
+
+/// A number with so many digits, or as many as distinguish it from the ends of its interval of this `width`, which is by half as many of the
+/// width; none is small beside that.
+pub(super) fn digits_beside(value: f64, count: usize, width: Option<f64>) -> String {
+    let leading = |value: f64| Some(value.abs().log10().floor()).filter(|power| power.is_finite());
+    let decimals = |power: f64, count: usize| count as i32 - 1 - power as i32;
+    let width = width.and_then(leading);
+    let [fewest, enough] = match width {
+        Some(power) => [count / 2, OF_WIDTH].map(|count| decimals(power, count)),
+        None => [i32::MIN, i32::MAX],
+    };
+    let Some(power) = leading(value) else {
+        // A negative zero is 0.
+        return format!("{:.0}", value + 0.0);
+    };
+    if !POWERS.contains(&power) && decimals(power, count) <= enough {
+        return format!("{value:.0$e}", count - 1);
+    }
+    let decimals = (decimals(power, count).max(fewest).min(enough)).clamp(0, 9) as usize;
+    // A small number of either sign may round to 0.
+    let text = format!("{value:.decimals$}");
+    let is_zero = text.chars().all(|letter| "-0.".contains(letter));
+    match text.strip_prefix('-') {
+        Some(zero) if is_zero => zero.to_owned(),
+        _ => text,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -63,5 +106,20 @@ mod tests {
             ("0.0000".into(), "123.4000".into())
         );
         assert_eq!(percent(0.57), 57.0);
+    }
+
+    #[test]
+    fn a_negative_zero_is_zero() {
+        assert_eq!([digits(-0.0, 4), digits(0.0, 4)], ["0", "0"]);
+    }
+
+    #[test]
+    fn the_ends_of_a_narrow_interval_differ_from_the_value() {
+        let shown = |width| [12.639, 12.641, 12.643].map(|value| digits_beside(value, 4, width));
+        assert_eq!(shown(None), ["12.64", "12.64", "12.64"]);
+        assert_eq!(shown(Some(0.004)), ["12.6390", "12.6410", "12.6430"]);
+        assert_eq!(shown(Some(0.4)), ["12.64", "12.64", "12.64"]);
+        assert_eq!(shown(Some(40.0)), ["12.6", "12.6", "12.6"]);
+        assert_eq!(shown(Some(0.0)), ["12.64", "12.64", "12.64"]);
     }
 }

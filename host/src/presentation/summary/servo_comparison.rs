@@ -2,8 +2,9 @@
 
 use super::layout::wrapped;
 use super::metrics::TableRow;
-use super::numbers::percent;
-use super::servo_model::{digits_beside, four_digits, scale_and_unit, stops_in_words, under_load};
+use super::numbers::{digits_beside, four_digits, percent};
+use super::quantity_table::{scale_and_unit, under_load};
+use super::servo_model::stops_in_words;
 use crate::data::units::Units;
 use servoid_identification::comparison::{QuantityPair, ServoModelComparison};
 use servoid_identification::results::{Bounds, Interval, with_unit};

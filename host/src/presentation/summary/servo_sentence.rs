@@ -1,7 +1,8 @@
 //! The servo as a machine, in a sentence or two.
 
 use super::layout::listed_words;
-use super::servo_model::{digits, four_digits, seconds_per_60_degrees, turn_time_s};
+use super::numbers::{digits, four_digits};
+use super::sixty_degrees::{seconds_per_60_degrees, turn_time_s};
 use crate::data::units::Units;
 use servoid_identification::results::{Bounds, Model, Reason};
 use servoid_identification::servo_model::{
