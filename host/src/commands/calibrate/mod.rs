@@ -1,7 +1,5 @@
 //! `servoid calibrate`
 
-mod measured;
-mod misread_angles;
 mod protractor;
 mod rig_file_backup;
 mod text;
@@ -13,14 +11,13 @@ use crate::data::DegreeScale;
 use crate::data::recording::write_file;
 use crate::data::rig_file::{RigFile, SensorSection};
 use crate::instrument::calibration::{
-    Calibration, Found, Mover, Reading, Rest, Travel, mistyped_angle, put_into, require_followed,
-    swapped_angles,
+    Calibration, DOUBT_PERCENT, Found, Measured, Mover, Reading, Rest, Travel, doubts,
+    mistyped_angle, put_into, require_followed, swapped_angles,
 };
 use crate::instrument::port;
 use crate::instrument::rig::RigClient;
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueHint};
-use measured::{DOUBT_PERCENT, Measured};
 pub(super) use rig_file_backup::keep_aside;
 use servoid_protocol::PulseWidth;
 use std::path::{Path, PathBuf};
@@ -130,8 +127,7 @@ impl Calibrate {
                 doubts: Vec::new(),
             }
         };
-        measured.doubts =
-            misread_angles::doubts(&measured, &source.file, &self.positions(&source.file));
+        measured.doubts = doubts(&measured, &source.file, &self.positions(&source.file));
         let text = text::describe(&measured);
         let asked = self.asks_for_angles() && self.out.is_none() && !self.update;
         let target = match (&self.out, &source.path) {

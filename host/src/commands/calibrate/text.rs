@@ -1,7 +1,8 @@
 //! A calibration as text.
 
-use super::measured::{DOUBT_PERCENT, Measured};
-use crate::instrument::calibration::{Calibration, End, Estimate, LEVEL, Reading, Rest, Travel};
+use crate::instrument::calibration::{
+    Calibration, DOUBT_PERCENT, End, Estimate, LEVEL, Measured, Reading, Rest, Travel,
+};
 
 /// "1300, 1400, 1500".
 pub(super) fn listed(pulses: &[u16]) -> String {

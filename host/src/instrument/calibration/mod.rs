@@ -3,6 +3,8 @@
 //! | file           | content                                                                               |
 //! |----------------|---------------------------------------------------------------------------------------|
 //! | `sensor_scale` | fits the sensor's scale to readings at known angles                                   |
+//! | `measured`     | all that a calibration gives                                                           |
+//! | `doubts`       | what that disagrees about with the rig file                                            |
 //! | `mistyped_angle` | finds the one angle that does not belong to the others                          |
 //! | `swapped_angles` | finds two angles that were given at each other's position                         |
 //! | `mover`        | brings the servo to positions and reads the sensor there                              |
@@ -10,9 +12,11 @@
 //! | `travel`       | neutral, gain and ends from a slow staircase over the pulses that the servo may be given |
 //! | `rig_text`     | puts the results into a rig file                                                      |
 
+mod doubts;
 mod followed;
 mod knee;
 mod least_squares;
+mod measured;
 mod measured_value;
 mod mistyped_angle;
 mod mover;
@@ -21,7 +25,9 @@ mod sensor_scale;
 mod swapped_angles;
 mod travel;
 
+pub use doubts::doubts;
 pub use followed::{NotFollowed, require_followed};
+pub use measured::{DOUBT_PERCENT, Measured};
 pub use measured_value::{Estimate, LEVEL};
 pub use mistyped_angle::{MistypedAngle, mistyped_angle};
 pub use mover::{MoveError, Mover, Rest};

@@ -1,11 +1,13 @@
 //! The result of a calibration.
 
-use crate::instrument::calibration::{Calibration, Reading, Rest, Travel};
+use super::mover::Rest;
+use super::sensor_scale::{Calibration, Reading};
+use super::travel::Travel;
 use serde::Serialize;
 
 /// The result as `--json` prints it.
 #[derive(Serialize)]
-pub(super) struct Measured {
+pub struct Measured {
     /// The sensor's scale; `None` where it was not measured.
     pub sensor: Option<Calibration>,
     /// Whether its angles are assumed: those that the pulses command.
@@ -14,6 +16,7 @@ pub(super) struct Measured {
     pub readings: Vec<Reading>,
     /// The sensor at each position, where a rig measured it.
     pub rests: Vec<Rest>,
+    /// The servo's scale and the ends of its travel, where a rig measured them.
     pub travel: Option<Travel>,
     /// What it disagrees about with the rig file, a sentence each.
     pub doubts: Vec<String>,
@@ -21,4 +24,4 @@ pub(super) struct Measured {
 
 /// Standard deviation of a data sheet's microseconds per degree (percent): makers round, and servos of one type
 /// differ by some percent.
-pub(super) const DOUBT_PERCENT: f64 = 5.0;
+pub const DOUBT_PERCENT: f64 = 5.0;

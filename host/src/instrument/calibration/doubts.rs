@@ -1,8 +1,10 @@
 //! What a calibration disagrees about with the rig file: angles that were read wrong leave a straight line.
 
 use super::measured::Measured;
+use super::mistyped_angle::mistyped_angle;
+use super::sensor_scale::Calibration;
+use super::swapped_angles::swapped_angles;
 use crate::data::rig_file::RigFile;
-use crate::instrument::calibration::{Calibration, mistyped_angle, swapped_angles};
 
 /// A scale that differs by more from that of the rig file is doubtful (part of it): three standard deviations of a
 /// data sheet, whose 5 % are the supply of the sensor, or the rounding of the maker of a servo.
@@ -12,7 +14,8 @@ const SCALE: f64 = 0.15;
 const NEUTRAL: f64 = 0.5;
 
 /// One sentence for each disagreement of `measured` with the rig file.
-pub(super) fn doubts(measured: &Measured, rig: &RigFile, pulses: &[u16]) -> Vec<String> {
+#[must_use]
+pub fn doubts(measured: &Measured, rig: &RigFile, pulses: &[u16]) -> Vec<String> {
     let mut found = Vec::new();
     if !measured.assumed {
         found.extend(mistyped_angle(&measured.readings).map(|angle| angle.to_string()));
@@ -105,7 +108,7 @@ fn is_off(ratio: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::instrument::calibration::Reading;
+    use crate::instrument::calibration::sensor_scale::Reading;
 
     /// Five angles, `factor` times as large as they are, on the sensor of the data sheet.
     fn found(factor: f64) -> Vec<String> {
