@@ -13,7 +13,7 @@ use super::verdict::Verdict;
 use super::{advice, different_motions, other_way, scatter, shift, words};
 use crate::data::Record;
 use crate::error::Error;
-use crate::results::{Bounds, Metrics, Model};
+use crate::results::{Bounds, Metrics, Model, Reason};
 use crate::thresholds::MARGIN;
 
 /// Compares two sides, each a record of one or more runs.
@@ -150,6 +150,37 @@ pub fn compare_models(
     Ok(comparison)
 }
 
+/// The differences of the `curves`, of the servos where several `runs` show them; sensors may be `apart` by so many samples.
+fn differences(
+    curves: &[Curves; 2],
+    runs: Option<&RunMeans>,
+    apart: f64,
+    options: &ComparisonOptions,
+) -> Differences {
+    let [a, b] = curves;
+    let level = options.level_of_noise();
+    let of_recordings = Differences::of(a, b, level);
+    let differences = match runs.map(|runs| runs.difference(level)) {
+        Some((value, half)) => of_recordings.of_servos(&value, &half),
+        None => of_recordings,
+    };
+    differences
+        .with_delay_error([a, b], apart)
+        .with_scale_error(b, options.scale_beside_noise())
+}
+
+/// The metrics of a side, without bounds where those of the comparison are withdrawn.
+fn metrics_of_side(model: &Model, withdrawn: Option<Reason>) -> MetricsOfSide {
+    let known = |metrics: Metrics| match withdrawn {
+        None => metrics,
+        Some(reason) => metrics.withdrawn(reason),
+    };
+    MetricsOfSide {
+        metrics: known(model.metrics),
+        at_stated_delay: known(model.metrics_at_stated_delay()),
+    }
+}
+
 fn of_curves(
     models: [&Model; 2],
     curves: &[Curves; 2],
@@ -164,15 +195,7 @@ fn of_curves(
         DelayErrors::Apart(_) => a.delay_error_s() + b.delay_error_s(),
     };
     let apart = apart_s / timing.sample_period_s;
-    let level_of_noise = options.level_of_noise();
-    let of_recordings = Differences::of(&curves[0], &curves[1], level_of_noise);
-    let differences = match runs.map(|runs| runs.difference(level_of_noise)) {
-        Some((value, half)) => of_recordings.of_servos(&value, &half),
-        None => of_recordings,
-    };
-    let differences = differences
-        .with_delay_error([&curves[0], &curves[1]], apart)
-        .with_scale_error(&curves[1], options.scale_beside_noise());
+    let differences = differences(curves, runs, apart, options);
     let largest = differences.largest();
     let shift_of = |which: std::ops::Range<usize>| {
         let mut found = shift::shift(&curves[0], &curves[1], which.clone(), level);
@@ -195,14 +218,7 @@ fn of_curves(
             options.margin_percent / 100.0,
         )
     });
-    let known = |metrics: Metrics| match largest {
-        Bounds::Valid(_) => metrics,
-        Bounds::Withdrawn(reason) => metrics.withdrawn(reason),
-    };
-    let sides = models.map(|model| MetricsOfSide {
-        metrics: known(model.metrics),
-        at_stated_delay: known(model.metrics_at_stated_delay()),
-    });
+    let sides = models.map(|model| metrics_of_side(model, largest.withdrawn()));
     Comparison {
         schema: SCHEMA,
         verdict: verdict.into_valid().unwrap_or(Verdict::Undecided),
