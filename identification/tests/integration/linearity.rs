@@ -61,10 +61,10 @@ fn linear_servos_pass_as_often_as_the_level_says() {
         })
         .collect();
     let below = |level: f64| p.iter().filter(|p| **p < level).count();
-    // Of 48 runs, 4.8 should be below 0.1 and 24 below 0.5: three standard deviations, 2.1 and 3.5,
-    // to each side.
+    // Of 48 runs, 4.8 should be below 0.1 and 24 below 0.5 at most, and, as p is twice the smaller of two that go together, half as many at
+    // least: three standard deviations, 2.1, 3.5 and 3, to each side.
     assert!(below(0.1) <= 11, "{} below 0.1", below(0.1));
-    assert!((14..=34).contains(&below(0.5)), "{} below 0.5", below(0.5));
+    assert!((3..=34).contains(&below(0.5)), "{} below 0.5", below(0.5));
     assert_eq!(below(MISFIT_SIGNIFICANCE), 0);
 }
 
