@@ -28,11 +28,11 @@ pub fn compared(
 ) -> Result<Comparison> {
     let metadata = [a, b].map(|side| ModelMetadata::from(&side.about));
     metadata[0].same_units(names[0], &metadata[1], names[1])?;
+    let sides = [&metadata[0], &metadata[1]];
     let options = ComparisonOptions {
         input_unit: a.about.input_unit_with(&b.about),
         output_unit: a.about.output_unit_with(&b.about),
-        scale_sd: scale_errors::ratio_sd([&metadata[0], &metadata[1]]),
-        ..delay_errors::allowed_for([&metadata[0], &metadata[1]], options)
+        ..allowed_for_sensors(sides, options)
     };
     let found = compare(&a.record, &b.record, &options);
     let mut found = found
@@ -53,14 +53,28 @@ pub fn compared(
         found.advice.push(conditions);
     }
     found.advice.extend(a.about.other_calibration(&b.about));
-    found
-        .advice
-        .extend(delay_errors::advice([&metadata[0], &metadata[1]]));
-    let level = options.identification.level;
-    found
-        .advice
-        .extend(scale_errors::advice([&metadata[0], &metadata[1]], level));
+    found.advice.extend(advice_on_sensors(sides, &options));
     Ok(found)
+}
+
+/// The options of a comparison that allows for what the sensors of the sides may be off from each other.
+fn allowed_for_sensors(
+    sides: [&ModelMetadata; 2],
+    options: ComparisonOptions,
+) -> ComparisonOptions {
+    ComparisonOptions {
+        scale_sd: scale_errors::ratio_sd(sides),
+        ..delay_errors::allowed_for(sides, options)
+    }
+}
+
+/// That they may be off.
+fn advice_on_sensors(
+    sides: [&ModelMetadata; 2],
+    options: &ComparisonOptions,
+) -> impl Iterator<Item = Advice> {
+    let of_scales = scale_errors::advice(sides, options.identification.level);
+    delay_errors::advice(sides).into_iter().chain(of_scales)
 }
 
 /// The error of a comparison, whose structure is always chosen from the data: nobody can state a settling time.
@@ -189,16 +203,13 @@ pub fn compared_models(
     let strokes = a.only_stroke.zip(b.only_stroke);
     let unit = a.units().input.filter(|unit| b.units().input == Some(unit));
     let options = ComparisonOptions {
-        scale_sd: scale_errors::ratio_sd(metadata),
         strokes_of_models: strokes.map(<[f64; 2]>::from),
         input_unit: unit.unwrap_or_default().to_owned(),
-        ..delay_errors::allowed_for(metadata, options)
+        ..allowed_for_sensors(metadata, options)
     };
     let found = compare_models(models[0], models[1], &options).map_err(with_machines);
     let mut found = found.with_context(|| names.join(" against "))?;
-    found.advice.extend(delay_errors::advice(metadata));
-    let level = options.identification.level;
-    found.advice.extend(scale_errors::advice(metadata, level));
+    found.advice.extend(advice_on_sensors(metadata, &options));
     Ok(found)
 }
 

@@ -185,9 +185,7 @@ impl Identified {
         );
         text
     }
-}
 
-impl Identified {
     /// What became of the prior that was asked for, where it is not used.
     #[must_use]
     pub fn prior_not_used(&self) -> Option<String> {

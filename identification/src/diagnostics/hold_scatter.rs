@@ -52,7 +52,7 @@ pub(crate) fn allow_for_hold_scatter(
     let seen = (rows / fit.rows as f64).min(1.0);
     let held = HeldRun::all(runs, fit);
     let late = allow_for_answer_scatter(&held, seen, fit);
-    let off = allow_for_level_scatter(runs, &held, moments, seen, fit);
+    let off = allow_for_level_scatter(&held, moments, seen, fit);
     let OffLevels { visits, levels } = off.unwrap_or_default();
     (late.is_some() || off.is_some()).then(|| HoldScatter {
         answers_s: late.unwrap_or_default() * moments.sample_period_s(),

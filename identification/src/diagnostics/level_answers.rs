@@ -11,7 +11,6 @@ use crate::diagnostics::clustered_errors::Cluster;
 use crate::diagnostics::filtered_rows::{filtered, only, with_history};
 use crate::diagnostics::further_columns::FurtherColumns;
 use crate::diagnostics::held_run::HeldRun;
-use crate::diagnostics::simulation_error::Simulated;
 use crate::estimation::{GlsFit, noise_filter};
 
 /// A level that is held.
@@ -23,12 +22,7 @@ pub(super) struct Visit {
 }
 
 /// All visits of all levels, level by level.
-pub(super) fn visits(runs: &[Simulated<'_>], fit: &GlsFit) -> Vec<Visit> {
-    visits_in(&HeldRun::all(runs, fit), fit)
-}
-
-/// The same of runs whose holds are known.
-pub(super) fn visits_in(runs: &[HeldRun<'_>], fit: &GlsFit) -> Vec<Visit> {
+pub(super) fn visits(runs: &[HeldRun<'_>], fit: &GlsFit) -> Vec<Visit> {
     let d = noise_filter(&fit.ar);
     let step = step_response(fit);
     let mut visits: Vec<Visit> = Vec::new();
@@ -61,7 +55,7 @@ fn at(step: &[f64], k: usize) -> f64 {
 
 /// Cross moments of the rows of the regression with the answers to levels.
 pub(super) struct CrossMoments<'a> {
-    runs: &'a [Simulated<'a>],
+    runs: &'a [HeldRun<'a>],
     moments: &'a Moments,
     fit: &'a GlsFit,
     d: Vec<f64>,
@@ -69,7 +63,7 @@ pub(super) struct CrossMoments<'a> {
 }
 
 impl<'a> CrossMoments<'a> {
-    pub(super) fn new(runs: &'a [Simulated<'a>], moments: &'a Moments, fit: &'a GlsFit) -> Self {
+    pub(super) fn new(runs: &'a [HeldRun<'a>], moments: &'a Moments, fit: &'a GlsFit) -> Self {
         Self {
             runs,
             moments,
@@ -83,7 +77,7 @@ impl<'a> CrossMoments<'a> {
     pub(super) fn of(&self, visits: &[Visit]) -> Mat<f64> {
         let mut columns = FurtherColumns::new(self.fit, visits.len());
         let history = self.fit.coordinates.basis.settling() - 1 + self.fit.ar.len();
-        for (index, run) in self.runs.iter().enumerate() {
+        for (index, HeldRun { run, .. }) in self.runs.iter().enumerate() {
             let input = with_history(&run.run, history, self.moments.centre.0);
             let input = filtered(&input, &self.d);
             let rows =

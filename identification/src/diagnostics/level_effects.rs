@@ -23,9 +23,10 @@ use faer::Mat;
 use crate::data::{Moments, Record, Run};
 use crate::diagnostics::clustered_errors::{Cluster, EffectScatter};
 use crate::diagnostics::filtered_rows::present;
+use crate::diagnostics::held_run::HeldRun;
 use crate::diagnostics::level_answers::{CrossMoments, Visit, cluster_of, level_by_level, visits};
 use crate::diagnostics::level_scatter::FITTED;
-use crate::diagnostics::simulation_error::{Simulated, one_step_errors};
+use crate::diagnostics::simulation_error::Simulated;
 use crate::estimation::{EstimatedPart, GlsFit};
 use crate::numerics::{SymmetricEigen, dot, symmetric_eigen, times};
 
@@ -80,7 +81,8 @@ impl LevelEffects {
 
     /// Those that `runs` show, which are of a record as it is; `None` where no level is off beyond chance.
     pub(crate) fn begun(runs: &[Simulated<'_>], moments: &Moments, fit: &GlsFit) -> Option<Self> {
-        let visits = visits(runs, fit);
+        let held = HeldRun::all(runs, fit);
+        let visits = visits(&held, fit);
         let levels: Vec<&[Visit]> = by_level(&visits).collect();
         let of_levels: Vec<Cluster> = levels.iter().map(|visits| cluster_of(visits)).collect();
         let begun = Self {
@@ -93,7 +95,7 @@ impl LevelEffects {
         // Effects of levels that are visited once are the visits'.
         let repeat = visits.len() >= 2 * begun.len();
         match repeat && begun.len() as f64 > FITTED {
-            true => begun.improved(runs, moments, fit),
+            true => begun.after_a_step(&held, moments, fit),
             false => None,
         }
     }
@@ -105,6 +107,11 @@ impl LevelEffects {
         moments: &Moments,
         fit: &GlsFit,
     ) -> Option<Self> {
+        self.after_a_step(&HeldRun::all(runs, fit), moments, fit)
+    }
+
+    /// [`Self::improved`], of runs whose holds are known.
+    fn after_a_step(&self, runs: &[HeldRun<'_>], moments: &Moments, fit: &GlsFit) -> Option<Self> {
         let known = Regression::new(self, runs, moments, fit)?;
         let lambda = fit.variance / self.variance;
         let covariance = known.covariance(lambda);
@@ -126,7 +133,7 @@ impl LevelEffects {
 
     /// Adds to the covariance of `fit`, which is of the record with these put right, that they are not known.
     pub(crate) fn allow_for(&self, runs: &[Simulated<'_>], moments: &Moments, fit: &mut GlsFit) {
-        let Some(known) = Regression::new(self, runs, moments, fit) else {
+        let Some(known) = Regression::new(self, &HeldRun::all(runs, fit), moments, fit) else {
             return;
         };
         let moved = &fit.solution.inverse * &known.cross;
@@ -157,7 +164,7 @@ impl Regression {
     /// Of the levels of `effects`, put right or not.
     fn new(
         effects: &LevelEffects,
-        runs: &[Simulated<'_>],
+        runs: &[HeldRun<'_>],
         moments: &Moments,
         fit: &GlsFit,
     ) -> Option<Self> {
@@ -170,15 +177,15 @@ impl Regression {
         let cross = level_by_level(&cross_moments.of(&visits), &levels);
         let mut own = Mat::<f64>::zeros(levels.len(), levels.len());
         let mut score = vec![0.0; levels.len()];
-        for (index, run) in runs.iter().enumerate() {
+        for (index, held) in runs.iter().enumerate() {
+            let run = held.run;
             let rows = run
                 .run
                 .complete_rows(moments.input_lags(), moments.output_lags());
             let columns: Vec<Vec<f64>> = (levels.iter())
                 .map(|visits| answer_of_level(&cross_moments, visits, &rows, (index, run)))
                 .collect();
-            let errors = one_step_errors(run.own_errors(), &fit.ar);
-            let errors: Vec<f64> = errors.into_iter().map(present).collect();
+            let errors: Vec<f64> = held.errors.iter().copied().map(present).collect();
             for (i, column) in columns.iter().enumerate() {
                 score[i] += dot(column, &errors);
                 for (j, other) in columns.iter().enumerate() {
@@ -186,7 +193,8 @@ impl Regression {
                 }
             }
         }
-        let seen = runs.iter().map(|run| run.errors.len() as f64).sum::<f64>() / fit.rows as f64;
+        let samples = runs.iter().map(|run| run.errors.len() as f64).sum::<f64>();
+        let seen = samples / fit.rows as f64;
         let whole = seen.min(1.0).recip();
         let cross = faer::Scale(whole) * cross;
         let explained = cross.transpose() * &fit.solution.inverse * &cross;

@@ -14,10 +14,7 @@
 use crate::data::Moments;
 use crate::diagnostics::clustered_errors::{Cluster, EffectScatter};
 use crate::diagnostics::held_run::HeldRun;
-use crate::diagnostics::level_answers::{
-    CrossMoments, Visit, cluster_of, level_by_level, visits_in,
-};
-use crate::diagnostics::simulation_error::Simulated;
+use crate::diagnostics::level_answers::{CrossMoments, Visit, cluster_of, level_by_level, visits};
 use crate::estimation::{EstimatedPart, GlsFit};
 
 /// The gain and the offset of the fit take the effects of two levels.
@@ -32,15 +29,14 @@ pub(super) struct OffLevels {
     pub(super) levels: f64,
 }
 
-/// Adds to the covariance of `fit` how far levels of `runs` are off, where that is beyond chance; `held` are their holds. They are a share `seen` of the record.
+/// Adds to the covariance of `fit` how far levels of `runs` are off, where that is beyond chance. They are a share `seen` of the record.
 pub(super) fn allow_for_level_scatter(
-    runs: &[Simulated<'_>],
-    held: &[HeldRun<'_>],
+    runs: &[HeldRun<'_>],
     moments: &Moments,
     seen: f64,
     fit: &mut GlsFit,
 ) -> Option<OffLevels> {
-    let visits = visits_in(held, fit);
+    let visits = visits(runs, fit);
     let of_visits: Vec<Cluster> = visits.iter().map(|visit| visit.errors).collect();
     let all = EffectScatter::of(&of_visits, FITTED)?;
     let levels: Vec<&[Visit]> = visits

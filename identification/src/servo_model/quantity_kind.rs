@@ -70,6 +70,18 @@ impl QuantityKind {
     /// What small quick strokes show.
     pub const OF_SMALL_SIGNALS: &[Self] = &[Self::Bandwidth, Self::DampingRatio];
 
+    /// What shows where the servo rests.
+    pub const OF_REST: &[Self] = &[
+        Self::DeadBand,
+        Self::RestingError,
+        Self::FrictionAtRest,
+        Self::FrictionOfGears,
+        Self::LoadAtMiddle,
+        Self::LoadOfLevelArm,
+        Self::Gain,
+        Self::Offset,
+    ];
+
     /// What holds the servo off its command, whichever side it comes from.
     pub const OF_FRICTION: &[Self] = &[
         Self::DeadBand,

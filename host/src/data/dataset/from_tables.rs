@@ -154,7 +154,7 @@ fn about(
         input_unit,
         output_unit,
         provenance: vec![facts.map(|(key, value)| (key.to_owned(), value)).into()],
-        other_input: suggested_columns::another_input(table.columns(), names).cloned(),
+        other_input: suggested_columns::another_input(table.columns(), names),
         commands_at_rows: !options.polled,
         polled: options.polled,
         ..About::default()

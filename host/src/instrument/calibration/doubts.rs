@@ -142,10 +142,7 @@ mod tests {
     #[test]
     fn angles_that_leave_a_scale_less_certain_than_a_data_sheet_are_doubted() {
         let said = |angles: [f64; 5]| {
-            let counts = [7314.2, 7760.1, 8196.3, 8633.0, 9070.7];
-            let readings = angles.into_iter().zip(counts);
-            let readings = readings.map(|(angle_deg, counts)| Reading { angle_deg, counts });
-            rough(&Calibration::fit(&readings.collect::<Vec<_>>()).unwrap())
+            rough(&Calibration::fit(&Reading::at_five_positions(angles)).unwrap())
         };
         let careless = said([-8.5, -3.5, 0.0, 4.5, 6.5]).unwrap();
         assert!(careless.contains("% only"), "{careless}");

@@ -57,14 +57,9 @@ pub fn mistyped_angle(readings: &[Reading]) -> Option<MistypedAngle> {
 mod tests {
     use super::*;
 
-    fn readings(angles: [f64; 5]) -> Vec<Reading> {
-        let counts = [7314.2, 7760.1, 8196.3, 8633.0, 9070.7];
-        let of = |(angle_deg, counts)| Reading { angle_deg, counts };
-        angles.into_iter().zip(counts).map(of).collect()
-    }
-
     #[test]
     fn one_wrong_angle_is_named_and_readings_with_errors_are_not() {
+        let readings = Reading::at_five_positions;
         assert_eq!(mistyped_angle(&readings([-8.0, -4.0, 0.0, 4.0, 8.0])), None);
         assert_eq!(mistyped_angle(&readings([-8.4, -3.8, 0.2, 4.1, 7.5])), None);
         let at_an_end = mistyped_angle(&readings([8.0, -4.0, 0.0, 4.0, 8.0])).unwrap();

@@ -21,6 +21,16 @@ pub struct Reading {
     pub counts: f64,
 }
 
+#[cfg(test)]
+impl Reading {
+    /// Five, where the sensor has the same counts whatever angles were read.
+    pub(super) fn at_five_positions(angles_deg: [f64; 5]) -> Vec<Self> {
+        let counts = [7314.2, 7760.1, 8196.3, 8633.0, 9070.7];
+        let of = |(angle_deg, counts)| Self { angle_deg, counts };
+        angles_deg.into_iter().zip(counts).map(of).collect()
+    }
+}
+
 /// A sensor's scale, and how sure it is.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Calibration {

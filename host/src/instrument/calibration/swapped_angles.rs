@@ -55,12 +55,7 @@ mod tests {
 
     #[test]
     fn two_angles_at_each_others_place_are_named() {
-        let found = |angles: [f64; 5]| {
-            let counts = [7314.2, 7760.1, 8196.3, 8633.0, 9070.7];
-            let readings = angles.into_iter().zip(counts);
-            let readings = readings.map(|(angle_deg, counts)| Reading { angle_deg, counts });
-            swapped_angles(&readings.collect::<Vec<_>>())
-        };
+        let found = |angles| swapped_angles(&Reading::at_five_positions(angles));
         let swapped = found([-8.0, -4.0, 0.0, 8.0, 4.0]).unwrap();
         assert_eq!(swapped.angles_deg, [8.0, 4.0]);
         assert!(

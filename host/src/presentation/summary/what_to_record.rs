@@ -47,16 +47,7 @@ const WHAT_SHOWS: [(&[QuantityKind], &str, &str); 3] = [
         "Bandwidth and damping show in small quick strokes: record steps or random levels of a few degrees, sampled every 5 ms or faster.",
     ),
     (
-        &[
-            QuantityKind::DeadBand,
-            QuantityKind::RestingError,
-            QuantityKind::FrictionAtRest,
-            QuantityKind::FrictionOfGears,
-            QuantityKind::LoadAtMiddle,
-            QuantityKind::LoadOfLevelArm,
-            QuantityKind::Gain,
-            QuantityKind::Offset,
-        ],
+        QuantityKind::OF_REST,
         "rests at many levels show it",
         "Friction, dead band, load and gain show at rest: record stairs of at least four levels, each reached from both sides and held until the servo rests.",
     ),
