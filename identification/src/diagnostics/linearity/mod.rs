@@ -39,7 +39,7 @@ use crate::diagnostics::simulation_error::{Simulated, explained_by_runs};
 use crate::diagnostics::standstill_noise::StandstillNoise;
 use crate::estimation::{GlsFit, RowInformation};
 use crate::thresholds::{MATERIAL_MISFIT_PERCENT, MISFIT_SIGNIFICANCE};
-use reset_test::{ResetTest, slower_speed_over};
+use reset_test::{ResetTest, RunRows, slower_speed_over};
 
 /// Result of the test.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -143,9 +143,13 @@ pub(crate) fn test_linearity(
     let mut speeds = vec![1, slower];
     speeds.dedup();
     let tests = speeds.len() as f64;
+    let rows = RunRows::all(runs, &information.moments, fit);
     let found = speeds
         .into_iter()
-        .filter_map(|over| test_with_speed(runs, information, fit, (level_error, over)))
+        .filter_map(|over| {
+            let test = ResetTest::new(&rows, fit, over)?;
+            result_of(&test, runs, information, fit, level_error)
+        })
         .min_by(|a, b| a.p.total_cmp(&b.p))?;
     Some(Linearity {
         p: (tests * found.p).min(1.0),
@@ -154,14 +158,14 @@ pub(crate) fn test_linearity(
     })
 }
 
-/// [`test_linearity`] with the speed over so many samples on either side.
-fn test_with_speed(
+/// What the `test` of one speed gives.
+fn result_of(
+    test: &ResetTest<'_>,
     runs: &[Simulated<'_>],
     information: &RowInformation,
     fit: &GlsFit,
-    (level_error, speed_over): (f64, usize),
+    level_error: f64,
 ) -> Option<Linearity> {
-    let test = ResetTest::new(runs, &information.moments, fit, speed_over)?;
     let found = test.regress(fit)?;
     let (k, free) = (
         found.degrees as f64,

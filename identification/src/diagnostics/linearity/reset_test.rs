@@ -27,27 +27,37 @@ const OF_A_RUN: usize = 3;
 
 /// The functions of the motion, run by run. Of all columns the functions that runs share are the first; those that
 /// each run has for itself follow, run by run.
-pub(super) struct ResetTest {
-    pub(super) runs: Vec<RunColumns>,
+pub(super) struct ResetTest<'r> {
+    pub(super) runs: Vec<RunColumns<'r>>,
     columns: usize,
 }
 
-/// One run: everything is relative to the centre of the moments.
-pub(super) struct RunColumns {
+/// One run in the regression, whatever speed is offered: everything is relative to the centre of the moments.
+pub(super) struct RunRows<'r> {
+    simulated: &'r Simulated<'r>,
     /// u, with its history before the run; 0 where it is missing.
     pub(super) input: Vec<f64>,
+    /// D(z) u(k).
+    filtered_input: Vec<f64>,
     /// Samples of history at the beginning of `input`.
     pub(super) history: usize,
+    /// a(k), the answer to directions.
+    directions: Vec<f64>,
+    /// D(z) (y - ŷ)(k); 0 but in the rows of the regression.
+    pub(super) errors: Vec<f64>,
+    /// The rows of the regression.
+    pub(super) rows: Vec<Range<usize>>,
+}
+
+/// One run with the functions that are offered.
+pub(super) struct RunColumns<'r> {
+    pub(super) of: &'r RunRows<'r>,
     /// The columns that are not 0 in this run.
     pub(super) columns: Vec<usize>,
     /// z_j(k) of these columns, 0 where the simulation is missing.
     pub(super) functions: Vec<Vec<f64>>,
     /// D(z) z_j(k); 0 but in the rows of the regression.
     filtered: Vec<Vec<f64>>,
-    /// D(z) (y - ŷ)(k); 0 but in the rows of the regression.
-    pub(super) errors: Vec<f64>,
-    /// The rows of the regression.
-    pub(super) rows: Vec<Range<usize>>,
 }
 
 /// Result of the regression.
@@ -69,14 +79,9 @@ pub(super) struct Found {
     pub(super) response: Vec<f64>,
 }
 
-impl ResetTest {
+impl<'r> ResetTest<'r> {
     /// With the speed over so many samples on either side.
-    pub(super) fn new(
-        runs: &[Simulated<'_>],
-        moments: &Moments,
-        fit: &GlsFit,
-        speed_over: usize,
-    ) -> Option<Self> {
+    pub(super) fn new(runs: &'r [RunRows<'r>], fit: &GlsFit, speed_over: usize) -> Option<Self> {
         let scale = Scale::of(runs, speed_over)?;
         let several = runs.len() > 1;
         let runs: Vec<RunColumns> = runs
@@ -85,7 +90,7 @@ impl ResetTest {
             .map(|(index, run)| {
                 let of_run = FUNCTIONS + OF_A_RUN * index;
                 let own = several.then_some(of_run..of_run + OF_A_RUN);
-                RunColumns::new(run, &scale, own, (moments, fit))
+                RunColumns::new(run, &scale, own, fit)
             })
             .collect();
         let columns = runs.iter().filter_map(|run| run.columns.last()).max()? + 1;
@@ -142,11 +147,10 @@ impl ResetTest {
     /// Sum over the rows of D z_j(k) times the filtered regressors of the fit, the offset last: columns x
     /// (n+1).
     fn cross_moments(&self, fit: &GlsFit) -> Mat<f64> {
-        let d = noise_filter(&fit.ar);
         let mut columns = FurtherColumns::new(fit, self.columns);
         for run in &self.runs {
             let functions: Vec<&[f64]> = run.filtered.iter().map(Vec::as_slice).collect();
-            columns.add(&filtered(&run.input, &d), &run.columns, &functions);
+            columns.add(&run.of.filtered_input, &run.columns, &functions);
         }
         columns.cross_moments().transpose().to_owned()
     }
@@ -157,7 +161,7 @@ impl ResetTest {
         let mut score = vec![0.0; self.columns];
         for run in &self.runs {
             for (&i, z) in run.columns.iter().zip(&run.filtered) {
-                score[i] += dot(z, &run.errors);
+                score[i] += dot(z, &run.of.errors);
                 for (&j, other) in run.columns.iter().zip(&run.filtered) {
                     own[(i, j)] += dot(z, other);
                 }
@@ -170,13 +174,12 @@ impl ResetTest {
     /// exceeds it no more often than χ² with [`Found::degrees`], which the best of all combinations has in noise of any evenness.
     pub(super) fn statistic_in_uneven_noise(&self, fit: &GlsFit, found: &Found) -> f64 {
         let combination = Combination::new(fit, found);
-        let d = noise_filter(&fit.ar);
-        let gain: f64 = d.iter().sum();
+        let gain: f64 = noise_filter(&fit.ar).iter().sum();
         let (mut product, mut variance) = (0.0, 0.0);
         for run in &self.runs {
-            let input = filtered(&run.input, &d);
-            for (rows, beyond) in combination.beyond(run, &run.filtered, (&input, gain)) {
-                for (beyond, error) in beyond.iter().zip(&run.errors[rows]) {
+            let input = (run.of.filtered_input.as_slice(), gain);
+            for (rows, beyond) in combination.beyond(run, &run.filtered, input) {
+                for (beyond, error) in beyond.iter().zip(&run.of.errors[rows]) {
                     product += beyond * error;
                     variance += (beyond * (error - beyond)).powi(2);
                 }
@@ -194,7 +197,7 @@ impl ResetTest {
         let combination = Combination::new(fit, found);
         let (mut square, mut fourth, mut count) = (0.0, 0.0, 0usize);
         for run in &self.runs {
-            for (_, beyond) in combination.beyond(run, &run.functions, (&run.input, 1.0)) {
+            for (_, beyond) in combination.beyond(run, &run.functions, (&run.of.input, 1.0)) {
                 square += dot(&beyond, &beyond);
                 fourth += beyond.iter().map(|x| x.powi(4)).sum::<f64>();
                 count += beyond.len();
@@ -232,13 +235,13 @@ impl<'f> Combination<'f> {
     /// the rows.
     fn beyond<'r>(
         &'r self,
-        run: &'r RunColumns,
+        run: &'r RunColumns<'r>,
         functions: &'r [Vec<f64>],
         (input, one): (&[f64], f64),
     ) -> impl Iterator<Item = (Range<usize>, Vec<f64>)> + 'r {
-        let answer = causal_filter(&self.impulse, input, None).split_off(run.history);
+        let answer = causal_filter(&self.impulse, input, None).split_off(run.of.history);
         let offset = self.offset * one;
-        run.rows.iter().cloned().map(move |rows| {
+        run.of.rows.iter().cloned().map(move |rows| {
             let answer = answer[rows.clone()].iter();
             let mut beyond: Vec<f64> = answer.map(|answer| -answer - offset).collect();
             for (z, &column) in functions.iter().zip(&run.columns) {
@@ -282,9 +285,9 @@ struct Scale {
 
 impl Scale {
     /// `None` when nothing moves.
-    fn of(runs: &[Simulated<'_>], speed_over: usize) -> Option<Self> {
+    fn of(runs: &[RunRows<'_>], speed_over: usize) -> Option<Self> {
         let (mut position, mut speed, mut count) = (0.0, 0.0, 0usize);
-        for run in runs {
+        for RunRows { simulated: run, .. } in runs {
             for (s, v) in run
                 .output
                 .iter()
@@ -304,35 +307,48 @@ impl Scale {
     }
 }
 
-impl RunColumns {
-    fn new(
-        simulated: &Simulated<'_>,
-        scale: &Scale,
-        of_run: Option<Range<usize>>,
-        (moments, fit): (&Moments, &GlsFit),
-    ) -> Self {
+impl<'r> RunRows<'r> {
+    /// Those of `runs`, which `fit` has simulated.
+    pub(super) fn all(runs: &'r [Simulated<'r>], moments: &Moments, fit: &GlsFit) -> Vec<Self> {
+        let of_run = |run| Self::new(run, moments, fit);
+        runs.iter().map(of_run).collect()
+    }
+
+    fn new(simulated: &'r Simulated<'r>, moments: &Moments, fit: &GlsFit) -> Self {
         let d = noise_filter(&fit.ar);
         let history = fit.coordinates.basis.settling() + fit.ar.len();
-        let (run, centre) = (&simulated.run, moments.centre.0);
-        let input = with_history(run, history, centre);
-        let motion = SimulatedMotion::new(simulated, scale);
+        let run = &simulated.run;
+        let input = with_history(run, history, moments.centre.0);
+        let rows = run.complete_rows(moments.input_lags(), moments.output_lags());
+        Self {
+            simulated,
+            filtered_input: filtered(&input, &d),
+            input,
+            history,
+            directions: answer_to_directions(run, history, fit),
+            errors: only(&rows, filtered(&simulated.errors, &d)),
+            rows,
+        }
+    }
+}
+
+impl<'r> RunColumns<'r> {
+    fn new(of: &'r RunRows<'r>, scale: &Scale, of_run: Option<Range<usize>>, fit: &GlsFit) -> Self {
+        let motion = SimulatedMotion::new(of.simulated, scale);
         let mut functions = motion.bent();
-        functions.push(answer_to_directions(run, history, fit));
+        functions.push(of.directions.clone());
         let mut columns: Vec<usize> = (0..FUNCTIONS).collect();
         if let Some(of_run) = of_run {
             functions.extend(motion.of_a_run());
             columns.extend(of_run);
         }
-        let rows = run.complete_rows(moments.input_lags(), moments.output_lags());
-        let in_rows = |values: &[f64]| only(&rows, filtered(values, &d));
+        let d = noise_filter(&fit.ar);
+        let in_rows = |values: &Vec<f64>| only(&of.rows, filtered(values, &d));
         Self {
-            filtered: functions.iter().map(|z| in_rows(z)).collect(),
-            errors: in_rows(&simulated.errors),
-            input,
-            history,
+            of,
+            filtered: functions.iter().map(in_rows).collect(),
             columns,
             functions,
-            rows,
         }
     }
 }

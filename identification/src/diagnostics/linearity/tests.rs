@@ -72,14 +72,14 @@ struct Explicit {
 }
 
 impl Explicit {
-    fn new(offered: &ResetTest, fit: &GlsFit) -> Self {
+    fn new(offered: &ResetTest<'_>, fit: &GlsFit) -> Self {
         let d = noise_filter(&fit.ar);
         let columns = offered.runs.iter().flat_map(|run| &run.columns);
         let columns = columns.max().unwrap() + 1;
         let mut rows: Vec<(Vec<f64>, Vec<f64>, f64)> = Vec::new();
         for run in &offered.runs {
-            for k in run.rows.iter().cloned().flatten() {
-                let lagged = |m: usize| filtered_at(&run.input, &d, run.history + k - m);
+            for k in run.of.rows.iter().cloned().flatten() {
+                let lagged = |m: usize| filtered_at(&run.of.input, &d, run.of.history + k - m);
                 let lags: Vec<f64> = (0..SETTLING).map(lagged).collect();
                 let mut row: Vec<f64> = match fit.coordinates.impulse_map() {
                     Some(map) => times(&map.transpose().to_owned(), &lags),
@@ -90,7 +90,7 @@ impl Explicit {
                 for (z, &column) in run.functions.iter().zip(&run.columns) {
                     offered[column] = filtered_at(z, &d, k);
                 }
-                rows.push((row, offered, run.errors[k]));
+                rows.push((row, offered, run.of.errors[k]));
             }
         }
         let p = fit.coordinates.len();
@@ -135,7 +135,8 @@ fn moments_by_transforms_give_what_the_explicit_regression_gives() {
         for frequencies in [SETTLING, 5] {
             let (information, fit) = fitted(&record, frequencies);
             let runs = simulated(&record, &information.moments, &fit);
-            let offered = ResetTest::new(&runs, &information.moments, &fit, 2).unwrap();
+            let rows = RunRows::all(&runs, &information.moments, &fit);
+            let offered = ResetTest::new(&rows, &fit, 2).unwrap();
             let found = offered.regress(&fit).unwrap();
             assert_eq!((found.degrees, found.of_runs), (FUNCTIONS, of_runs.len()));
             let explicit = Explicit::new(&offered, &fit);
