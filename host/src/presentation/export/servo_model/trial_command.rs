@@ -24,30 +24,34 @@ pub(super) struct Difference {
     pub trial: Trial,
     /// The largest difference of the position \[unit of the position\].
     pub largest: f64,
-    /// The same from a servo that has the load and the stops that the export has, where it leaves some out, and what these are.
+    /// Its root mean square, likewise.
+    pub root_mean_square: f64,
+    /// The largest from a servo that has the load and the stops that the export has, where it leaves some out, and what these are.
     pub without_others: Option<(f64, &'static str)>,
 }
 
 impl Difference {
-    /// Of the positions `found` at the beginning of each step, by a target that has load and stops of `like`.
+    /// Of the positions at the beginning of each step that `found` has beside a servo, by a target that has load and stops of `like`.
     pub fn of(
         export: &ServoExport<'_>,
         trial: Trial,
-        found: &[f64],
+        found: impl Fn(&ServoParameters) -> Vec<f64>,
         like: &ServoParameters,
     ) -> Self {
         let servo = &export.parameters;
-        let from = |servo: &ServoParameters| trial.largest_difference(found, &trial.exact(servo));
+        let (positions, exact) = (found(servo), trial.exact(servo));
+        let from_like = || trial.largest_difference(&found(like), &trial.exact(like));
         Self {
-            largest: from(servo),
-            without_others: others(servo, like).map(|others| (from(like), others)),
+            largest: trial.largest_difference(&positions, &exact),
+            root_mean_square: trial.root_mean_square(&positions, &exact),
+            without_others: others(servo, like).map(|others| (from_like(), others)),
             trial,
         }
     }
 }
 
 /// What of load and stops `servo` has and `like` has not.
-pub(super) fn others(servo: &ServoParameters, like: &ServoParameters) -> Option<&'static str> {
+fn others(servo: &ServoParameters, like: &ServoParameters) -> Option<&'static str> {
     match (servo.load != like.load, servo.stops != like.stops) {
         (false, false) => None,
         (true, false) => Some("the load that is left out"),
@@ -132,6 +136,15 @@ impl Trial {
             let apart = (a - b).abs();
             if apart <= most { most } else { apart }
         })
+    }
+
+    /// The root mean square of the same difference.
+    #[must_use]
+    pub fn root_mean_square(&self, a: &[f64], b: &[f64]) -> f64 {
+        let pairs = a.iter().zip(b).skip(self.steps_per_level);
+        let count = pairs.len() as f64;
+        let squares: f64 = pairs.map(|(a, b)| (a - b) * (a - b)).sum();
+        (squares / count).sqrt()
     }
 
     /// The largest stroke of the command.
