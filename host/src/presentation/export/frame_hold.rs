@@ -14,7 +14,7 @@ impl ModelMetadata {
     pub(super) fn frame_warning(&self) -> Option<String> {
         match self.pulse_frame_s {
             None => Some(format!(
-                "no frame hold is assumed, as the model names none: state one with --frame-ms {WHEN_TO_STATE}"
+                "no frame hold is assumed: state --frame-ms {WHEN_TO_STATE}"
             )),
             Some(frame_s) if self.frame_is_stated && frame_s > 0.0 => Some(format!(
                 "the stated frame of {} ms is right {WHEN_TO_STATE}, and the servo is late by {} ms",

@@ -205,7 +205,12 @@ fn hold_s(export: &ServoExport<'_>, amplitude: f64) -> f64 {
     let speed = export
         .top_speeds()
         .map_or(f64::INFINITY, |(up, down)| up.min(down));
-    let wanted = parameters.delay_s + 2.0 * amplitude / speed + SETTLING / slower;
+    let stroke = 2.0 * amplitude;
+    // Under full drive to the middle, and against it to the end.
+    let accelerated = parameters.limit.map_or(0.0, |limit| {
+        2.0 * (stroke / (limit.up * limit.down_to_up.min(1.0))).sqrt()
+    });
+    let wanted = parameters.delay_s + stroke / speed + accelerated + SETTLING / slower;
     in_frames(export, wanted.clamp(HOLD_S.0, HOLD_S.1))
 }
 

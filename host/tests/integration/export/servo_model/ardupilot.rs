@@ -62,13 +62,18 @@ impl Sitl {
 }
 
 fn positions(exported: &Exported) -> Vec<f64> {
+    positions_of(exported, &exported.text)
+}
+
+/// The same with other parameters, of `text`.
+fn positions_of(exported: &Exported, text: &str) -> Vec<f64> {
     // As the header says; the command is in deg.
     let said = prose(&exported.text);
     let full = number_behind(&said, "An output of 1 stands for ");
     let zero = number_behind(&said, "and 0 under the command ");
     let [at_zero, each] = exported.line();
     let part = |command: f64| ((command - zero) / full) as f32;
-    let mut sitl = Sitl::new(&exported.text, part(exported.trial.levels[0]));
+    let mut sitl = Sitl::new(text, part(exported.trial.levels[0]));
     let position = |command: &f64| at_zero + each * f64::from(sitl.step(part(*command)));
     exported.trial.command().iter().map(position).collect()
 }
@@ -80,6 +85,33 @@ fn parameters_are_as_far_from_the_servo_model_as_they_state() {
         let exported = servo.export("ardupilot", folder.path(), &[]);
         // Single precision in a filter whose poles are close to one: 24 bits less some 10 of them.
         exported.check(servo.name, &positions(&exported), 1e-3);
+    }
+}
+
+/// That with its load, which the file leaves out.
+#[test]
+fn no_slower_and_no_quicker_servo_is_closer() {
+    let folder = tempfile::tempdir().unwrap();
+    for servo in SERVOS.iter().filter(|servo| servo.name != "linear") {
+        let exported = servo.export("ardupilot", folder.path(), &[]);
+        let time_s = number_behind(&exported.text, "\nSIM_SERVO_SPEED ");
+        let line = |time_s: f64| format!("\nSIM_SERVO_SPEED {time_s}");
+        let difference = |factor: f64| {
+            let other = line(factor * time_s);
+            let text = exported.text.replace(&line(time_s), &other);
+            assert!(text.contains(&other), "{}", servo.name);
+            let found = positions_of(&exported, &text);
+            exported.trial.root_mean_square(&found, &exported.exact)
+        };
+        let best = difference(1.0);
+        let share = number_behind(&prose(&exported.text), "deg/s, which is ");
+        // Rates that are tried are 3 % apart, and none is above the top speed.
+        assert!(best <= difference(1.06), "{}", servo.name);
+        assert!(
+            share > 94.0 || best <= difference(1.0 / 1.06),
+            "{}",
+            servo.name
+        );
     }
 }
 
