@@ -85,6 +85,11 @@ impl Parameters {
         }
     }
 
+    /// The speed \[units of the command/s\], where there is a limit.
+    fn top(&self, degrees_per_unit: f64) -> Option<f64> {
+        (self.speed_s > 0.0).then(|| SPEED_DEG / self.speed_s / degrees_per_unit)
+    }
+
     /// With this share of its speed.
     fn slower(&self, share: f64) -> Self {
         Self {
@@ -135,7 +140,8 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     let servo = &export.parameters;
     let exact = trial.exact(servo);
     let slower = |share| positions(&full_speed.slower(share).respond(&turned), servo);
-    let parameters = full_speed.slower(best_share(&trial, &exact, slower).share);
+    let parameters =
+        full_speed.slower(best_share(&trial, &exact, full_speed.top(degrees), slower).share);
     let deflections = parameters.respond(&turned);
     let unloaded = ServoExport::without_stops(export.parameters_with(Load::None));
     let found = |servo: &ServoParameters| positions(&deflections, servo);

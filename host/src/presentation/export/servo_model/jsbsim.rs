@@ -79,7 +79,8 @@ impl Actuator {
     /// With the filter there, at the rates that come closest to `exact`.
     fn fitted(&self, filter: Filter, trial: &Trial, exact: &[f64]) -> (Self, RateFit) {
         let full_speed = Self { filter, ..*self };
-        let found = best_share(trial, exact, |share| {
+        let top = self.rates.map(|(up, down)| up.max(down));
+        let found = best_share(trial, exact, top, |share| {
             full_speed.slower(share).respond(trial)
         });
         (full_speed.slower(found.share), found)
