@@ -99,6 +99,14 @@ fn what_is_in_different_units_is_not_held_against_each_other() {
         );
         assert!(sentence.contains("the command of"), "{sentence}");
     }
+    // What the last of them says to type works.
+    let pulses = "add --input pulse_us --output position_deg";
+    let sentence = refusal(&["validate", &json(&us), &csv(&own)]);
+    assert!(sentence.contains(pulses), "{sentence}");
+    let named = ["--input", "pulse_us", "--output", "position_deg"];
+    run(&[&["validate", "-q", &json(&us), &csv(&own)], &named[..]].concat());
+    let other = refusal(&[&["validate", &json(&deg), &csv(&us)], &COLUMNS[..]].concat());
+    assert!(!other.contains(pulses), "{other}");
     // One unit under two spellings, and one that is not known.
     run(&["compare", "-q", &json(&deg), &json(&own)]);
     run(&["compare", "-q", &json(&bare), &json(&us)]);
