@@ -172,7 +172,7 @@ fn require_units_stated(target: &str) {
     for model in [&us, &bare, &golden] {
         let text = export(model, target, &[]);
         assert!(
-            text.contains("it is not known how the command is held"),
+            text.contains("no frame hold is assumed: state --frame-ms"),
             "{target}"
         );
         assert!(
@@ -183,7 +183,10 @@ fn require_units_stated(target: &str) {
     for (model, more) in [(&own, &[][..]), (&us, &["--frame-ms", "20"])] {
         let text = export(model, target, more);
         assert!(text.contains("20.0 ms"), "{target} {model}");
-        assert!(!text.contains("it is not known how"), "{target} {model}");
+        assert!(
+            !text.contains("no frame hold is assumed: state"),
+            "{target} {model}"
+        );
         assert_eq!(text.contains("<switch"), target == "jsbsim");
     }
     assert!(

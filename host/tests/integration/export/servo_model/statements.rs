@@ -282,7 +282,7 @@ fn limits_of_rates_are_those_of_the_whole_range_of_the_recording() {
 fn a_rate_is_the_same_whatever_was_reached() {
     let folder = tempfile::tempdir().unwrap();
     let file = SERVOS[1].file(folder.path());
-    let mut of = |target: &str, speed: f64| {
+    let of = |target: &str, speed: f64| {
         let mut document = crate::support::json(&file);
         document["servo_model"]["reached"] = json!({ "upwards": 1.02 * speed, "downwards": 51.0 });
         std::fs::write(&file, document.to_string()).unwrap();
