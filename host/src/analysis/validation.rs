@@ -5,7 +5,7 @@ use super::misfit::{Misfit, Scale};
 use crate::data::dataset::Dataset;
 use crate::data::fingerprint;
 use crate::data::model_file::ModelFile;
-use crate::data::model_metadata::ModelMetadata;
+use crate::data::model_metadata::{ModelMetadata, UnitsDiffer, unit_meant};
 use crate::presentation::summary::{four_digits, with_unit};
 use anyhow::{Context, Result, anyhow};
 use serde::Serialize;
@@ -41,7 +41,11 @@ impl Validated {
         let servo = file.servo_model()?;
         let servo = servo.as_ref();
         let metadata = ModelMetadata::from(&data.about);
-        file.metadata.same_units(model, &metadata, name)?;
+        let same_units = file.metadata.same_units(model, &metadata, name);
+        same_units.map_err(|error| match is_of_pulses(file, data) {
+            true => pulses_by_name(&error),
+            false => error.into(),
+        })?;
         let validation = file.model.validate(&data.record);
         let own_of_servo = servo.map(|servo| servo.model.fit.simulation_percent);
         let runs = data.record.runs();
@@ -229,6 +233,19 @@ fn only_servo_model(error: &anyhow::Error) -> Advice {
         0.0,
         0.0,
         "Nothing needs to be done where the servo model is used.",
+    )
+}
+
+/// Whether the model's command is a pulse and the data are recordings of servoid, which keep pulses beside degrees.
+fn is_of_pulses(file: &ModelFile, data: &Dataset) -> bool {
+    let unit = file.metadata.units().input.and_then(unit_meant);
+    unit.as_deref() == Some("us") && data.about.us_per_degree.is_some()
+}
+
+/// How such recordings are read in the units of such a model.
+fn pulses_by_name(error: &UnitsDiffer) -> anyhow::Error {
+    anyhow!(
+        "{error}, or read its pulses, which a recording of servoid has: add --input pulse_us --output position_deg"
     )
 }
 

@@ -105,13 +105,13 @@ impl ExportArgs {
             ServoExport::new(&name, &source, &document, metadata, options)?.beside(&file.model);
         let written = export.write(self.to)?;
         self.output.talk.say(format_args!(
-            "largest difference of the file from the servo model: {}",
+            "largest difference from the servo model: {}",
             export.share_of_stroke(&written)
         ));
         if let Some(beside) = &written.beside {
-            self.output.talk.say(format_args!(
-                "the file has neither gain nor offset, so apply both yourself, as its header says: {beside}"
-            ));
+            self.output
+                .talk
+                .say(format_args!("apply gain and offset yourself: {beside}"));
         }
         if let Some(remark) = self.name_of_function(&name) {
             self.output.talk.say(remark);
@@ -121,6 +121,10 @@ impl ExportArgs {
             (
                 "largest_difference".to_owned(),
                 json!(written.largest_difference),
+            ),
+            (
+                "root_mean_square_difference".to_owned(),
+                json!(written.root_mean_square_difference),
             ),
         ]);
         self.finish(&written.text, &export.warnings(), comparison)

@@ -15,8 +15,9 @@ use std::path::PathBuf;
 /// Record a simulated servo, as fast as the computer allows
 ///
 /// The same as 'servoid capture' with --port sim:SERVO?seed=S. The servo of a model is commanded in degrees like the
-/// others, 10 µs of the pulse for each: a command in radians follows them, and one in µs is the pulse itself. Where
-/// the model's units are not known, its command is the angle that identification took it for, and its position too.
+/// others, 10 µs of the pulse for each: a command in radians follows them, and one in µs is the pulse itself, the
+/// column pulse_us of the recording. Where the model's units are not known, its command is the angle that
+/// identification took it for, and its position too.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   servoid simulate --servo aircraft --seed 3 -o aircraft.csv

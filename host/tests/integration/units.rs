@@ -99,6 +99,14 @@ fn what_is_in_different_units_is_not_held_against_each_other() {
         );
         assert!(sentence.contains("the command of"), "{sentence}");
     }
+    // What the last of them says to type works.
+    let pulses = "add --input pulse_us --output position_deg";
+    let sentence = refusal(&["validate", &json(&us), &csv(&own)]);
+    assert!(sentence.contains(pulses), "{sentence}");
+    let named = ["--input", "pulse_us", "--output", "position_deg"];
+    run(&[&["validate", "-q", &json(&us), &csv(&own)], &named[..]].concat());
+    let other = refusal(&[&["validate", &json(&deg), &csv(&us)], &COLUMNS[..]].concat());
+    assert!(!other.contains(pulses), "{other}");
     // One unit under two spellings, and one that is not known.
     run(&["compare", "-q", &json(&deg), &json(&own)]);
     run(&["compare", "-q", &json(&bare), &json(&us)]);
@@ -163,10 +171,7 @@ fn require_units_stated(target: &str) {
     assert!(text.contains("in deg/us"), "{target}");
     for model in [&us, &bare, &golden] {
         let text = export(model, target, &[]);
-        assert!(
-            text.contains("it is not known how the command is held"),
-            "{target}"
-        );
+        assert!(text.contains("no frame hold is assumed: state"), "{target}");
         assert!(
             !text.contains("20.0 ms") && !text.contains("<switch"),
             "{target}"
@@ -175,7 +180,10 @@ fn require_units_stated(target: &str) {
     for (model, more) in [(&own, &[][..]), (&us, &["--frame-ms", "20"])] {
         let text = export(model, target, more);
         assert!(text.contains("20.0 ms"), "{target} {model}");
-        assert!(!text.contains("it is not known how"), "{target} {model}");
+        assert!(
+            !text.contains("no frame hold is assumed: state"),
+            "{target} {model}"
+        );
         assert_eq!(text.contains("<switch"), target == "jsbsim");
     }
     assert!(

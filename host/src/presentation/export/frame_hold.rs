@@ -7,18 +7,17 @@ use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::summary::four_digits;
 
 /// The condition under which a stated frame is right, and why.
-pub const WHEN_TO_STATE: &str = "only where the recorded commands were written at the pulses that carried them, as in recordings of servoid: \
-     elsewhere the mean wait for a pulse, half a frame, is in the delay already";
+const WHEN_TO_STATE: &str = "only where the commands were recorded at their pulses, as servoid does; elsewhere that wait is in the delay already";
 
 impl ModelMetadata {
     /// That no hold is assumed, or that a stated one may count twice.
     pub(super) fn frame_warning(&self) -> Option<String> {
         match self.pulse_frame_s {
             None => Some(format!(
-                "it is not known how the command is held: the model does not say that it comes from recordings of servoid, so no frame hold is assumed; for a servo on pulses, state their frame with --frame-ms, but {WHEN_TO_STATE}"
+                "no frame hold is assumed: state --frame-ms {WHEN_TO_STATE}"
             )),
             Some(frame_s) if self.frame_is_stated && frame_s > 0.0 => Some(format!(
-                "the frame of {} ms is stated, and is right {WHEN_TO_STATE}; where they were not, leave --frame-ms out, or the servo is late by {} ms",
+                "the stated frame of {} ms is right {WHEN_TO_STATE}, and the servo is late by {} ms",
                 four_digits(1e3 * frame_s),
                 four_digits(0.5e3 * frame_s)
             )),

@@ -6,10 +6,10 @@
 use super::emulation::{DelayLine, SecondOrder};
 use super::exported::ExportedServo;
 use super::rate_limit::best_share;
-use super::statement::Comparison;
+use super::statement::{Comparison, Frame};
 use super::subject::ServoExport;
 use super::terms::Term;
-use super::trial_command::{Difference, Trial, others};
+use super::trial_command::{Difference, Trial};
 use crate::presentation::export::error::ExportError;
 use crate::presentation::export::text::{SCRIPT_STYLE, number};
 use crate::presentation::summary::four_digits;
@@ -55,8 +55,6 @@ const LEFT_OUT: [Term; 11] = [
 struct Parameters {
     /// SIM_SERVO_SPEED \[s\]; 0 for no limit.
     speed_s: f64,
-    /// The share of it that the servo reached in the recording, in the direction in which that is larger: no slower one is taken.
-    reached: f64,
     /// SIM_SERVO_DELAY \[s\].
     delay_s: f64,
     /// SIM_SERVO_FILTER \[Hz\].
@@ -78,13 +76,8 @@ impl Parameters {
         let cutoff = SQRT_2 * p.stiffness / p.damping / TAU;
         let mean = |(up, down): (f64, f64)| degrees_per_unit * (up + down) / 2.0;
         let time_s = |speeds| SPEED_DEG / mean(speeds);
-        let reached = export.reached_speeds().zip(export.top_speeds());
-        let share = |(reached, top): ((f64, f64), (f64, f64))| {
-            f64::max(reached.0 / top.0, reached.1 / top.1)
-        };
         Self {
             speed_s: export.top_speeds().map_or(0.0, time_s),
-            reached: reached.map_or(0.0, share),
             // Half a step more, so that rounding does not cut a step off.
             delay_s: (line + 0.5) / rate_hz,
             filter_hz: cutoff.min(HIGHEST_CUTOFF * rate_hz),
@@ -92,10 +85,15 @@ impl Parameters {
         }
     }
 
-    /// With this share of its speed, or the one that the servo reached.
+    /// The speed \[units of the command/s\], where there is a limit.
+    fn top(&self, degrees_per_unit: f64) -> Option<f64> {
+        (self.speed_s > 0.0).then(|| SPEED_DEG / self.speed_s / degrees_per_unit)
+    }
+
+    /// With this share of its speed.
     fn slower(&self, share: f64) -> Self {
         Self {
-            speed_s: self.speed_s / share.max(self.reached),
+            speed_s: self.speed_s / share,
             ..*self
         }
     }
@@ -139,20 +137,15 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         let position = |deflection: &f64| at_zero + gain * deflection / degrees;
         deflections.iter().map(position).collect()
     };
-    let unloaded = ServoExport::without_stops(export.parameters_with(Load::None));
-    let exact = trial.exact(&unloaded);
-    let slower = |share| positions(&full_speed.slower(share).respond(&turned), &unloaded);
-    let parameters = full_speed.slower(best_share(&trial, &exact, slower).share);
-    let deflections = parameters.respond(&turned);
-    let from = |servo: &ServoParameters, exact: &[f64]| {
-        trial.largest_difference(&positions(&deflections, servo), exact)
-    };
     let servo = &export.parameters;
-    let difference = Difference {
-        largest: from(servo, &trial.exact(servo)),
-        without_others: others(servo, &unloaded).map(|others| (from(&unloaded, &exact), others)),
-        trial,
-    };
+    let exact = trial.exact(servo);
+    let slower = |share| positions(&full_speed.slower(share).respond(&turned), servo);
+    let parameters =
+        full_speed.slower(best_share(&trial, &exact, full_speed.top(degrees), slower).share);
+    let deflections = parameters.respond(&turned);
+    let unloaded = ServoExport::without_stops(export.parameters_with(Load::None));
+    let found = |servo: &ServoParameters| positions(&deflections, servo);
+    let difference = Difference::of(export, trial, found, &unloaded);
     let rate = format!("{:.0}", parameters.rate_hz);
     let beside = export.line(
         servo.resting_output(zero),
@@ -161,7 +154,7 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     );
     let about = about(
         export,
-        (&rate, degrees),
+        (&rate, degrees, zero),
         [&parameters, &full_speed].map(|found| SPEED_DEG / found.speed_s / degrees),
         &apply(export, &beside, zero),
         &difference,
@@ -201,6 +194,15 @@ fn apply(export: &ServoExport<'_>, line: &str, zero: f64) -> String {
     )
 }
 
+/// Where SITL's servo begins: its delay is filled with the first command, rate limit and filter begin at 0.
+fn start(export: &ServoExport<'_>, zero: f64) -> String {
+    format!(
+        "Start: SITL's servo begins at the output 0, where the position is {} {}, and goes from there to its first command, for which there is no delay.",
+        four_digits(export.parameters.resting_output(zero)),
+        export.output_unit()
+    )
+}
+
 /// What D is for the pulses of the recording.
 fn full_command(export: &ServoExport<'_>, degrees: f64) -> String {
     match export.metadata.units().input {
@@ -218,7 +220,7 @@ fn full_command(export: &ServoExport<'_>, degrees: f64) -> String {
 
 fn about(
     export: &ServoExport<'_>,
-    (rate, degrees): (&str, f64),
+    (rate, degrees, zero): (&str, f64, f64),
     [limit, top]: [f64; 2],
     apply: &str,
     difference: &Difference,
@@ -226,7 +228,8 @@ fn about(
     let lag_s = export.parameters.damping / export.parameters.stiffness;
     let mut about = export.statement();
     about.extend([
-        export.hold(false),
+        start(export, zero),
+        export.frame(Frame::InDelay("SIM_SERVO_DELAY")),
         format!(
             "In SITL: SIM_SERVO_SPEED is the time for {SPEED_DEG} degrees, or 0 for no limit, SIM_SERVO_DELAY the delay and the two steps that SITL and its filter are early by, at {rate} steps in a second (SIM_RATE_HZ), and SIM_SERVO_FILTER the cutoff of the Butterworth filter (damping ratio 0.7071) that lags behind a ramp as this servo does, by {} ms.",
             four_digits(1e3 * lag_s)

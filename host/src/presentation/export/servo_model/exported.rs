@@ -12,6 +12,8 @@ pub struct ExportedServo {
     pub trial: Trial,
     /// The largest difference of the position under that command \[unit of the position\].
     pub largest_difference: f64,
+    /// Its root mean square \[unit of the position\].
+    pub root_mean_square_difference: f64,
     /// What turns that which the program gives into the position, a sentence; `None` where the file does so. The difference is that of such
     /// a position.
     pub beside: Option<String>,
@@ -28,6 +30,7 @@ impl ExportedServo {
                 text,
                 trial: difference.trial,
                 largest_difference: difference.largest,
+                root_mean_square_difference: difference.root_mean_square,
                 beside: None,
             }),
             false => Err(ExportError::Impossible),

@@ -6,12 +6,13 @@
 use super::emulation::{DelayLine, SecondOrder};
 use super::exported::ExportedServo;
 use super::rate_limit::{RateFit, best_share};
-use super::statement::Comparison;
+use super::statement::{Comparison, Frame};
 use super::subject::{NO_LIMIT, ServoExport};
 use super::terms::Term;
 use super::trial_command::{Difference, Trial};
 use crate::presentation::export::error::ExportError;
 use crate::presentation::export::text::{XML_STYLE, identifier, number};
+use crate::presentation::summary::four_digits;
 use crate::presentation::template::fill;
 use servoid_identification::servo_model::ServoParameters;
 
@@ -41,8 +42,6 @@ struct Actuator {
     delay_s: f64,
     /// Towards larger and smaller theta \[1/s\].
     rates: Option<(f64, f64)>,
-    /// What they are at least.
-    reached: Option<(f64, f64)>,
     hysteresis_width: f64,
     bias: f64,
     stiffness: f64,
@@ -68,7 +67,6 @@ impl Actuator {
             ],
             delay_s: p.delay_s.max(0.0),
             rates: export.top_speeds(),
-            reached: export.reached_speeds(),
             hysteresis_width: hysteresis_width(export),
             bias,
             stiffness: p.stiffness,
@@ -81,19 +79,17 @@ impl Actuator {
     /// With the filter there, at the rates that come closest to `exact`.
     fn fitted(&self, filter: Filter, trial: &Trial, exact: &[f64]) -> (Self, RateFit) {
         let full_speed = Self { filter, ..*self };
-        let found = best_share(trial, exact, |share| {
+        let top = self.rates.map(|(up, down)| up.max(down));
+        let found = best_share(trial, exact, top, |share| {
             full_speed.slower(share).respond(trial)
         });
         (full_speed.slower(found.share), found)
     }
 
-    /// With this share of its rates, where the servo was not faster.
+    /// With this share of its rates.
     fn slower(&self, share: f64) -> Self {
-        let rates = |((up, down), (least_up, least_down)): ((f64, f64), (f64, f64))| {
-            ((share * up).max(least_up), (share * down).max(least_down))
-        };
         Self {
-            rates: self.rates.zip(self.reached).map(rates),
+            rates: self.rates.map(|(up, down)| (share * up, share * down)),
             ..*self
         }
     }
@@ -172,6 +168,33 @@ impl Actuator {
         (parts.join("\n"), property)
     }
 
+    /// Where the system begins: all of its parts begin at 0.
+    fn start(&self, export: &ServoExport<'_>) -> String {
+        let [lower, upper] = self.positions;
+        format!(
+            "Start: the system begins at rest at theta = 0, where the position is {} {}, whatever the first command is, and goes from there to it as to any other.",
+            four_digits(self.offset.max(lower).min(upper)),
+            export.output_unit()
+        )
+    }
+
+    /// What its elements are of the servo.
+    fn in_words(&self) -> String {
+        let place = match self.filter {
+            Filter::Before => "before",
+            Filter::Behind => "behind",
+        };
+        let mut said =
+            format!("In JSBSim: the filter, {place} the actuator, is the servo at small signals");
+        if self.hysteresis_width > 0.0 {
+            said += "; hysteresis_width is the distance between the rests from above and from below, by friction at rest and dead band: a shaft that is moved slowly from either side stays so far apart, and here it is as far behind in motion";
+        }
+        if self.bias != 0.0 {
+            said += "; bias is what the constant load moves the rest by";
+        }
+        said + "."
+    }
+
     /// The elements of the actuator.
     fn elements(&self) -> String {
         let mut lines = Vec::new();
@@ -234,22 +257,21 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         export.options.step_s.unwrap_or(STEP_S),
         f64::INFINITY,
     );
-    let load = export.only_constant_load();
-    let exact = trial.exact(&export.parameters_with(load));
+    let exact = trial.exact(&export.parameters);
     let [first, behind] =
         [Filter::Before, Filter::Behind].map(|filter| any.fitted(filter, &trial, &exact));
-    let actuator = match first.1.squares < behind.1.squares {
+    let actuator = match first.1.difference < behind.1.difference {
         true => first.0,
         false => behind.0,
     };
     let positions = actuator.respond(&trial);
     let first = trial.levels.first().copied().unwrap_or(0.0);
-    let like = export.parameters_with(load);
-    let difference = Difference::of(export, trial, &positions, &like);
+    let like = export.parameters_with(export.only_constant_load());
+    let difference = Difference::of(export, trial, |_| positions.clone(), &like);
     let id = identifier(export.name);
     let held = export.frame_s() > 0.0;
     let rates = [&actuator, &any].map(|of| of.rates.map_or([0.0; 2], <[f64; 2]>::from));
-    let about = about(export, rates, &difference);
+    let about = about(export, &actuator, rates, &difference);
     let frame = [("id", id.clone()), ("frame", number(export.frame_s()))];
     let hold = held.then(|| fill(include_str!("../templates/hold.xml"), &frame));
     let input = if held { "held" } else { "cmd" };
@@ -289,6 +311,7 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
 
 fn about(
     export: &ServoExport<'_>,
+    actuator: &Actuator,
     [limits, tops]: [[f64; 2]; 2],
     difference: &Difference,
 ) -> Vec<String> {
@@ -297,8 +320,9 @@ fn about(
         "the system, as limits of the command and of the position: here the servo comes to the stop slower than it does",
     ));
     about.extend([
-        export.hold(export.frame_s() > 0.0),
-        "In JSBSim: hysteresis_width is the distance between the rests from above and from below, by friction at rest and dead band: a shaft that is moved slowly from either side stays so far apart, and here it is as far behind in motion; bias is what the constant load moves the rest by; the filter is the servo at small signals.".to_owned(),
+        actuator.start(export),
+        export.frame(Frame::InFile),
+        actuator.in_words(),
         export.rate(limits, tops),
         "Time: the position that a step of JSBSim gives is that of the beginning of the step, when its command begins to act. Run it at 500 Hz or more. Set the step before the aircraft is loaded: delays are counted out then.".to_owned(),
         export.left_out("an actuator of JSBSim", &LEFT_OUT),

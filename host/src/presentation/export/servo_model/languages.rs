@@ -2,7 +2,7 @@
 
 use super::exported::ExportedServo;
 use super::fixed_step::{DelayInSteps, respond, step_s};
-use super::statement::Comparison;
+use super::statement::{Comparison, Frame};
 use super::subject::{NO_LIMIT, ServoExport};
 use super::trial_command::{Difference, Trial};
 use crate::presentation::export::error::ExportError;
@@ -98,11 +98,12 @@ impl ServoExport<'_> {
         let step_s = step_s(self)?;
         let trial = Trial::of(self, step_s, f64::INFINITY);
         let positions = respond(self, &trial);
-        let difference = Difference::of(self, trial, &positions, &self.parameters);
+        let difference = Difference::of(self, trial, |_| positions.clone(), &self.parameters);
         let delay = DelayInSteps::new(self.parameters.delay_s, step_s);
         let id = identifier(self.name);
         let mut about = self.statement();
-        about.push(self.hold(false));
+        about.push("Start: at rest under the command that it is begun with, in the middle of what friction and dead band hold; commands before count as that one.".to_owned());
+        about.push(self.frame(Frame::BeforeFile));
         about.push(format!(
             "Steps: {} ms each, by the scheme of servoid's own integrator: half a step of the angle, a step of the speed, half a step of the angle. A step is taken in two parts where the delayed command changes within it. The position that it returns is that of its end; an export of the linear model returns that of the beginning.",
             number(1e3 * step_s)

@@ -7,7 +7,7 @@ use super::emulation::DelayLine;
 use super::exported::ExportedServo;
 use super::fixed_step::step_s;
 use super::load_mass::{GRAVITY, Weight};
-use super::statement::Comparison;
+use super::statement::{Comparison, Frame};
 use super::subject::ServoExport;
 use super::terms::Term;
 use super::trial_command::{Difference, Trial};
@@ -195,7 +195,7 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         _ => export.only_constant_load(),
     };
     let like = export.parameters_with(load);
-    let difference = Difference::of(export, trial, &positions, &like);
+    let difference = Difference::of(export, trial, |_| positions.clone(), &like);
     let beside = export.line(
         servo.offset,
         servo.gain / radians,
@@ -217,6 +217,15 @@ fn of_pulses(export: &ServoExport<'_>, radians: f64) -> Option<String> {
     ))
 }
 
+/// Where the joint begins: at 0, as all that MuJoCo keeps.
+fn start(export: &ServoExport<'_>) -> String {
+    format!(
+        "Start: the joint begins at rest at the angle 0, where the position is {} {}, and for the delay it has the command 0. To begin at rest under another, set qpos to its angle and fill the delay (mj_initCtrlHistory).",
+        four_digits(export.parameters.offset),
+        export.output_unit()
+    )
+}
+
 fn about(
     export: &ServoExport<'_>,
     radians: f64,
@@ -226,7 +235,8 @@ fn about(
     let mut about = export.statement();
     about.extend(export.stops_in_words("the joint, as its range"));
     about.extend([
-        export.hold(false),
+        start(export),
+        export.frame(Frame::BeforeFile),
         format!(
             "In MuJoCo: angles are in rad, {} for each unit of the command and of theta: ctrl is that times the command. The actuator is the drive, with kp = k, kv = c - B and the range from -A- to A+; the joint has the damping B and the frictionloss C.",
             number(radians)
@@ -238,6 +248,10 @@ fn about(
             "Apply beside the file the gain and the offset, which a joint has not: {beside}. The largest difference below is of the position so computed."
         ),
         "The joint has an inertia of 1 kg m^2, which stands for the unknown one of motor, gears and load. In your mechanism with the inertia J about this joint, armature included, multiply kp, kv, forcerange, damping, frictionloss and the load by J. The weight, if there is one, is a mass on an arm as short as a millimetre: your mechanism takes its place.".to_owned(),
+        format!(
+            "Steps: {} ms each (timestep), for which delay and constraints are computed. For others, export with --step-ms.",
+            number(1e3 * difference.trial.step_s)
+        ),
         "delay and nsample are the delay, and half a step by which MuJoCo is early; they are of a MuJoCo later than 3.9. In an older one leave both out, and delay the command yourself.".to_owned(),
         export.left_out("MuJoCo's position actuator", &LEFT_OUT),
         export.difference(difference, Comparison::Emulation("MuJoCo")),

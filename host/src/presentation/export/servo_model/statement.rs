@@ -8,7 +8,7 @@ use crate::presentation::export::text::number;
 use crate::presentation::summary;
 use crate::presentation::summary::four_digits;
 use servoid_identification::results::{Bounds, six_digits};
-use servoid_identification::servo_model::{Quantity, QuantityKind, ReachedSpeeds};
+use servoid_identification::servo_model::{Quantity, QuantityKind};
 
 /// How the difference of an export from the servo model was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,6 +17,17 @@ pub(super) enum Comparison {
     SameSteps,
     /// By an emulation of what the program, named here, does.
     Emulation(&'static str),
+}
+
+/// What a file does about the pulse frame, in which a servo gets one command.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Frame {
+    /// It takes the command once in a frame.
+    InFile,
+    /// Who runs it can hold the command.
+    BeforeFile,
+    /// Who runs it can add the mean wait to this parameter alone.
+    InDelay(&'static str),
 }
 
 impl ServoExport<'_> {
@@ -40,7 +51,7 @@ impl ServoExport<'_> {
         found.extend(self.metadata.frame_warning());
         found.extend(self.guessed_angle());
         let findings = self.of_sensor.iter();
-        found.extend(findings.map(|finding| finding.trim_end_matches('.').to_owned()));
+        found.extend(findings.map(|finding| first_sentence(finding)));
         found
     }
 
@@ -48,7 +59,7 @@ impl ServoExport<'_> {
     fn unknown_speed(&self) -> Option<String> {
         if self.parameters.limit.is_none() {
             return Some(format!(
-                "no limit of the speed was reached{}, so this model has none: what it does in quicker motion is not known, and a servo has a limit",
+                "no limit of the speed was reached{}, so this file has none, and a servo has one",
                 self.reached()
             ));
         }
@@ -63,7 +74,7 @@ impl ServoExport<'_> {
                 .map(|range| format!(" (commands {range})"))
                 .unwrap_or_default();
             format!(
-                "the recording does not determine the top speed, so larger strokes than its own{recorded} may be far slower in this file than they are, or far quicker: record steps over most of the travel"
+                "the recording does not determine the top speed: larger strokes than its own{recorded} may be far too slow or too quick in this file"
             )
         })
     }
@@ -78,23 +89,26 @@ impl ServoExport<'_> {
             false => "radians",
         };
         guessed.then(|| format!(
-            "the unit of the command is not known: for programs whose servos turn by angles, such as ArduPilot and MuJoCo, it is taken for {unit}, by the size of the commands alone: name the columns with their units (u_deg, u_rad) and identify again"
+            "the unit of the command is not known: for ArduPilot and MuJoCo it is taken for {unit}, by the size of the commands alone; name the columns with their units (u_deg, u_rad) and identify again"
         ))
     }
 
     /// " up to 40 deg/s upwards and 38 deg/s downwards", where that is known.
     fn reached(&self) -> String {
-        let unit = self
-            .metadata
-            .units()
-            .output
-            .unwrap_or("units of the position");
-        let reached = |found: ReachedSpeeds| {
-            let [up, down] =
-                [found.upwards, found.downwards].map(|speed| summary::digits(speed, 2));
-            format!(" up to {up} {unit}/s upwards and {down} {unit}/s downwards")
-        };
-        self.model.reached.map(reached).unwrap_or_default()
+        let reached = self.reached_by(1.0, self.output_unit());
+        reached
+            .map(|speeds| format!(" up to {speeds}"))
+            .unwrap_or_default()
+    }
+
+    /// "40 deg/s upwards and 38 deg/s downwards", in a `unit` of which there are `each` to one of the position.
+    fn reached_by(&self, each: f64, unit: &str) -> Option<String> {
+        let reached = self.model.reached?;
+        let [up, down] =
+            [reached.upwards, reached.downwards].map(|speed| summary::digits(each * speed, 2));
+        Some(format!(
+            "{up} {unit}/s upwards and {down} {unit}/s downwards"
+        ))
     }
 
     /// "from -20.0 to 20.0 deg": the commands of the recording, where they are known.
@@ -178,28 +192,33 @@ impl ServoExport<'_> {
         )
     }
 
-    /// Where the hold of the pulse frame is, in a file that `has_hold` or has not.
-    pub(super) fn hold(&self, has_hold: bool) -> String {
+    /// What a file does about the pulse frame.
+    pub(super) fn frame(&self, does: Frame) -> String {
         let frame = number((self.frame_s() * 1e7).round() / 1e4);
-        match self.frame_s() {
-            0.0 => "Hold: none is assumed, the command may change at any step.".to_owned(),
-            _ if has_hold => format!(
-                "Hold: that of the command for a pulse frame of {frame} ms is part of this file."
-            ),
-            _ => format!(
-                "Hold: a servo gets a new pulse once in {frame} ms only, and that is not part of this file. Put a sample and hold of {frame} ms before it."
-            ),
+        if self.frame_s() == 0.0 {
+            return "Frame: none is assumed, the command acts from any step on.".to_owned();
         }
+        let here = match does {
+            Frame::InFile => format!(
+                "this file takes the command at the beginning of each {frame} ms from the time 0 on, and holds it for so long"
+            ),
+            Frame::BeforeFile => format!(
+                "this file takes it at any step. Put a sample and hold of {frame} ms before it"
+            ),
+            Frame::InDelay(parameter) => format!(
+                "here it is taken at any step. Add the mean wait, {} s, to {parameter}",
+                number((self.frame_s() * 5e6).round() / 1e7)
+            ),
+        };
+        format!("Frame: a servo gets a new command once in {frame} ms only; {here}.")
     }
 
     /// How the limits of a rate were found, of these top speeds; both are of theta, towards larger and smaller. A target with one rate
     /// has both the same.
     pub(super) fn rate(&self, limits: [f64; 2], tops: [f64; 2]) -> String {
         if self.top_speeds().is_none() {
-            return format!(
-                "Rate: no limit was reached{}, so this model has none, and neither has this file.",
-                self.reached()
-            );
+            return "Rate: this file has no limit, as none was reached (see the warning)."
+                .to_owned();
         }
         let unit = self.command_unit();
         let is_mean = tops[0] == tops[1] && self.top_speeds().is_some_and(|(up, down)| up != down);
@@ -221,14 +240,17 @@ impl ServoExport<'_> {
             true => format!("the limit of theta is {up}"),
             false => format!("the limit of theta upwards is {up}, and downwards {down}"),
         };
-        let reached = match is_mean {
-            true => {
-                "and is no smaller share of the top speed than the servo reached in the recording, in the direction in which that is larger. One rate stands for both directions, as this program has one: in the slower direction the servo is slower than this file, in the faster one quicker"
-            }
-            false => "and is not below what the servo reached in the recording",
+        let one = match is_mean {
+            true => " One rate stands for both directions, as this program has one.",
+            false => "",
         };
+        let reached = self.reached_by(self.parameters.gain.abs().recip(), unit);
+        let reached = reached.map(|speeds| format!(
+            " In the recording theta reached {speeds}; the limit need not be that, as it acts from the beginning of a stroke to its end, while a servo builds up its speed and brakes."
+        ));
         format!(
-            "Rate: {limit}. It comes closest to the servo under the command below, in the mean of squares, {reached}. In short strokes a servo does not reach its top speed."
+            "Rate: {limit}. Of all shares of the top speed, this one comes closest to the servo under the command below, in the mean of squares.{one}{}",
+            reached.unwrap_or_default()
         )
     }
 
@@ -244,13 +266,13 @@ impl ServoExport<'_> {
         )
     }
 
-    /// The largest difference of a file from the servo model, what it is of the largest stroke, and over which strokes.
+    /// The largest difference of a file from the servo model, what it is of the largest stroke, and its root mean square.
     #[must_use]
     pub fn share_of_stroke(&self, written: &ExportedServo) -> String {
         format!(
-            "{}, {}",
+            "{}; root mean square {} %",
             self.of_stroke(written.largest_difference, &written.trial),
-            self.strokes(&written.trial)
+            self.percent_of_stroke(written.root_mean_square_difference, &written.trial)
         )
     }
 
@@ -273,12 +295,17 @@ impl ServoExport<'_> {
         let short = unit.map(|unit| format!(" {unit}")).unwrap_or_default();
         let unit = of_column(unit, "position");
         let stroke = trial.largest_stroke() * self.parameters.gain.abs();
-        let percent = four_digits(100.0 * difference / stroke);
         format!(
-            "{} {unit}, {percent} % of its largest stroke ({}{short})",
+            "{} {unit}, {} % of its largest stroke ({}{short})",
             difference_text(difference),
+            self.percent_of_stroke(difference, trial),
             beside(stroke, stroke)
         )
+    }
+
+    fn percent_of_stroke(&self, difference: f64, trial: &Trial) -> String {
+        let stroke = trial.largest_stroke() * self.parameters.gain.abs();
+        four_digits(100.0 * difference / stroke)
     }
 
     /// The largest difference, and the command under which it was found.
@@ -299,10 +326,11 @@ impl ServoExport<'_> {
         };
         let levels: Vec<String> = trial.levels.iter().copied().map(number).collect();
         format!(
-            "Largest difference from servoid's own integrator with steps {FINER} times as fine as usual: {}, {}, with steps of {} ms{emulation}.{} The command: {}, each for {} s ({} steps), and all again for {} s ({} steps), which breaks strokes off; the first level is not compared.",
+            "Largest difference from servoid's own integrator with steps {FINER} times as fine as usual: {}, {}, with steps of {} ms{emulation}; root mean square {} %.{} The command: {}, each for {} s ({} steps), and all again for {} s ({} steps), which breaks strokes off; the first level is not compared.",
             shown(found.largest),
             self.strokes(trial),
             four_digits(1e3 * trial.step_s),
+            self.percent_of_stroke(found.root_mean_square, trial),
             without.unwrap_or_default(),
             levels.join(", "),
             four_digits(trial.steps_per_level as f64 * trial.step_s),
@@ -311,6 +339,12 @@ impl ServoExport<'_> {
             trial.steps_of_broken_off,
         )
     }
+}
+
+/// The first sentence of a text, without its stop: what follows is no limit of a number.
+fn first_sentence(text: &str) -> String {
+    let first = text.split_once(". ").map_or(text, |(first, _)| first);
+    first.trim_end_matches('.').to_owned()
 }
 
 /// "deg of the position", or "units of the position" where that is all that is known.

@@ -173,24 +173,6 @@ impl<'a> ServoExport<'a> {
         let [up, down] = speeds.map(|speed| speed.max(slowest));
         Some((up, down))
     }
-
-    /// The speeds that the servo reached in the recording, as far as the drive has them, in the same order and units: no limit of a rate is
-    /// below. 0 where they are not known.
-    pub(super) fn reached_speeds(&self) -> Option<(f64, f64)> {
-        let top = self.top_speeds()?;
-        let gain = self.parameters.gain.abs();
-        let reached = self.model.reached.map_or((0.0, 0.0), |reached| {
-            let outputs = [reached.upwards, reached.downwards].map(|speed| speed / gain);
-            let [larger, smaller] = self.parameters.upwards_first(outputs);
-            (larger, smaller)
-        });
-        Some(least_of_each(reached, top))
-    }
-}
-
-/// A pair of speeds or rates, towards larger and smaller theta.
-fn least_of_each((a, b): (f64, f64), (c, d): (f64, f64)) -> (f64, f64) {
-    (a.min(c), b.min(d))
 }
 
 /// Whether a servo can be computed: a model file may say anything.

@@ -24,30 +24,34 @@ pub(super) struct Difference {
     pub trial: Trial,
     /// The largest difference of the position \[unit of the position\].
     pub largest: f64,
-    /// The same from a servo that has the load and the stops that the export has, where it leaves some out, and what these are.
+    /// Its root mean square, likewise.
+    pub root_mean_square: f64,
+    /// The largest from a servo that has the load and the stops that the export has, where it leaves some out, and what these are.
     pub without_others: Option<(f64, &'static str)>,
 }
 
 impl Difference {
-    /// Of the positions `found` at the beginning of each step, by a target that has load and stops of `like`.
+    /// Of the positions at the beginning of each step that `found` has beside a servo, by a target that has load and stops of `like`.
     pub fn of(
         export: &ServoExport<'_>,
         trial: Trial,
-        found: &[f64],
+        found: impl Fn(&ServoParameters) -> Vec<f64>,
         like: &ServoParameters,
     ) -> Self {
         let servo = &export.parameters;
-        let from = |servo: &ServoParameters| trial.largest_difference(found, &trial.exact(servo));
+        let (positions, exact) = (found(servo), trial.exact(servo));
+        let from_like = || trial.largest_difference(&found(like), &trial.exact(like));
         Self {
-            largest: from(servo),
-            without_others: others(servo, like).map(|others| (from(like), others)),
+            largest: trial.largest_difference(&positions, &exact),
+            root_mean_square: trial.root_mean_square(&positions, &exact),
+            without_others: others(servo, like).map(|others| (from_like(), others)),
             trial,
         }
     }
 }
 
 /// What of load and stops `servo` has and `like` has not.
-pub(super) fn others(servo: &ServoParameters, like: &ServoParameters) -> Option<&'static str> {
+fn others(servo: &ServoParameters, like: &ServoParameters) -> Option<&'static str> {
     match (servo.load != like.load, servo.stops != like.stops) {
         (false, false) => None,
         (true, false) => Some("the load that is left out"),
@@ -134,6 +138,15 @@ impl Trial {
         })
     }
 
+    /// The root mean square of the same difference.
+    #[must_use]
+    pub fn root_mean_square(&self, a: &[f64], b: &[f64]) -> f64 {
+        let pairs = a.iter().zip(b).skip(self.steps_per_level);
+        let count = pairs.len() as f64;
+        let squares: f64 = pairs.map(|(a, b)| (a - b) * (a - b)).sum();
+        (squares / count).sqrt()
+    }
+
     /// The largest stroke of the command.
     pub(super) fn largest_stroke(&self) -> f64 {
         let strokes = self.levels.windows(2).filter_map(|pair| match pair {
@@ -192,7 +205,12 @@ fn hold_s(export: &ServoExport<'_>, amplitude: f64) -> f64 {
     let speed = export
         .top_speeds()
         .map_or(f64::INFINITY, |(up, down)| up.min(down));
-    let wanted = parameters.delay_s + 2.0 * amplitude / speed + SETTLING / slower;
+    let stroke = 2.0 * amplitude;
+    // Under full drive to the middle, and against it to the end.
+    let accelerated = parameters.limit.map_or(0.0, |limit| {
+        2.0 * (stroke / (limit.up * limit.down_to_up.min(1.0))).sqrt()
+    });
+    let wanted = parameters.delay_s + stroke / speed + accelerated + SETTLING / slower;
     in_frames(export, wanted.clamp(HOLD_S.0, HOLD_S.1))
 }
 

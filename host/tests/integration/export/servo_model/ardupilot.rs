@@ -2,7 +2,7 @@
 //! and `Filter/LowPassFilter2p.cpp` of ArduPilot do, in single precision: a ring of commands of which the oldest is taken after the
 //! newest is put in, a limit of the change in a step, and a biquad filter.
 
-use super::subjects::{Exported, SERVOS, number_behind, prose};
+use super::subjects::{Exported, SERVOS, export, number_behind, prose};
 use std::collections::VecDeque;
 
 /// A servo of SITL. Commands and positions are parts of the full deflection.
@@ -62,13 +62,18 @@ impl Sitl {
 }
 
 fn positions(exported: &Exported) -> Vec<f64> {
+    positions_of(exported, &exported.text)
+}
+
+/// The same with other parameters, of `text`.
+fn positions_of(exported: &Exported, text: &str) -> Vec<f64> {
     // As the header says; the command is in deg.
     let said = prose(&exported.text);
     let full = number_behind(&said, "An output of 1 stands for ");
     let zero = number_behind(&said, "and 0 under the command ");
     let [at_zero, each] = exported.line();
     let part = |command: f64| ((command - zero) / full) as f32;
-    let mut sitl = Sitl::new(&exported.text, part(exported.trial.levels[0]));
+    let mut sitl = Sitl::new(text, part(exported.trial.levels[0]));
     let position = |command: &f64| at_zero + each * f64::from(sitl.step(part(*command)));
     exported.trial.command().iter().map(position).collect()
 }
@@ -81,6 +86,45 @@ fn parameters_are_as_far_from_the_servo_model_as_they_state() {
         // Single precision in a filter whose poles are close to one: 24 bits less some 10 of them.
         exported.check(servo.name, &positions(&exported), 1e-3);
     }
+}
+
+/// To the servo with its load, which the file leaves out.
+#[test]
+fn no_slower_and_no_quicker_servo_is_closer() {
+    let folder = tempfile::tempdir().unwrap();
+    for servo in SERVOS.iter().filter(|servo| servo.name != "linear") {
+        let exported = servo.export("ardupilot", folder.path(), &[]);
+        require_closest(servo.name, &exported);
+    }
+    // The same full drive, and a top speed that strokes of the recording are far from.
+    let file = SERVOS[1].file(folder.path());
+    let mut document = crate::support::json(&file);
+    let values = document["servo_model"]["values"].as_array_mut().unwrap();
+    for (value, far) in values.iter_mut().rev().zip([0.3 / 200.0, 5e4f64.ln()]) {
+        *value = far.into();
+    }
+    std::fs::write(&file, document.to_string()).unwrap();
+    let far = export(&file, 0, "ardupilot", &[]);
+    assert!(far.text.contains("of the top speed of 50000 deg/s"));
+    require_closest("far", &far);
+}
+
+fn require_closest(name: &str, exported: &Exported) {
+    let time_s = number_behind(&exported.text, "\nSIM_SERVO_SPEED ");
+    let line = |time_s: f64| format!("\nSIM_SERVO_SPEED {time_s}\n");
+    let difference = |factor: f64| {
+        let other = line(factor * time_s);
+        let text = exported.text.replace(&line(time_s), &other);
+        assert!(text.contains(&other), "{name}");
+        let found = positions_of(exported, &text);
+        exported.trial.root_mean_square(&found, &exported.exact)
+    };
+    let best = difference(1.0);
+    let share = number_behind(&prose(&exported.text), "deg/s, which is ");
+    // Rates that are tried are 3 % apart, and none is above the top speed.
+    let is_highest = share > 94.0;
+    assert!(best <= difference(1.06), "{name}");
+    assert!(is_highest || best <= difference(1.0 / 1.06), "{name}");
 }
 
 #[test]

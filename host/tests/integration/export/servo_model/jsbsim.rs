@@ -3,8 +3,9 @@
 use super::super::jsbsim::AIRCRAFT;
 use super::super::scripts::literal;
 use super::super::{must, rows, works};
-use super::subjects::SERVOS;
+use super::subjects::{Exported, SERVOS, number_behind, prose};
 use servoid_test_support::tools::missing;
+use std::path::Path;
 use std::process::Command;
 
 /// Prints the position after each step; JSBSim counts time up before it computes.
@@ -32,29 +33,14 @@ fn systems_are_as_far_from_the_servo_model_as_they_state() {
         return missing("the servo model in JSBSim", reason);
     }
     let folder = tempfile::tempdir().unwrap();
-    let place = |path: &str| folder.path().join(path);
-    for path in ["aircraft/stand", "systems"] {
-        std::fs::create_dir_all(place(path)).unwrap();
-    }
     for servo in SERVOS {
         let exported = servo.export("jsbsim", folder.path(), &["--frame-ms", "0"]);
-        let system = format!("servo_{}", servo.name);
-        let aircraft = AIRCRAFT.replace("servo_bench_1", &system);
-        std::fs::write(place("aircraft/stand/stand.xml"), aircraft).unwrap();
-        std::fs::write(place(&format!("systems/{system}.xml")), &exported.text).unwrap();
-        let script = SCRIPT.replace("LIST", &literal(&exported.trial.command()));
-        std::fs::write(place("run.py"), script).unwrap();
-        let printed = must(
-            Command::new("python3")
-                .arg(place("run.py"))
-                .arg(folder.path())
-                .args([servo.name, &exported.trial.step_s.to_string()]),
+        let positions = run(
+            folder.path(),
+            servo.name,
+            &exported,
+            &exported.trial.command(),
         );
-        let positions: Vec<&str> = printed
-            .lines()
-            .filter_map(|line| line.strip_prefix("position "))
-            .collect();
-        let positions: Vec<f64> = rows(&positions.join("\n")).concat();
         // The emulation is exact but for rounding; one step of time at top speed would be 0.04.
         exported.check(servo.name, &positions, 1e-6);
         if matches!(servo.load, "none" | "constant") {
@@ -63,4 +49,46 @@ fn systems_are_as_far_from_the_servo_model_as_they_state() {
             exported.check_rest(servo.name, rest, 1e-3);
         }
     }
+}
+
+/// Where the header says, under any command: 20 degrees are more than all levels.
+#[test]
+fn systems_begin_where_they_state() {
+    if !works("python3", &["-c", "import jsbsim"]) {
+        return missing("the start in JSBSim", "python's jsbsim is not installed");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    for servo in SERVOS.iter().filter(|servo| servo.name != "linear") {
+        let exported = servo.export("jsbsim", folder.path(), &["--frame-ms", "0"]);
+        let positions = run(folder.path(), servo.name, &exported, &[20.0]);
+        let words = "at theta = 0, where the position is ";
+        let stated = number_behind(&prose(&exported.text), words);
+        // Four digits are written, and the delay is longer than a step.
+        assert!((positions[0] - stated).abs() < 1e-3, "{}", servo.name);
+    }
+}
+
+/// The position after each of these commands.
+fn run(folder: &Path, name: &str, exported: &Exported, commands: &[f64]) -> Vec<f64> {
+    let place = |path: &str| folder.join(path);
+    for path in ["aircraft/stand", "systems"] {
+        std::fs::create_dir_all(place(path)).unwrap();
+    }
+    let system = format!("servo_{name}");
+    let aircraft = AIRCRAFT.replace("servo_bench_1", &system);
+    std::fs::write(place("aircraft/stand/stand.xml"), aircraft).unwrap();
+    std::fs::write(place(&format!("systems/{system}.xml")), &exported.text).unwrap();
+    let script = SCRIPT.replace("LIST", &literal(commands));
+    std::fs::write(place("run.py"), script).unwrap();
+    let printed = must(
+        Command::new("python3")
+            .arg(place("run.py"))
+            .arg(folder)
+            .args([name, &exported.trial.step_s.to_string()]),
+    );
+    let positions: Vec<&str> = printed
+        .lines()
+        .filter_map(|line| line.strip_prefix("position "))
+        .collect();
+    rows(&positions.join("\n")).concat()
 }
