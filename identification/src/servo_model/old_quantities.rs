@@ -1,15 +1,14 @@
-//! Quantities of models from before upwards and the position at rest were defined as they are now.
+//! Quantities of models from before they were defined as they are now.
 //!
-//! Such a file lacks the range of the commands. Where its gain is negative it has upwards and downwards exchanged, and its offset is that of a
-//! servo without dead band whose drives are equal.
+//! A file without the range of the commands has upwards and downwards exchanged where its gain is negative, and its offset is that of a
+//! servo without dead band whose drives are equal. Accelerations were those of the drive alone, without load.
 
 use super::model::ServoModel;
-use super::offset;
-use super::quantities::Quantity;
+use super::quantities::{self, Quantity};
 use super::quantity_kind::QuantityKind;
 use crate::results::Interval;
 
-/// An offset that differs by less, in its unit or as a share of itself, differs by rounding.
+/// A value that differs by less, in its unit or as a share of itself, differs by rounding.
 const ROUNDING: f64 = 1e-9;
 
 /// What there is of in two directions.
@@ -24,34 +23,46 @@ const DIRECTED: [[QuantityKind; 2]; 2] = [
     ],
 ];
 
+/// What stood for something else.
+const REDEFINED: [QuantityKind; 3] = [
+    QuantityKind::Offset,
+    QuantityKind::AccelerationUpwards,
+    QuantityKind::AccelerationDownwards,
+];
+
 impl ServoModel {
-    /// With the quantities that its names stand for now. An offset that was another one is left open: its interval was that of the other.
+    /// With the quantities that its names stand for now. One that was another is left open: its interval was that of the other.
     #[must_use]
     pub fn with_todays_quantities(mut self) -> Self {
-        if self.commands.is_some() {
-            return self;
-        }
         let servo = self.parameters(0);
-        if servo.gain < 0.0 {
+        if self.commands.is_none() && servo.gain < 0.0 {
             for directions in DIRECTED {
                 exchange(&mut self.quantities, directions);
             }
         }
-        let rest = offset::at_rest(&servo, 0.0).unwrap_or(f64::NAN);
-        let is_other = |found: &&mut Quantity| {
-            let apart = (found.value - rest).abs();
-            found.kind() == Some(QuantityKind::Offset) && apart > ROUNDING * (1.0 + rest.abs())
-        };
-        if let Some(quantity) = self.quantities.iter_mut().find(is_other) {
-            quantity.value = rest;
-            quantity.determined = false;
-            quantity.interval = quantity
-                .interval
-                .map(|_| Interval::new(rest, f64::NAN, f64::NAN));
-            quantity.other_fits = None;
+        let middle = self.commands.map_or(0.0, |commands| commands.middle());
+        for quantity in &mut self.quantities {
+            let today = quantity.kind().filter(|kind| REDEFINED.contains(kind));
+            if let Some(kind) = today {
+                open_another(quantity, quantities::value(kind, &servo, middle));
+            }
         }
         self
     }
+}
+
+/// Opens `quantity` where it is not `today`.
+fn open_another(quantity: &mut Quantity, today: Option<f64>) {
+    let today = today.unwrap_or(f64::NAN);
+    if (quantity.value - today).abs() <= ROUNDING * (1.0 + today.abs()) {
+        return;
+    }
+    quantity.value = today;
+    quantity.determined = false;
+    quantity.interval = quantity
+        .interval
+        .map(|_| Interval::new(today, f64::NAN, f64::NAN));
+    quantity.other_fits = None;
 }
 
 /// Exchanges the two directions of a quantity.

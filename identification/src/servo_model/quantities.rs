@@ -174,13 +174,13 @@ const DEFINITIONS: &[Definition] = &[
         QuantityKind::AccelerationUpwards,
         Unit::OutputPerSecondSquared,
         Domain::Positive,
-        |p, _| accelerations(p).map(|[up, _]| up),
+        |p, middle| accelerations(p, middle).map(|[up, _]| up),
     ),
     define(
         QuantityKind::AccelerationDownwards,
         Unit::OutputPerSecondSquared,
         Domain::Positive,
-        |p, _| accelerations(p).map(|[_, down]| down),
+        |p, middle| accelerations(p, middle).map(|[_, down]| down),
     ),
     define(
         QuantityKind::ErrorOfFullDrive,
@@ -240,17 +240,19 @@ fn bandwidth_hz(p: &ServoParameters<f64>) -> f64 {
 }
 
 /// Speeds upwards and downwards under the load at the middle. With it, and not without: a constant load and unequal drives make the same
-/// speeds, and a record that does not distinguish them still determines these.
+/// motion, and a record that does not distinguish them still determines these.
 fn top_speeds(p: &ServoParameters<f64>, middle: f64) -> Option<[f64; 2]> {
     let speeds = p.top_speeds(p.load.at(middle))?;
     Some(p.upwards_first(speeds.map(|speed| speed * p.gain.abs())))
 }
 
-/// Accelerations of full drive upwards and downwards.
-fn accelerations(p: &ServoParameters<f64>) -> Option<[f64; 2]> {
+/// Accelerations of full drive upwards and downwards under the load at the middle, as [`top_speeds`], without friction; 0 where the load holds
+/// the drive.
+fn accelerations(p: &ServoParameters<f64>, middle: f64) -> Option<[f64; 2]> {
     let limit = p.limit?;
-    let drives = [limit.up, limit.up * limit.down_to_up];
-    Some(p.upwards_first(drives.map(|drive| drive * p.gain.abs())))
+    let load = p.load.at(middle);
+    let net = [limit.up - load, limit.up * limit.down_to_up + load];
+    Some(p.upwards_first(net.map(|net| net.max(0.0) * p.gain.abs())))
 }
 
 /// The quantities of the first of `possible`, with intervals that hold those of all, where bounds hold; elsewhere with those of `others`.
@@ -291,6 +293,12 @@ pub(super) fn quantities(
         })
     };
     DEFINITIONS.iter().filter_map(of).collect()
+}
+
+/// The quantity `kind` of `servo`, `middle` being that of the commands; `None` of a servo that has none.
+pub(super) fn value(kind: QuantityKind, servo: &ServoParameters, middle: f64) -> Option<f64> {
+    let definition = DEFINITIONS.iter().find(|found| found.kind == kind)?;
+    (definition.of)(servo, middle)
 }
 
 /// The smallest interval that holds both; the value is that of the first.

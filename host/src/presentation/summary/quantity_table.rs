@@ -21,21 +21,20 @@ const NOT_DETERMINED: &str = "not determined by this recording";
 /// An interval whose ends are so far apart says nothing.
 const WORTH_PRINTING: f64 = 1000.0;
 
-/// The load that the number of a quantity is for, behind its name, where there is a load among `all`: speeds are those under the load in
-/// the middle of the commands, and accelerations those of the drive alone.
+/// Behind the names of speeds and accelerations, where there is a load among `all`: they are those under the load in the middle of the commands.
 pub(super) fn under_load(
     kind: Option<QuantityKind>,
     mut all: impl Iterator<Item = QuantityKind>,
 ) -> &'static str {
-    let of_kind = match kind {
-        Some(QuantityKind::TopSpeedUpwards | QuantityKind::TopSpeedDownwards) => ", under load",
-        Some(QuantityKind::AccelerationUpwards | QuantityKind::AccelerationDownwards) => {
-            ", no load"
-        }
-        _ => return "",
+    use QuantityKind::{
+        AccelerationDownwards, AccelerationUpwards, TopSpeedDownwards, TopSpeedUpwards,
     };
-    if all.any(|kind| QuantityKind::OF_LOAD.contains(&kind)) {
-        of_kind
+    let depends = matches!(
+        kind,
+        Some(TopSpeedUpwards | TopSpeedDownwards | AccelerationUpwards | AccelerationDownwards)
+    );
+    if depends && all.any(|kind| QuantityKind::OF_LOAD.contains(&kind)) {
+        ", under load"
     } else {
         ""
     }
@@ -189,7 +188,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn speeds_and_accelerations_say_which_load_they_are_for() {
+    fn speeds_and_accelerations_say_that_they_are_under_load() {
         let names = |load: Option<&str>| -> Vec<String> {
             let all = ["top speed upwards", "acceleration upwards", "gain"];
             let all: Vec<Quantity> = (all.into_iter().chain(load))
@@ -203,7 +202,7 @@ mod tests {
             loaded[..3],
             [
                 "top speed upwards, under load",
-                "acceleration upwards, no load",
+                "acceleration upwards, under load",
                 "gain"
             ]
         );

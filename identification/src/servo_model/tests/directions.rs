@@ -154,3 +154,49 @@ fn a_motor_that_brakes_more_in_one_direction_has_no_false_top_speed() {
         }
     }
 }
+
+/// Random levels within ±35 degrees, held for 150 to 900 ms, and noise of 0.05 degrees. The drive alone is weaker downwards, by 15 %; the controller
+/// is the same, and nothing loads the servo. That is exactly the motion of a servo of equal drives under a constant load.
+fn weaker_downwards(seed: u64) -> Record<'static> {
+    const SAMPLES: usize = 6000;
+    const STEPS: usize = 50;
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut input = vec![0.0; 200];
+    while input.len() < SAMPLES {
+        let level = random.random_range(-35.0..35.0);
+        input.extend(std::iter::repeat_n(level, random.random_range(30..180)));
+    }
+    input.truncate(SAMPLES);
+    let (late, step_s) = (300, PERIOD_S / STEPS as f64);
+    let (mut angle, mut speed, mut output) = (0.0, 0.0, Vec::new());
+    for step in 0..SAMPLES * STEPS {
+        if step % STEPS == 0 {
+            let v: f64 = StandardNormal.sample(&mut random);
+            output.push(angle + 0.05 * v);
+        }
+        let error = input[step.saturating_sub(late) / STEPS] - angle;
+        let drive = f64::clamp(2025.0 * error - 47.0 * speed, -7437.5, 8750.0);
+        speed += step_s * (drive - 25.0 * speed);
+        angle += step_s * speed;
+    }
+    Record::of_run(PERIOD_S, input, output).unwrap()
+}
+
+/// Accelerations of the drive alone would be those of one of the two servos.
+#[test]
+fn accelerations_are_those_of_a_load_and_of_unequal_drives() {
+    for seed in 0..4 {
+        let found = fit(&weaker_downwards(seed), &ServoModelOptions::default()).unwrap();
+        for (kind, truth) in [
+            (QuantityKind::AccelerationUpwards, 8750.0),
+            (QuantityKind::AccelerationDownwards, 7437.5),
+            (QuantityKind::TopSpeedUpwards, 350.0),
+            (QuantityKind::TopSpeedDownwards, 297.5),
+        ] {
+            let quantity = found.quantity(kind).unwrap();
+            let holds = |found: &Interval| found.contains(truth);
+            let holds = quantity.interval.valid().is_some_and(holds);
+            assert!(holds, "{seed}: {quantity:?}");
+        }
+    }
+}
