@@ -19,6 +19,9 @@
 //! at rest: γ(i) = -τ² mean v² sum_j d_j d_(j+i) for 0 < i <= d. A variance of a few numbers is used in place of each single ε², because
 //! a point of a step response rests on as many errors as the reference has edges, which are far too few. These numbers are estimates, too:
 //! where τ² has much of a variance, its own uncertainty is in the degrees of freedom.
+//!
+//! The fit takes the share h(k) = z(k)' A^-1 z(k), the leverage, of the square of each error. Behind the only edge of a record it is nearly 1, and
+//! that part is no quieter than the others for it.
 
 use faer::Mat;
 use serde::{Deserialize, Serialize};
@@ -76,6 +79,8 @@ struct Row {
     square: f64,
     /// q(k).
     motion: f64,
+    /// 1 - h(k): what the fit leaves of the square, in the mean.
+    left: f64,
 }
 
 /// Whether the noise is even; where it is not, the covariance of `fit` becomes that of uneven noise.
@@ -85,16 +90,29 @@ pub(crate) fn allow_for_uneven_noise(
     fit: &mut GlsFit,
 ) -> Option<UnevenNoise> {
     let speeds: Vec<Vec<f64>> = runs.iter().map(squared_speed).collect();
-    let rows = rows(runs, &speeds, moments, fit);
+    let mut rows = rows(runs, &speeds, moments, fit);
     if rows.len() < 2 * PARTS {
         return None;
     }
-    // The fitted parameters take their share of the errors.
-    let absorbed = fit.rows as f64 / fit.degrees_of_freedom();
     let mean_motion = rows.iter().map(|row| row.motion).sum::<f64>() / rows.len() as f64;
     let (in_motion, relative_variance) = motion_variance(&rows).unwrap_or_default();
+    let absorbed = fit.rows as f64 / fit.degrees_of_freedom();
     let in_motion = (in_motion * absorbed).min(most_in_motion(fit, mean_motion));
-    let levels = NoiseLevels::of(&rows, in_motion, absorbed);
+    let evenly_taken = NoiseLevels::of(&rows, in_motion);
+    if in_motion == 0.0 && evenly_taken.are_even {
+        return None;
+    }
+    let regression = Rows { runs, moments, fit };
+    let columns = regression.of_each(&rows);
+    let by_coordinate = &fit.solution.inverse * &columns;
+    for (index, row) in rows.iter_mut().enumerate() {
+        let leverage = dot(
+            columns.col_as_slice(index),
+            by_coordinate.col_as_slice(index),
+        );
+        row.left = 1.0 - leverage.min(1.0);
+    }
+    let levels = NoiseLevels::of(&rows, in_motion);
     if in_motion == 0.0 && levels.are_even {
         return None;
     }
@@ -103,7 +121,7 @@ pub(crate) fn allow_for_uneven_noise(
         mean_motion,
         levels,
     };
-    let (at_rest, moving) = Rows { runs, moments, fit }.meat(&rows, &speeds, &found);
+    let (at_rest, moving) = regression.meat(&rows, columns, &speeds, &found);
     let inverse = &fit.solution.inverse;
     let between = |meat: Mat<f64>| &(inverse * meat) * inverse;
     let at_rest = between(at_rest) - inverse;
@@ -162,7 +180,9 @@ pub(super) fn motion(squared_speed: &[f64], ar: &[f64]) -> Vec<f64> {
     filtered(squared_speed, &squares)
 }
 
+/// The first rows of the regression, from all of which the fit takes the same share until their leverage is known.
 fn rows(runs: &[Simulated<'_>], speeds: &[Vec<f64>], moments: &Moments, fit: &GlsFit) -> Vec<Row> {
+    let left = fit.degrees_of_freedom() / fit.rows as f64;
     let mut rows = Vec::new();
     for (index, (run, speed)) in runs.iter().zip(speeds).enumerate() {
         let errors = one_step_errors(&run.errors, &fit.ar);
@@ -177,6 +197,7 @@ fn rows(runs: &[Simulated<'_>], speeds: &[Vec<f64>], moments: &Moments, fit: &Gl
                 part: 0,
                 square: errors[k] * errors[k],
                 motion: motion[k],
+                left,
             });
         }
     }
@@ -211,6 +232,17 @@ fn motion_variance(rows: &[Row]) -> Option<(f64, f64)> {
     (beyond_chance && own > 0.0).then(|| (product / own, variance / (product * product)))
 }
 
+/// Sums over the rows of a part of the record.
+#[derive(Clone, Copy, Default)]
+struct Part {
+    rows: f64,
+    /// Of squared errors, those of motion taken out.
+    squares: f64,
+    /// Of what the fit leaves of them.
+    left: f64,
+    left_squared: f64,
+}
+
 /// The noise of the parts, that of motion taken out.
 struct NoiseLevels {
     /// s_b².
@@ -219,27 +251,35 @@ struct NoiseLevels {
 }
 
 impl NoiseLevels {
-    fn of(rows: &[Row], in_motion: f64, absorbed: f64) -> Self {
-        let mut parts = [(0.0, 0.0, 0.0); PARTS];
+    fn of(rows: &[Row], in_motion: f64) -> Self {
+        let of_rest = |row: &Row| row.square - in_motion * row.motion * row.left;
+        let mut parts = [Part::default(); PARTS];
         for row in rows {
-            let left = row.square * absorbed - in_motion * row.motion;
             let part = &mut parts[row.part];
-            part.0 += left;
-            part.1 += left * left;
-            part.2 += 1.0;
+            part.rows += 1.0;
+            part.squares += of_rest(row);
+            part.left += row.left;
+            part.left_squared += row.left * row.left;
         }
-        let count: f64 = parts.iter().map(|part| part.2).sum();
-        let mean = parts.iter().map(|part| part.0).sum::<f64>() / count;
-        let spread = parts.iter().map(|part| part.1).sum::<f64>() / count - mean * mean;
-        let chi_square = parts
+        let sum = |of: fn(&Part) -> f64| parts.iter().map(of).sum::<f64>();
+        let mean = sum(|part| part.squares) / sum(|part| part.left);
+        let spread = rows
             .iter()
-            .map(|(sum, _, count)| (sum / count - mean).powi(2) * count / spread)
-            .sum();
-        let are_even = chi_square_upper_tail(chi_square, PARTS - 1) > RESIDUAL_SIGNIFICANCE;
-        // A part cannot be quieter than a hundredth of the mean and still be noise.
-        let level = |(sum, _, count): &(f64, f64, f64)| match are_even {
+            .map(|row| (of_rest(row) - mean * row.left).powi(2));
+        let spread = spread.sum::<f64>() / sum(|part| part.left_squared);
+        let seen = parts.iter().filter(|part| part.left_squared > 0.0);
+        let chi_square = seen.map(|part| {
+            let more = part.squares - mean * part.left;
+            more * more / (spread * part.left_squared)
+        });
+        let are_even = chi_square_upper_tail(chi_square.sum(), PARTS - 1) > RESIDUAL_SIGNIFICANCE;
+        // What the fit takes of a part shows nothing of it, and counts as the mean. A part cannot be quieter than a hundredth of that and still be noise.
+        let level = |part: &Part| match are_even {
             true => mean.max(0.0),
-            false => (sum / count).max(0.01 * mean),
+            false => {
+                let taken = part.rows - part.left;
+                ((part.squares + mean * taken) / part.rows).max(0.01 * mean)
+            }
         };
         Self {
             variance: parts.iter().map(level).collect(),
@@ -265,25 +305,27 @@ struct Rows<'a> {
 }
 
 impl Rows<'_> {
-    /// The parts of S of the noise at rest and in motion, over the variance of the fit, for as many rows as the fit has.
+    /// z of each row, in columns.
+    fn of_each(&self, rows: &[Row]) -> Mat<f64> {
+        let each: Vec<_> = rows.iter().map(|row| (row.run, row.sample, 1.0)).collect();
+        self.columns(&each, &[1.0])
+    }
+
+    /// The parts of S of the noise at rest and in motion, over the variance of the fit, for as many rows as the fit has. `even` has z of each row.
     fn meat(
         &self,
         rows: &[Row],
+        mut even: Mat<f64>,
         speeds: &[Vec<f64>],
         found: &Found,
     ) -> (Mat<f64>, Option<Mat<f64>>) {
         let scale = self.fit.rows as f64 / rows.len() as f64 / self.fit.variance;
-        let at_rest: Vec<_> = rows
-            .iter()
-            .map(|row| {
-                (
-                    row.run,
-                    row.sample,
-                    (scale * found.levels.variance[row.part]).sqrt(),
-                )
-            })
-            .collect();
-        let even = self.columns(&at_rest, &[1.0]);
+        for (column, row) in rows.iter().enumerate() {
+            let deviation = (scale * found.levels.variance[row.part]).sqrt();
+            for value in even.col_as_slice_mut(column) {
+                *value *= deviation;
+            }
+        }
         if found.in_motion == 0.0 {
             return (outer_square(&even), None);
         }

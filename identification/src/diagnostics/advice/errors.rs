@@ -332,9 +332,9 @@ pub(super) fn slow_noise(evidence: &Evidence<'_>) -> Option<Advice> {
         };
         (format!("The noise drifts slowly{effect}."), root, SLOW_ROOT)
     } else {
-        // Few runs that differ leave few degrees of freedom at any noise.
+        // Few runs that differ, and few steps, leave few degrees of freedom at any noise.
         let runs = evidence.explanation.runs.as_ref();
-        if runs.is_some_and(RunComparison::differ) {
+        if runs.is_some_and(RunComparison::differ) || evidence.model.noise.ar.is_empty() {
             return None;
         }
         let degrees = evidence.explanation.degrees_of_freedom.iter().flatten();
