@@ -13,6 +13,22 @@ const ARM_M: f64 = 0.001;
 /// Mass of a joint without a weight \[kg\].
 const NO_MASS: f64 = 1e-9;
 
+/// How the joint turns with theta.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Turn {
+    /// Its angle at theta = 0 \[rad\].
+    pub at_zero: f64,
+    /// Its angle for each unit of theta \[rad\], negative where it turns against theta.
+    pub each: f64,
+}
+
+impl Turn {
+    /// The joint's angle.
+    pub fn at(self, theta: f64) -> f64 {
+        self.at_zero + self.each * theta
+    }
+}
+
 /// A mass on an arm that turns with a joint of MuJoCo.
 #[derive(Clone, Copy)]
 pub(super) struct Weight {
@@ -20,32 +36,37 @@ pub(super) struct Weight {
     pub mass: f64,
     /// The arm hangs where the joint's angle is minus this \[rad\].
     from: f64,
-    /// Radians for each unit of the command.
-    radians: f64,
 }
 
 impl Weight {
-    /// Of a load; next to none where that is no weight.
-    pub fn of(load: &Load<f64>, radians: f64) -> Self {
-        let (gravity, from) = match *load {
-            // What pulls the other way hangs on the other side.
-            Load::Pendulum { gravity, from, .. } if gravity < 0.0 => {
-                (-gravity, from * radians + PI)
-            }
-            Load::Pendulum { gravity, from, .. } => (gravity, from * radians),
-            Load::None | Load::Constant(_) | Load::Air { .. } => (0.0, 0.0),
-        };
-        Self {
-            mass: (gravity * radians / (GRAVITY * ARM_M)).max(NO_MASS),
+    /// Of a load; next to none where that is no weight. The arm turns with the joint, and is where the servo model has it at the angle `middle` of
+    /// theta: beyond that both differ by as much as the gain differs from one.
+    pub fn of(load: &Load<f64>, turn: Turn, middle: f64) -> Self {
+        let Load::Pendulum {
+            gravity,
             from,
             radians,
+        } = *load
+        else {
+            return Self {
+                mass: NO_MASS,
+                from: 0.0,
+            };
+        };
+        let arm = radians * (middle + from);
+        let from = turn.each.signum() * arm - turn.at(middle);
+        // What pulls the other way hangs on the other side.
+        let from = if gravity < 0.0 { from + PI } else { from };
+        let torque = (gravity * turn.each).abs();
+        Self {
+            mass: (torque / (GRAVITY * ARM_M)).max(NO_MASS),
+            from,
         }
     }
 
     /// The acceleration that it takes.
     pub fn at(self, angle: f64) -> f64 {
-        let torque = self.mass * GRAVITY * ARM_M;
-        torque * (angle * self.radians + self.from).sin() / self.radians
+        self.mass * GRAVITY * ARM_M * (angle + self.from).sin()
     }
 
     /// Its inertia about the joint \[kg m²\].
