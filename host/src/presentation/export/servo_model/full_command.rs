@@ -20,6 +20,13 @@ pub(super) struct FullCommand {
     origin: Origin,
 }
 
+/// "45 deg", of a command.
+fn with_unit(export: &ServoExport<'_>, command: f64) -> String {
+    let unit = export.metadata.units().input;
+    let unit = unit.map(|unit| format!(" {unit}")).unwrap_or_default();
+    format!("{}{unit}", six_digits(command))
+}
+
 /// Why a command is a full one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Origin {
@@ -86,8 +93,7 @@ impl FullCommand {
 
     /// What an output stands for, a sentence.
     pub fn in_words(&self, export: &ServoExport<'_>) -> String {
-        let unit = export.command_unit();
-        let full = six_digits(self.full);
+        let full = with_unit(export, self.full);
         let why = match self.origin {
             Origin::Stated => ", as --full-command states".to_owned(),
             Origin::Pulse => {
@@ -101,7 +107,7 @@ impl FullCommand {
                     .to_owned()
             }
         };
-        format!("An output of 1 stands for {full} {unit} of the command{why}.")
+        format!("An output of 1 stands for {full} of the command{why}.")
     }
 
     /// The same for the terminal, where it was assumed.
@@ -109,10 +115,9 @@ impl FullCommand {
         let is_assumed = matches!(self.origin, Origin::Degrees | Origin::Part);
         is_assumed.then(|| {
             format!(
-                "an output of 1 (a pulse of {} us) is taken for the command {} {}: state another with --full-command",
+                "an output of 1 (a pulse of {} us) is taken for the command {}: state another with --full-command",
                 NEUTRAL_US + FULL_US,
-                six_digits(self.zero + self.full),
-                export.command_unit()
+                with_unit(export, self.zero + self.full)
             )
         })
     }

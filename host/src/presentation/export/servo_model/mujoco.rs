@@ -220,7 +220,7 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     values.push(("about", XML_STYLE.comment(&about)));
     let text = fill(include_str!("../templates/servo_model/servo.mjcf"), &values);
     let remark =
-        format!("the joint's angle is the position; give it the command as one: {control}");
+        format!("the joint's angle is the position in rad, and ctrl the command as one: {control}");
     Ok(ExportedServo::new(text, difference)?.with([remark]))
 }
 
@@ -249,7 +249,7 @@ fn about(
         START.to_owned(),
         export.frame(Frame::BeforeFile),
         format!(
-            "In MuJoCo: the joint's angle is the position in rad, {} for each unit of it. ctrl is the command as such a position: {control}. The actuator is the drive, with kp = k, kv = c - B and the range from -A- to A+; the joint has the damping B and the frictionloss C. These two, and the load, are times the size of the gain here.",
+            "In MuJoCo: the joint's angle is the position in rad, {} for each unit of it. ctrl is the command as such a position: {control}. The actuator is the drive, with kp = k, kv = c - B and the range from -A- to A+; the joint has the damping B and the frictionloss C. Range, frictionloss and load act on the joint: they are times the gain in rad.",
             number(radians)
         ),
         "The joint has an inertia of 1 kg m^2, which stands for the unknown one of motor, gears and load. In your mechanism with the inertia J about this joint, armature included, multiply kp, kv, forcerange, damping, frictionloss and the load by J. The weight, if there is one, is a mass on an arm as short as a millimetre: your mechanism takes its place.".to_owned(),

@@ -5,7 +5,7 @@ use super::trial_command::{Trial, exact};
 use std::f64::consts::{PI, TAU};
 
 /// The largest speed as a share of the limit: the sine is to stay below it.
-const OF_LIMIT: f64 = 0.5;
+const OF_LIMIT: f64 = 0.8;
 
 /// The frequency as a share of that of the servo at small signals, at the most: where it follows.
 const OF_BANDWIDTH: f64 = 0.2;
@@ -94,11 +94,11 @@ impl SmoothCommand {
     pub fn in_words(&self, export: &ServoExport<'_>, lag_s: f64) -> String {
         let beside = |value| super::statement::beside(value, self.amplitude);
         let held = match self.frame_s > 0.0 {
-            true => ", new in each pulse frame,",
+            true => " and is held for each pulse frame",
             false => "",
         };
         format!(
-            "Smooth command: under a sine of {} +- {} {} at {:.2} Hz{held} which stays below the limit of the speed, the position is {:.1} ms {}.",
+            "Smooth command: under a sine of {} +- {} {} at {:.2} Hz, which stays below the limit of the speed{held}, the position is {:.1} ms {}.",
             beside(self.middle),
             beside(self.amplitude),
             export.command_unit(),

@@ -7,13 +7,16 @@ use servoid_test_support::tools::missing;
 use std::fmt::Write;
 use std::process::Command;
 
-/// Prints the angle at the beginning of each step, from rest where the first command and the load hold it.
+/// Prints the angle at the beginning of each step, from rest where the first command and the load hold it, begun as the header says.
 const SCRIPT: &str = r"
-import sys, mujoco
+import sys, mujoco, numpy as np
 def run(file, rest, at_zero, each, commands):
     model = mujoco.MjModel.from_xml_path(sys.argv[1] + '/' + file)
     data = mujoco.MjData(model)
     data.qpos[0] = rest
+    samples = model.actuator_history[0][0]
+    held = np.full(samples, at_zero + each * commands[0])
+    mujoco.mj_initCtrlHistory(model, data, 0, None, held)
     angles = []
     for command in commands:
         angles.append(data.qpos[0])

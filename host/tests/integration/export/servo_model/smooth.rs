@@ -22,10 +22,11 @@ impl Smooth {
     /// As the header of this file names it, which was exported with this pulse frame.
     pub fn of(exported: &Exported, frame_s: f64) -> Self {
         let said = prose(&exported.text);
-        let behind = |words: &str| number_behind(&said, words);
+        let (_, said) = said.split_once("Smooth command: ").unwrap();
+        let behind = |words: &str| number_behind(said, words);
         let hertz = behind(" deg at ");
         let early = said.contains("ms early.");
-        let late_s = 1e-3 * behind("of the speed, the position is ");
+        let late_s = 1e-3 * behind(", the position is ");
         Self {
             middle: behind("under a sine of "),
             amplitude: behind(" +- "),

@@ -471,10 +471,7 @@ fn what_is_assumed_for_ardupilot_is_said() {
     assert!(!of(&AIRCRAFT.file, &["--full-command", "30"]).contains("is taken for"));
     assert!(!of(&pulses(folder.path()), &[]).contains("is taken for"));
     let part = of(&unitless(folder.path()), &[]);
-    assert!(
-        part.contains("is taken for the command 1 units of the command"),
-        "{part}"
-    );
+    assert!(part.contains("is taken for the command 1: state"), "{part}");
     // Speeds of 233 and 158 deg/s of the command, times the gain of 1.02.
     let unequal = of(&SERVOS[2].file(folder.path()), &[]);
     let said = "where the servo has 238.0 deg/s upwards and 161.5 deg/s downwards";
@@ -483,6 +480,36 @@ fn what_is_assumed_for_ardupilot_is_said() {
         "{unequal}"
     );
     assert!(!of(&SERVOS[1].file(folder.path()), &[]).contains("one speed stands for two"));
+}
+
+/// One convention for a command from -1 to 1: 1 is a pulse 500 us from the middle, which is 50 degrees of a rig and an output of 1 of ArduPilot.
+#[test]
+fn a_command_without_a_unit_is_simulated_as_a_part_of_a_full_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let (model, out) = (unitless(folder.path()), folder.path().join("out.csv"));
+    let simulate = ["simulate", "--servo", arg(&model), "-o", arg(&out)];
+    let said = remarks(&simulate);
+    let taken = "has no unit: 1 is taken for a full command, a pulse 500 us from the neutral one, which is 50 degrees of a rig";
+    assert!(said.contains(taken), "{said}");
+    let plan = remarks(&["plan", "--servo", arg(&model), "--length", "4"]);
+    assert!(plan.contains(taken), "{plan}");
+    // The rig commands 5 degrees, a tenth; 50 for each unit, and an offset of 0.2.
+    let written = std::fs::read_to_string(&out).unwrap();
+    let rows = written
+        .lines()
+        .filter_map(|line| line.split(',').nth(3)?.parse::<f64>().ok());
+    let highest = rows.fold(f64::MIN, f64::max);
+    // Noise and the resolution of the sensor are some tenths.
+    assert!((5.0..5.8).contains(&highest), "{highest}");
+    let bare = remarks(&[
+        "simulate",
+        "--force",
+        "--servo",
+        arg(&AIRCRAFT.file),
+        "-o",
+        arg(&out),
+    ]);
+    assert!(!bare.contains("is taken for"), "{bare}");
 }
 
 /// A load of the air that stiffens nowhere within the strokes.
