@@ -2,7 +2,6 @@
 
 use crate::presentation::export::text::number;
 use servoid_identification::servo_model::Load;
-use std::f64::consts::PI;
 
 /// Gravity \[m/s²\].
 pub(super) const GRAVITY: f64 = 9.81;
@@ -12,6 +11,9 @@ const ARM_M: f64 = 0.001;
 
 /// Mass of a joint without a weight \[kg\].
 const NO_MASS: f64 = 1e-9;
+
+/// Places to each side of the middle at which a weight is compared.
+const PLACES: i32 = 50;
 
 /// How the joint turns with theta.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,9 +41,9 @@ pub(super) struct Weight {
 }
 
 impl Weight {
-    /// Of a load; next to none where that is no weight. The arm turns with the joint, and is where the servo model has it at the angle `middle` of
-    /// theta: beyond that both differ by as much as the gain differs from one.
-    pub fn of(load: &Load<f64>, turn: Turn, middle: f64) -> Self {
+    /// Of a load; next to none where that is no weight. The arm turns with the joint, and that of the servo model with theta, in other degrees where
+    /// the gain is not one: the mass and its place are those that come closest over the commands `middle` +- `most`.
+    pub fn of(load: &Load<f64>, turn: Turn, (middle, most): (f64, f64)) -> Self {
         let Load::Pendulum {
             gravity,
             from,
@@ -53,14 +55,19 @@ impl Weight {
                 from: 0.0,
             };
         };
-        let arm = radians * (middle + from);
-        let from = turn.each.signum() * arm - turn.at(middle);
-        // What pulls the other way hangs on the other side.
-        let from = if gravity < 0.0 { from + PI } else { from };
-        let torque = (gravity * turn.each).abs();
+        let places = (-PLACES..=PLACES).map(|place| most * f64::from(place) / f64::from(PLACES));
+        // Beside the middle a sine and a cosine, which are orthogonal over such places.
+        let [mut sine, mut cosine] = [(0.0, 0.0); 2];
+        for beside in places {
+            let torque = turn.each * gravity * (radians * (middle + beside + from)).sin();
+            let (sin, cos) = (turn.each * beside).sin_cos();
+            sine = (sine.0 + torque * sin, sine.1 + sin * sin);
+            cosine = (cosine.0 + torque * cos, cosine.1 + cos * cos);
+        }
+        let [sine, cosine] = [sine, cosine].map(|(product, square)| product / square);
         Self {
-            mass: (torque / (GRAVITY * ARM_M)).max(NO_MASS),
-            from,
+            mass: (sine.hypot(cosine) / (GRAVITY * ARM_M)).max(NO_MASS),
+            from: cosine.atan2(sine) - turn.at(middle),
         }
     }
 

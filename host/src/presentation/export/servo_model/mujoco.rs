@@ -78,7 +78,7 @@ impl Joint {
             // The angle after a step has the speed at the end of the step: it is early by half a step.
             delay_steps: (p.delay_s.max(0.0) / step_s + 1.0).floor() as usize,
             step_s,
-            weight: Weight::of(&p.load, turn, recorded(export).0),
+            weight: Weight::of(&p.load, turn, recorded(export)),
         }
     }
 
