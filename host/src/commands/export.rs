@@ -43,6 +43,10 @@ pub(super) struct ExportArgs {
     /// Step of time of the servo model in the file (ms); without it, one that suits servo and target
     #[arg(long, value_name = "MS", allow_negative_numbers = true, value_parser = super::value_parsers::finite)]
     step_ms: Option<f64>,
+    /// The command that fully deflects a servo of ArduPilot, for --to ardupilot; without it 500 us from 1500 us, 45
+    /// degrees, or 1 where the command has no unit
+    #[arg(long, value_name = "COMMAND", allow_negative_numbers = true, value_parser = super::value_parsers::finite)]
+    full_command: Option<f64>,
     /// The file to write; without it, standard output
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -67,6 +71,14 @@ impl ExportArgs {
         }
         if self.step_ms.is_some_and(|step| !STEPS_MS.contains(&step)) {
             wrong_usage("--step-ms must be a number of milliseconds from 0.05 to 100");
+        }
+        if self.full_command.is_some_and(|full| full <= 0.0) {
+            wrong_usage("--full-command must be a command above 0");
+        }
+        if self.full_command.is_some() && self.to != Target::Ardupilot {
+            wrong_usage(
+                "--full-command is for --to ardupilot: other files take the command as it was recorded",
+            );
         }
         let servo_model = self.servo_model || self.to.needs_servo_model();
         if !servo_model && (self.controller.is_some() || self.step_ms.is_some()) {
@@ -100,6 +112,7 @@ impl ExportArgs {
         let options = ServoExportOptions {
             controller: self.controller,
             step_s: self.step_ms.map(|step| 1e-3 * step),
+            full_command: self.full_command,
         };
         let export =
             ServoExport::new(&name, &source, &document, metadata, options)?.beside(&file.model);
@@ -108,10 +121,8 @@ impl ExportArgs {
             "largest difference from the servo model: {}",
             export.share_of_stroke(&written)
         ));
-        if let Some(beside) = &written.beside {
-            self.output
-                .talk
-                .say(format_args!("apply gain and offset yourself: {beside}"));
+        for remark in &written.remarks {
+            self.output.talk.say(remark);
         }
         if let Some(remark) = self.name_of_function(&name) {
             self.output.talk.say(remark);

@@ -5,7 +5,7 @@ use super::output::{Output, wrong_usage};
 use super::reference_args::ReferenceArgs;
 use super::rig_args::{RigFileArgs, RigSource};
 use crate::instrument::reference;
-use crate::instrument::simulated_servo::{caution, with_controller};
+use crate::instrument::simulated_servo::{caution, taken_for, with_controller};
 use crate::plan::{
     AssumedServo, AssumedServoError, Plan, PlanRequest, figure, is_servo_model, of_plan,
 };
@@ -97,8 +97,9 @@ impl PlanArgs {
         output.check_beside(&self.out, read)?;
         let train = rig.train();
         let assumed = self.assumed(train)?;
-        if let Some(caution) = caution(&self.servo).filter(|_| self.model.is_none()) {
-            talk.say(caution);
+        let remarks = [caution(&self.servo), taken_for(&self.servo)].into_iter();
+        for remark in remarks.flatten().filter(|_| self.model.is_none()) {
+            talk.say(remark);
         }
         let servo_model = self.servo_model || self.model.is_none() && is_servo_model(&self.servo);
         let us_per_degree = rig.servo.us_per_degree;

@@ -7,7 +7,7 @@ use super::output::{Output, check_apart};
 use super::reference_args::ReferenceArgs;
 use crate::analysis::SimulatedServo;
 use crate::data::rig_file::RigFile;
-use crate::instrument::simulated_servo::caution;
+use crate::instrument::simulated_servo::{caution, taken_for};
 use anyhow::Result;
 use clap::{Args, ValueHint};
 use std::path::PathBuf;
@@ -16,8 +16,8 @@ use std::path::PathBuf;
 ///
 /// The same as 'servoid capture' with --port sim:SERVO?seed=S. The servo of a model is commanded in degrees like the
 /// others, 10 µs of the pulse for each: a command in radians follows them, and one in µs is the pulse itself, the
-/// column pulse_us of the recording. Where the model's units are not known, its command is the angle that
-/// identification took it for, and its position too.
+/// column pulse_us of the recording. Where the model's units are not known, 1 is taken for what is
+/// said before the run.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   servoid simulate --servo aircraft --seed 3 -o aircraft.csv
@@ -54,8 +54,9 @@ impl Simulate {
         // Before a file is reserved: a servo that there is not is wrong usage.
         let address = servo.address().map_err(input::no_servo)?;
         let (rig, talk) = (RigFile::default(), self.output.talk);
-        if let Some(caution) = caution(&self.servo) {
-            talk.say(caution);
+        let remarks = [caution(&self.servo), taken_for(&self.servo)];
+        for remark in remarks.into_iter().flatten() {
+            talk.say(remark);
         }
         let job = CaptureJob {
             address: &address,

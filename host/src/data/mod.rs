@@ -24,6 +24,7 @@ mod unlike_runs;
 pub(crate) mod mixed_units;
 mod omitted_fields;
 pub(crate) mod timeline;
+pub(crate) mod unitless_command;
 pub(crate) mod units;
 
 pub use degrees::DegreeScale;

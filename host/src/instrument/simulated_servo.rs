@@ -1,11 +1,12 @@
 //! Simulated servos by name, and those that a model file keeps.
 //!
 //! A rig commands degrees and reads degrees: 10 µs of the pulse are one degree, and the neutral pulse is 0. A servo model has the
-//! units of its record. Degrees and radians become degrees; a command in µs is the pulse itself. Where a record had no
-//! units, its command is the angle that identification took it for, and its output is in the unit of the command.
+//! units of its record. Degrees and radians become degrees; a command in µs is the pulse itself. A command without a unit is a part of a full one,
+//! where the output is an angle; where a record had no units at all, it is the angle that identification took it for, and so is the output.
 
 use crate::data::model_file::{ModelFile, ModelFileError};
 use crate::data::model_metadata::unit_meant;
+use crate::data::unitless_command::{FULL_US, UnitlessCommand};
 use crate::data::units::Units;
 use servoid_identification::results::Noise;
 use servoid_identification::servo_model::ServoModel;
@@ -142,6 +143,26 @@ pub fn caution(text: &str) -> Option<String> {
     })
 }
 
+/// What 1 is taken for in the command of the model that `text` describes, where its unit is not known.
+#[must_use]
+pub fn taken_for(text: &str) -> Option<String> {
+    let path = Path::new(text.split('?').next()?);
+    let file = ModelFile::read(path).ok()?;
+    let model = file.servo_model().ok()??.model;
+    let taken = match UnitlessCommand::of(file.metadata.units(), &model)? {
+        UnitlessCommand::PartOfFull => format!(
+            "a full command, a pulse {FULL_US} us from the neutral one, which is {} degrees of a rig",
+            FULL_US / SERVO_SCALE.us_per_degree
+        ),
+        UnitlessCommand::Radians => "1 rad".to_owned(),
+        UnitlessCommand::Degrees => "1 degree".to_owned(),
+    };
+    let shown = path.display();
+    Some(format!(
+        "the command of {shown} has no unit: 1 is taken for {taken}"
+    ))
+}
+
 /// The noise of the recording that the model in the file `text` names comes from (deg), for a rig of this sampling; `None` of a servo that is no
 /// model, and where `options` choose a noise of their own. Where the recording had another sample period, the noise is white, and as large.
 #[must_use]
@@ -225,9 +246,9 @@ impl Scale {
             what,
             unit: unit.to_owned(),
         };
-        let taken_for = model.radians_per_command.to_degrees();
+        let unitless = UnitlessCommand::of(units, model);
         let (neutral_command, command_per_degree) = match units.input.and_then(unit_meant) {
-            None => (0.0, taken_for.recip()),
+            None => (0.0, unitless.map_or(1.0, degrees_of).recip()),
             Some(unit) if unit == "us" => {
                 (f64::from(PulseWidth::NEUTRAL.0), SERVO_SCALE.us_per_degree)
             }
@@ -246,6 +267,15 @@ impl Scale {
             command_per_degree,
             degrees_per_output,
         })
+    }
+}
+
+/// What a rig commands for 1 of a command without a unit \[deg\].
+fn degrees_of(unitless: UnitlessCommand) -> f64 {
+    match unitless {
+        UnitlessCommand::PartOfFull => FULL_US / SERVO_SCALE.us_per_degree,
+        UnitlessCommand::Radians => 1f64.to_degrees(),
+        UnitlessCommand::Degrees => 1.0,
     }
 }
 

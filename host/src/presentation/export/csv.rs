@@ -2,7 +2,7 @@
 //! parameters with their covariance.
 
 use super::model::Export;
-use super::statement::low_order_covariance;
+use super::statement::{InFile, low_order_covariance};
 use super::text::{Style, number};
 use servoid_identification::results::{Bounds, Model};
 
@@ -20,7 +20,7 @@ type Column = (String, Vec<f64>);
 /// The table. Lines that begin with # describe it; a column that is shorter than others ends in
 /// empty cells.
 pub(super) fn write(export: &Export<'_>) -> String {
-    let mut paragraphs = export.statement(false);
+    let mut paragraphs = export.statement(InFile::default());
     paragraphs.extend(export.model.bounds.valid().map(|_| {
         "The columns theta_covariance_1, theta_covariance_2, ... are those of the covariance of theta, and theta_sd is the root of its diagonal."
             .to_owned()

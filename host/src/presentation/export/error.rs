@@ -39,11 +39,7 @@ pub enum ExportError {
         known: Vec<f64>,
     },
     /// The motion would be wrong, or grow without end.
-    #[error(
-        "a step of {} ms is too long for this servo: --step-ms can be {} at the most",
-        .step_ms,
-        (.longest_ms * 1e3).floor() / 1e3
-    )]
+    #[error("{}", step_too_long(*.step_ms, *.longest_ms))]
     StepTooLong {
         /// The chosen one \[ms\].
         step_ms: f64,
@@ -55,11 +51,36 @@ pub enum ExportError {
         "this target has servos that turn by angles, and the command is in {0}: record or convert it in deg or rad, or export to c, python, julia, matlab or jsbsim"
     )]
     NotAnAngle(String),
+    /// ArduPilot's output has no unit, and the command has one of its own.
+    #[error(
+        "the command is in {0}, so that nothing says which one fully deflects a servo of ArduPilot: state it with --full-command"
+    )]
+    UnknownFullCommand(String),
+    /// ArduPilot's output would be -1 or 1 under all of them.
+    #[error(
+        "no recorded command is within those of ArduPilot's outputs, {least} to {largest}: state another full command with --full-command"
+    )]
+    BeyondFullCommand {
+        /// The command of the output -1.
+        least: f64,
+        /// That of the output 1.
+        largest: f64,
+    },
     /// The document says so, or the motion has no end.
     #[error(
         "the servo model has numbers beyond what any servo could have: identify it again, or export it with a shorter --step-ms"
     )]
     Impossible,
+}
+
+/// Why, and which shorter steps make up one of these.
+fn step_too_long(step_ms: f64, longest_ms: f64) -> String {
+    let parts = (step_ms / longest_ms).ceil();
+    format!(
+        "a step of {step_ms} ms is too long for this servo, whose motion would be wrong by percents of a stroke: --step-ms can be {} at the most. Export with --step-ms {}, and take {parts} such steps in each of yours",
+        (longest_ms * 1e3).floor() / 1e3,
+        (step_ms / parts * 1e7).round() / 1e7
+    )
 }
 
 fn names(known: &[f64]) -> String {

@@ -2,8 +2,10 @@
 
 use super::error::ExportError;
 use super::model::Export;
-use super::statement::low_order_covariance;
+use super::neutral::neutral;
+use super::statement::{InFile, low_order_covariance};
 use super::text::{XML_STYLE, identifier, number};
+use crate::data::units::Units;
 use crate::presentation::summary::four_digits;
 use crate::presentation::template::fill;
 use servoid_identification::flight_model::LowOrder;
@@ -19,21 +21,30 @@ pub(super) fn write(export: &Export<'_>) -> Result<String, ExportError> {
     };
     let id = identifier(export.name);
     let held = export.frame_s() > 0.0;
-    let mut paragraphs = export.statement(held);
+    let mut paragraphs = export.statement(InFile {
+        hold: held,
+        offset: true,
+    });
     paragraphs.extend(low_order_covariance(flight, &XML_STYLE));
     paragraphs.push(format!(
         "Run it at 500 Hz or more: JSBSim replaces poles by Tustin's rule and has delays of whole steps, so that the position is right to half a step of time. At {USUAL_HZ} Hz, the usual rate of JSBSim, that is {} ms, or {} % of a step of the command where the response is steepest. The position that a step of JSBSim gives is that of its beginning, when its command begins to act. Set the step before the aircraft is loaded: delays are counted out then.",
         four_digits(0.5e3 / USUAL_HZ),
         four_digits(100.0 * 0.5 / USUAL_HZ * steepest(export))
     ));
+    let recorded = export.servo_model.and_then(|servo| servo.commands);
+    let centre = neutral(export.metadata.units(), recorded);
+    // The gain of the identified response, and not that of the low-order one, which is a little off.
+    let gain = export.model.step.value.last().copied().unwrap_or(f64::NAN);
+    let at_centre = export.model.offset + gain * centre;
+    paragraphs.push(start(export.metadata.units(), centre, at_centre));
     let (filters, output) = filters(&flight.transfer, &id);
-    let input = if held { "held" } else { "cmd" };
-    let frame = [("id", id.clone()), ("frame", number(export.frame_s()))];
-    let hold = held.then(|| fill(include_str!("templates/hold.xml"), &frame));
+    let (hold, input) = before_servo(&id, centre, export.frame_s());
     let values = [
         ("about", XML_STYLE.comment(&paragraphs)),
-        ("hold", hold.unwrap_or_default()),
+        ("hold", hold.join("\n")),
         ("input", format!("fcs/{id}-{input}")),
+        ("centre", number(centre)),
+        ("offset", number(at_centre)),
         ("delay", number(flight.transfer.delay_s.max(0.0))),
         ("filters", filters),
         ("output", output),
@@ -41,6 +52,41 @@ pub(super) fn write(export: &Export<'_>) -> Result<String, ExportError> {
         ("id", id),
     ];
     Ok(fill(include_str!("templates/servo.xml"), &values))
+}
+
+/// Where the system begins: its parts begin at 0, and the command is counted from the neutral one.
+pub(super) fn start(units: Units<'_>, centre: f64, position: f64) -> String {
+    let of = |unit: Option<&str>| unit.map(|unit| format!(" {unit}")).unwrap_or_default();
+    format!(
+        "Start: the system begins at rest under the command {}{}, where the position is {}{}, and goes from there to its first command.",
+        number(centre),
+        of(units.input),
+        four_digits(position),
+        of(units.output)
+    )
+}
+
+/// What comes before the servo, and the end of the name of the property behind it: the command from `centre` on, held for a frame where there is
+/// one. Held it is counted from there already, so that it is the neutral one until the first frame.
+pub(super) fn before_servo(id: &str, centre: f64, frame_s: f64) -> (Vec<String>, &'static str) {
+    let (mut parts, mut input) = (Vec::new(), "cmd");
+    let mut add = |template: &str, name: &'static str| {
+        let values = [
+            ("id", id.to_owned()),
+            ("centre", number(centre)),
+            ("bias", number(-centre)),
+            ("frame", number(frame_s)),
+            ("input", std::mem::replace(&mut input, name).to_owned()),
+        ];
+        parts.push(fill(template, &values));
+    };
+    if centre != 0.0 {
+        add(include_str!("templates/centred.xml"), "centred");
+    }
+    if frame_s > 0.0 {
+        add(include_str!("templates/hold.xml"), "held");
+    }
+    (parts, input)
 }
 
 /// The largest slope of the step response, as shares of its final value for each second.

@@ -1,7 +1,7 @@
 //! Scripts and headers: the languages, and the values that their templates share.
 
 use super::model::Export;
-use super::statement::parameters_of;
+use super::statement::{InFile, parameters_of};
 use super::text::{
     C_STYLE, MATLAB_STYLE, PYTHON_STYLE, SCRIPT_STYLE, Style, identifier, number, plain, quoted,
 };
@@ -160,7 +160,7 @@ impl Export<'_> {
         let (model, step, frequency) = (self.model, &self.model.step, &self.model.frequency);
         let (taps, id) = (step.value.len(), identifier(self.name));
         vec![
-            ("about", style.comment(&self.statement(false))),
+            ("about", style.comment(&self.statement(InFile::default()))),
             ("ID", id.to_ascii_uppercase()),
             ("id", id),
             ("period", number(model.sample_period_s)),

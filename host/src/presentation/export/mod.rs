@@ -11,6 +11,7 @@ mod frame_hold;
 mod jsbsim;
 mod languages;
 mod model;
+mod neutral;
 pub mod servo_model;
 mod statement;
 mod target;

@@ -9,6 +9,15 @@ use servoid_identification::results::{Bounds, Interval, SelectedBy};
 use servoid_identification::servo_model::LinearKind;
 use servoid_identification::thresholds::LINEAR_MODEL_ADVANTAGE;
 
+/// What of the servo's surroundings a file has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct InFile {
+    /// The hold of a command for a pulse frame.
+    pub hold: bool,
+    /// The offset of the position.
+    pub offset: bool,
+}
+
 impl Export<'_> {
     /// The limits of the numbers and their bounds, a sentence each.
     #[must_use]
@@ -77,9 +86,8 @@ impl Export<'_> {
         })
     }
 
-    /// Origin, warnings, units, sampling, hold, bounds and parameters, a paragraph each. `held`: the frame hold is
-    /// part of the file.
-    pub(super) fn statement(&self, held: bool) -> Vec<String> {
+    /// Origin, warnings, units, sampling, hold, bounds and parameters, a paragraph each.
+    pub(super) fn statement(&self, has: InFile) -> Vec<String> {
         let mut paragraphs = vec![format!(
             "{}: linear model of a servo, exported by servoid {} from {}.",
             self.name,
@@ -92,8 +100,8 @@ impl Export<'_> {
         paragraphs.extend(advice.map(|a| format!("Advice: {} {}", a.finding, a.remedy)));
         paragraphs.extend([
             self.units_and_signs(),
-            self.sampling(),
-            self.hold(held),
+            self.sampling(has.offset),
+            self.hold(has.hold),
             self.bounds(),
             self.parameters(),
         ]);
@@ -116,14 +124,18 @@ impl Export<'_> {
         )
     }
 
-    fn sampling(&self) -> String {
+    fn sampling(&self, with_offset: bool) -> String {
         let model = self.model;
+        let offset = match with_offset {
+            true => "is part of this file",
+            false => "is left out of every response: add it to have the position itself",
+        };
         format!(
-            "Sampling: every {period} s. The command u(k) is held from {period} k to {period} (k+1) s, and y(k) is the position at {period} k + {phase} s. The model is y(k) = h(0) u(k) + ... + h(N-1) u(k-N+1) + offset with N = {taps}: after N samples a response is over, and what comes later is in the last of them. A step that returns a position returns y(k), which belongs to the beginning of the step of u(k); that of a servo model's export belongs to its end. The offset of {offset} is left out of every response: add it to have the position itself.{of_motion}",
+            "Sampling: every {period} s. The command u(k) is held from {period} k to {period} (k+1) s, and y(k) is the position at {period} k + {phase} s. The model is y(k) = h(0) u(k) + ... + h(N-1) u(k-N+1) + offset with N = {taps}: after N samples a response is over, and what comes later is in the last of them. A step that returns a position returns y(k), which belongs to the beginning of the step of u(k); that of a servo model's export belongs to its end. The offset of {at_zero} {offset}.{of_motion}",
             period = number(model.sample_period_s),
             phase = number(model.sample_phase_s),
             taps = model.structure.settling_samples,
-            offset = number(model.offset),
+            at_zero = number(model.offset),
             of_motion = self.offset_of_motion().unwrap_or_default(),
         )
     }

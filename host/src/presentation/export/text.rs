@@ -6,16 +6,14 @@
 /// A name for programs, `servo_bench_1`: letters of ASCII, digits and underscores. The first word keeps it from
 /// being a keyword of any language.
 pub(crate) fn identifier(name: &str) -> String {
-    let mut safe = String::from("servo");
     let words = name.split(|c: char| !c.is_ascii_alphanumeric());
     let words = words.filter(|word| !word.is_empty());
+    let mut words: Vec<String> = words.map(str::to_ascii_lowercase).collect();
     // A name that begins with that word has it already.
-    let begins =
-        |(number, word): &(usize, &str)| *number == 0 && word.eq_ignore_ascii_case("servo");
-    for (_, word) in words.enumerate().filter(|word| !begins(word)) {
-        safe.push('_');
-        safe.push_str(&word.to_ascii_lowercase());
+    if !words.first().is_some_and(|word| word.starts_with("servo")) {
+        words.insert(0, "servo".to_owned());
     }
+    let mut safe = words.join("_");
     // MATLAB distinguishes names by their first 63 characters, and fields and macros are added.
     safe.truncate(40);
     safe
@@ -186,6 +184,7 @@ mod tests {
         assert_eq!(identifier("DS610 (bench)"), "servo_ds610_bench");
         assert_eq!(identifier("servo"), "servo");
         assert_eq!(identifier("Servo-2"), "servo_2");
+        assert_eq!(identifier("servo5_a"), "servo5_a");
         assert_eq!(identifier("\"); system('rm');"), "servo_system_rm");
     }
 

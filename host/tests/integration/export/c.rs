@@ -1,6 +1,7 @@
 //! The C header, compiled as strictly as C99 goes.
 
 use super::{SUBJECT, apart, export, largest_error, must, rows, trial, works};
+use crate::support::{arg, run};
 use servoid_test_support::tools::missing;
 use std::fmt::Write;
 use std::path::Path;
@@ -99,4 +100,49 @@ fn the_header_gives_the_model_itself() {
     // Some 200 products of size 1, each rounded to 24 bits (6e-8).
     assert!(apart(&single, &fir) < 5e-5);
     assert!(apart(&single_ss, &ss) < 5e-5);
+}
+
+/// Both headers of one servo in one program, in either order, as C and as C++.
+#[test]
+fn both_models_of_one_servo_can_be_included() {
+    const BOTH: &str = r"
+int main(void)
+{
+    servo_a_fir fir;
+    servo_a_state servo;
+    servo_a_fir_reset(&fir, 0);
+    servo_a_reset(&servo, 0);
+    /* Ten minutes of steps, counted in either way. */
+    const long steps = (long)(600 / SERVO_A_STEP_S + 0.5);
+    const double apart = (double)steps * servo_a_step_s - (double)steps * SERVO_A_STEP_S;
+    return servo_a_fir_step(&fir, 1) + servo_a_step(&servo, 1) > 1e9f || apart < 0 || apart > 0;
+}
+";
+    let folder = tempfile::tempdir().unwrap();
+    let file = &super::servo_model::AIRCRAFT.file;
+    for (name, more) in [("linear.h", &[][..]), ("machine.h", &["--servo-model"])] {
+        let out = folder.path().join(name);
+        run(&[
+            &["export", arg(file), "--to", "c", "-q", "-o", arg(&out)],
+            more,
+        ]
+        .concat());
+    }
+    for (compiler, standard, ending) in [("cc", "-std=c99", "c"), ("c++", "-std=c++17", "cpp")] {
+        if !works(compiler, &["--version"]) {
+            missing("both C headers", "a compiler is not there");
+            continue;
+        }
+        for order in [["linear.h", "machine.h"], ["machine.h", "linear.h"]] {
+            let includes = order.map(|name| format!("#include \"{name}\"\n")).concat();
+            let main = folder.path().join(format!("both.{ending}"));
+            std::fs::write(&main, includes + BOTH).unwrap();
+            let program = folder.path().join("both");
+            let mut build = Command::new(compiler);
+            build.args([standard, "-pedantic", "-Wall", "-Wextra", "-Werror"]);
+            build.args(["-Wshadow", "-Wdouble-promotion"]).arg(main);
+            must(build.arg("-o").arg(&program).arg("-lm"));
+            must(&mut Command::new(program));
+        }
+    }
 }

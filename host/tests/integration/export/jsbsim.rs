@@ -1,7 +1,9 @@
 //! The JSBSim system, in an aircraft that has nothing else.
 
 use super::{SUBJECT, export, must, rows, works};
+use crate::support::{arg, run};
 use servoid_test_support::tools::missing;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// An aircraft with the system of a servo.
@@ -34,7 +36,7 @@ const STEP_S: f64 = 0.0005;
 /// Steps the command at a time and prints time and position.
 const SCRIPT: &str = r"
 import sys, jsbsim
-root, at, dt = sys.argv[1], float(sys.argv[2]), float(sys.argv[3])
+root, (at, dt, first) = sys.argv[1], map(float, sys.argv[2:])
 fdm = jsbsim.FGFDMExec(root)
 fdm.set_debug_level(0)
 fdm.set_dt(dt)
@@ -45,18 +47,18 @@ fdm['ic/h-sl-ft'] = 1e5
 assert fdm.run_ic()
 while fdm.get_sim_time() < at + 0.3:
     now = fdm.get_sim_time()
-    fdm['fcs/servo_bench_1-cmd'] = 1.0 if now >= at - dt / 4 else 0.0
+    fdm['fcs/servo_bench_1-cmd'] = first + (1.0 if now >= at - dt / 4 else 0.0)
     fdm.run()
     print(repr(fdm.get_sim_time()), repr(fdm['fcs/servo_bench_1-pos']))
 ";
 
-/// The system behind a step of the command at this time (s).
-fn respond(at: &str, folder: &std::path::Path) -> Vec<(f64, f64)> {
+/// The system behind a step of the command, from `first` on, at this time (s).
+fn respond(at: &str, first: &str, folder: &Path) -> Vec<(f64, f64)> {
     let mut python = Command::new("python3");
     python
         .args(["-c", SCRIPT])
         .arg(folder)
-        .args([at, &STEP_S.to_string()]);
+        .args([at, &STEP_S.to_string(), first]);
     let printed = must(&mut python);
     // JSBSim greets on standard output.
     let numbers = |line: &&str| {
@@ -71,6 +73,15 @@ fn respond(at: &str, folder: &std::path::Path) -> Vec<(f64, f64)> {
         .collect()
 }
 
+/// An aircraft in a folder, and the folder of its system.
+fn stand(folder: &Path) -> PathBuf {
+    let (aircraft, systems) = (folder.join("aircraft/stand"), folder.join("systems"));
+    std::fs::create_dir_all(&aircraft).unwrap();
+    std::fs::create_dir_all(&systems).unwrap();
+    std::fs::write(aircraft.join("stand.xml"), AIRCRAFT).unwrap();
+    systems
+}
+
 #[test]
 fn the_actuator_moves_as_the_low_order_model() {
     if !works("python3", &["-c", "import xml.dom.minidom"]) {
@@ -80,13 +91,7 @@ fn the_actuator_moves_as_the_low_order_model() {
         );
     }
     let folder = tempfile::tempdir().unwrap();
-    let (aircraft, systems) = (
-        folder.path().join("aircraft/stand"),
-        folder.path().join("systems"),
-    );
-    std::fs::create_dir_all(&aircraft).unwrap();
-    std::fs::create_dir_all(&systems).unwrap();
-    std::fs::write(aircraft.join("stand.xml"), AIRCRAFT).unwrap();
+    let systems = stand(folder.path());
     let file = export("jsbsim", &systems, "servo_bench_1.xml");
     must(
         Command::new("python3")
@@ -105,7 +110,7 @@ fn the_actuator_moves_as_the_low_order_model() {
     let transfer = SUBJECT.flight.transfer;
     // A command is taken up by the next frame edge: 59.5 ms is just before one, 67 ms is not.
     for (at, edge) in [("0.0595", 0.06), ("0.067", 0.08)] {
-        let found = respond(at, folder.path());
+        let found = respond(at, "0", folder.path());
         assert!(found.len() > 500, "{}", found.len());
         // Whole steps and Tustin's rule: half a step of time each way, so no more than the servo moves
         // in a whole one.
@@ -114,11 +119,36 @@ fn the_actuator_moves_as_the_low_order_model() {
         };
         let largest = (0..1000).map(|k| moved(k).abs()).fold(0.0, f64::max);
         for (time, position) in found {
-            let exact = transfer.step(time - edge);
+            let exact = SUBJECT.model.offset + transfer.step(time - edge);
             assert!(
                 (position - exact).abs() < largest,
                 "{at}: {position} for {exact} at {time}"
             );
         }
+    }
+}
+
+/// Of a command in us, whose position at 0 us is far away: the system has the offset, and is at rest under 1500 us.
+#[test]
+fn a_pulse_begins_at_rest_with_the_offset() {
+    if !works("python3", &["-c", "import jsbsim"]) {
+        return missing("the offset in JSBSim", "python's jsbsim is not installed");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let mut document = crate::support::json(&SUBJECT.file);
+    document["units"]["input"] = "us".into();
+    let gain = SUBJECT.model.step.value.last().unwrap();
+    document["offset"] = (3.0 - 1500.0 * gain).into();
+    let file = folder.path().join("us.json");
+    let out = stand(folder.path()).join("servo_bench_1.xml");
+    std::fs::write(&file, document.to_string()).unwrap();
+    let name = ["--name", "bench 1", "-o", arg(&out), "-q"];
+    run(&[&["export", arg(&file), "--to", "jsbsim"], &name[..]].concat());
+    let said = std::fs::read_to_string(&out).unwrap();
+    assert!(said.contains("under the command 1500.0 us"), "{said}");
+    // Before the step, which adds a microsecond: the fit of the gain and its rounding are smaller.
+    for (time, position) in respond("0.1", "1500.0", folder.path()) {
+        let largest = if time < 0.1 { 1e-6 } else { 2.0 * gain.abs() };
+        assert!((position - 3.0).abs() < largest, "{position} at {time}");
     }
 }

@@ -5,7 +5,9 @@
 
 use super::emulation::{DelayLine, SecondOrder};
 use super::exported::ExportedServo;
-use super::rate_limit::best_share;
+use super::full_command::{FULL_DEG, FullCommand};
+use super::rate_limit::{FACTOR, best_share};
+use super::smooth_command::SmoothCommand;
 use super::statement::{Comparison, Frame};
 use super::subject::ServoExport;
 use super::terms::Term;
@@ -19,12 +21,6 @@ use std::f64::consts::{PI, SQRT_2, TAU};
 
 /// Steps of SITL in a second, unless SIM_RATE_HZ says otherwise.
 const RATE_HZ: f64 = 1200.0;
-
-/// The deflection that SITL takes for a full command \[deg\].
-const FULL_DEG: f64 = 45.0;
-
-/// The change of a pulse that SITL takes for an output of 1 \[us\].
-const FULL_US: f64 = 500.0;
 
 /// The deflection that SIM_SERVO_SPEED is the time for \[deg\].
 const SPEED_DEG: f64 = 60.0;
@@ -64,18 +60,18 @@ struct Parameters {
 }
 
 impl Parameters {
-    fn of(export: &ServoExport<'_>, degrees_per_unit: f64) -> Self {
+    /// With the highest speed; `wait_s` is what the delay has beside that of the servo, and `full` is a full command.
+    fn of(export: &ServoExport<'_>, full: f64, wait_s: f64) -> Self {
         let p = &export.parameters;
         let rate_hz = export
             .options
             .step_s
             .map_or(RATE_HZ, |step_s| (1.0 / step_s).round());
         // A line of n commands delays by n-1 steps, and a Butterworth filter by Tustin's rule is early by half a step.
-        let line = (p.delay_s.max(0.0) * rate_hz + 2.0).floor();
+        let line = ((p.delay_s.max(0.0) + wait_s) * rate_hz + 2.0).floor();
         // Both lag by c/k behind a ramp of unit speed.
         let cutoff = SQRT_2 * p.stiffness / p.damping / TAU;
-        let mean = |(up, down): (f64, f64)| degrees_per_unit * (up + down) / 2.0;
-        let time_s = |speeds| SPEED_DEG / mean(speeds);
+        let time_s = |(up, down): (f64, f64)| speed(full) / ((up + down) / 2.0);
         Self {
             speed_s: export.top_speeds().map_or(0.0, time_s),
             // Half a step more, so that rounding does not cut a step off.
@@ -86,8 +82,8 @@ impl Parameters {
     }
 
     /// The speed \[units of the command/s\], where there is a limit.
-    fn top(&self, degrees_per_unit: f64) -> Option<f64> {
-        (self.speed_s > 0.0).then(|| SPEED_DEG / self.speed_s / degrees_per_unit)
+    fn top(&self, full: f64) -> Option<f64> {
+        (self.speed_s > 0.0).then(|| speed(full) / self.speed_s)
     }
 
     /// With this share of its speed.
@@ -98,13 +94,13 @@ impl Parameters {
         }
     }
 
-    /// The deflection at the beginning of each step \[deg\], for such a command.
-    fn respond(&self, command_deg: &[f64]) -> Vec<f64> {
-        let first = command_deg.first().copied().unwrap_or(0.0);
+    /// The output at the beginning of each step, for commands as outputs.
+    fn respond(&self, command: &[f64]) -> Vec<f64> {
+        let first = command.first().copied().unwrap_or(0.0);
         let line = (self.delay_s * self.rate_hz).max(1.0) as usize;
         let mut late = DelayLine::new(line - 1, first);
         let most = if self.speed_s > 0.0 {
-            SPEED_DEG / self.speed_s / self.rate_hz
+            speed(1.0) / self.speed_s / self.rate_hz
         } else {
             f64::INFINITY
         };
@@ -112,70 +108,98 @@ impl Parameters {
         let bent = 2.0 * self.rate_hz * (PI * self.filter_hz / self.rate_hz).tan();
         let mut filter = SecondOrder::new(bent * bent, SQRT_2 * bent, 1.0 / self.rate_hz, first);
         let mut limited = first;
-        let deflection = |command: &f64| {
+        let output = |command: &f64| {
             let command = late.pass(*command);
-            limited = (limited + (command - limited).clamp(-most, most)).clamp(-FULL_DEG, FULL_DEG);
+            limited = (limited + (command - limited).clamp(-most, most)).clamp(-1.0, 1.0);
             filter.pass(limited)
         };
-        command_deg.iter().map(deflection).collect()
+        command.iter().map(output).collect()
     }
+}
+
+/// The change in the time of SIM_SERVO_SPEED, where a full command is this.
+fn speed(full: f64) -> f64 {
+    full * SPEED_DEG / FULL_DEG
 }
 
 /// A file of parameters.
 pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportError> {
-    let degrees = export.radians_per_unit()?.to_degrees();
-    let full_speed = Parameters::of(export, degrees);
-    let trial = Trial::of(export, 1.0 / full_speed.rate_hz, FULL_DEG / degrees);
-    let zero = command_of_zero(&trial, FULL_DEG / degrees);
-    let turned: Vec<f64> = (trial.command().iter())
-        .map(|u| degrees * (u - zero))
-        .collect();
-    // What the header says of what is done with the output.
-    let gain = export.parameters.gain;
-    let positions = |deflections: &[f64], servo: &ServoParameters| -> Vec<f64> {
-        let at_zero = servo.resting_output(zero);
-        let position = |deflection: &f64| at_zero + gain * deflection / degrees;
-        deflections.iter().map(position).collect()
-    };
     let servo = &export.parameters;
+    let command = FullCommand::of(export)?;
+    let full_speed = Parameters::of(export, command.full, 0.0);
+    let trial = Trial::of(export, 1.0 / full_speed.rate_hz, command.possible());
+    let outputs = |commands: Vec<f64>| -> Vec<f64> {
+        commands.into_iter().map(|u| command.output(u)).collect()
+    };
+    // What the header says of what is done with the output.
+    let each = servo.gain * command.full;
+    let positions = |outputs: &[f64], servo: &ServoParameters| -> Vec<f64> {
+        let at_zero = servo.resting_output(command.zero);
+        outputs
+            .iter()
+            .map(|output| at_zero + each * output)
+            .collect()
+    };
+    let tried = outputs(trial.command());
+    let slower = |share| positions(&full_speed.slower(share).respond(&tried), servo);
     let exact = trial.exact(servo);
-    let slower = |share| positions(&full_speed.slower(share).respond(&turned), servo);
-    let parameters =
-        full_speed.slower(best_share(&trial, &exact, full_speed.top(degrees), slower).share);
-    let deflections = parameters.respond(&turned);
+    let share = best_share(&trial, &exact, full_speed.top(command.full), slower).share;
+    let parameters = full_speed.slower(share);
+    // The trial has its commands at pulses, and no wait.
+    let written = Parameters::of(export, command.full, export.frame_s() / 2.0).slower(share);
+    let smooth = SmoothCommand::of(export, &trial, written.top(command.full));
+    let moved = written.respond(&outputs(smooth.command()));
+    let late_s = smooth.lag_s(export, &positions(&moved, servo));
+    let found = parameters.respond(&tried);
     let unloaded = ServoExport::without_stops(export.parameters_with(Load::None));
-    let found = |servo: &ServoParameters| positions(&deflections, servo);
+    let found = |servo: &ServoParameters| positions(&found, servo);
     let difference = Difference::of(export, trial, found, &unloaded);
     let rate = format!("{:.0}", parameters.rate_hz);
-    let beside = export.line(
-        servo.resting_output(zero),
-        gain * FULL_DEG / degrees,
+    let line = export.line(
+        servo.resting_output(command.zero),
+        each,
         "times the output of SITL's servo",
     );
-    let about = about(
+    let mut about = about(
         export,
-        (&rate, degrees, zero),
-        [&parameters, &full_speed].map(|found| SPEED_DEG / found.speed_s / degrees),
-        &apply(export, &beside, zero),
+        (&rate, &command),
+        [&parameters, &full_speed].map(|found| speed(command.full) / found.speed_s),
+        &apply(export, &line, command.zero),
         &difference,
     );
+    about.push(smooth.in_words(export, late_s));
     let values = [
         ("about", SCRIPT_STYLE.comment(&about)),
-        ("speed", number(parameters.speed_s)),
-        ("delay", number(parameters.delay_s)),
-        ("filter", number(parameters.filter_hz)),
+        ("speed", number(written.speed_s)),
+        ("delay", number(written.delay_s)),
+        ("filter", number(written.filter_hz)),
         ("rate", rate),
     ];
     let text = fill(include_str!("../templates/servo_model/servo.parm"), &values);
-    Ok(ExportedServo::new(text, difference)?.with(beside))
+    let remarks = [
+        Some(format!("apply gain and offset yourself: {line}")),
+        command.assumed(export),
+        one_speed(export, speed(command.full) / written.speed_s),
+    ];
+    Ok(ExportedServo::new(text, difference)?.with(remarks.into_iter().flatten()))
 }
 
-/// The command at which SITL's servo gives 0: that of 0 where a trial from there stays within the `farthest` command, which is a full one,
-/// and else the middle of the trial.
-fn command_of_zero(trial: &Trial, farthest: f64) -> f64 {
-    let middle = trial.levels.first().copied().unwrap_or(0.0);
-    let is_within = trial.levels.iter().all(|level| level.abs() <= farthest);
-    if is_within { 0.0 } else { middle }
+/// That one speed stands for two, where it is that of neither.
+fn one_speed(export: &ServoExport<'_>, speed: f64) -> Option<String> {
+    let (larger, smaller) = export.top_speeds()?;
+    // Closer ones are as far apart as the speeds that are tried.
+    let is_other = larger.min(smaller) < FACTOR * larger.max(smaller);
+    let [up, down] = export.parameters.upwards_first([larger, smaller]);
+    let of_position = |speed: f64| four_digits(export.parameters.gain.abs() * speed);
+    let unit = export.output_unit();
+    is_other.then(|| {
+        format!(
+            "one speed stands for two: {} {unit}/s, where the servo has {} {unit}/s upwards and {} {unit}/s downwards",
+            of_position(speed),
+            of_position(up),
+            of_position(down)
+        )
+    })
 }
 
 /// What is to be done beside the parameters, and where.
@@ -203,24 +227,9 @@ fn start(export: &ServoExport<'_>, zero: f64) -> String {
     )
 }
 
-/// What D is for the pulses of the recording.
-fn full_command(export: &ServoExport<'_>, degrees: f64) -> String {
-    match export.metadata.units().input {
-        Some("us") => format!(
-            "the command of the recording is in us, {} degrees each, so D is {}",
-            four_digits(degrees),
-            four_digits(FULL_US * degrees)
-        ),
-        _ => format!(
-            "where the recorded pulses have P us for each degree (us_per_degree in the rig file), D is {FULL_US}/P, and with 10 us it is {}",
-            FULL_US / 10.0
-        ),
-    }
-}
-
 fn about(
     export: &ServoExport<'_>,
-    (rate, degrees, zero): (&str, f64, f64),
+    (rate, command): (&str, &FullCommand),
     [limit, top]: [f64; 2],
     apply: &str,
     difference: &Difference,
@@ -228,16 +237,17 @@ fn about(
     let lag_s = export.parameters.damping / export.parameters.stiffness;
     let mut about = export.statement();
     about.extend([
-        start(export, zero),
+        start(export, command.zero),
         export.frame(Frame::InDelay("SIM_SERVO_DELAY")),
         format!(
             "In SITL: SIM_SERVO_SPEED is the time for {SPEED_DEG} degrees, or 0 for no limit, SIM_SERVO_DELAY the delay and the two steps that SITL and its filter are early by, at {rate} steps in a second (SIM_RATE_HZ), and SIM_SERVO_FILTER the cutoff of the Butterworth filter (damping ratio 0.7071) that lags behind a ramp as this servo does, by {} ms.",
             four_digits(1e3 * lag_s)
         ),
         export.rate([limit; 2], [top; 2]),
+        "Time: the output that a step of SITL gives is that of the beginning of the step, when its command begins to act.".to_owned(),
         format!(
-            "An output of 1 stands for {FULL_DEG} degrees of the command here, as SITL's speed takes it. Where a full command is D degrees, multiply SIM_SERVO_SPEED, and what the output is multiplied by, by D/{FULL_DEG}. SITL's output of 1 is a pulse {FULL_US} us longer than 1500 us: {}. These parameters are those of all servos of the aircraft.",
-            full_command(export, degrees)
+            "{} These parameters are those of all servos of the aircraft.",
+            command.in_words(export)
         ),
         apply.to_owned(),
         export.left_out("ArduPilot's SITL", &LEFT_OUT),

@@ -14,9 +14,8 @@ pub struct ExportedServo {
     pub largest_difference: f64,
     /// Its root mean square \[unit of the position\].
     pub root_mean_square_difference: f64,
-    /// What turns that which the program gives into the position, a sentence; `None` where the file does so. The difference is that of such
-    /// a position.
-    pub beside: Option<String>,
+    /// What whoever uses the file must know: what to apply beside it, and what was assumed. The difference is that of a position so computed.
+    pub remarks: Vec<String>,
 }
 
 impl ExportedServo {
@@ -31,16 +30,16 @@ impl ExportedServo {
                 trial: difference.trial,
                 largest_difference: difference.largest,
                 root_mean_square_difference: difference.root_mean_square,
-                beside: None,
+                remarks: Vec::new(),
             }),
             false => Err(ExportError::Impossible),
         }
     }
 
-    /// The same of a file that needs this beside it.
-    pub(super) fn with(self, beside: String) -> Self {
+    /// The same of a file of which these are to be said.
+    pub(super) fn with(self, remarks: impl IntoIterator<Item = String>) -> Self {
         Self {
-            beside: Some(beside),
+            remarks: remarks.into_iter().collect(),
             ..self
         }
     }

@@ -8,8 +8,8 @@ use servoid_dynamics::{Grid, State, Stepper};
 /// Longest step times the bandwidth ω at small signals: beyond, the motion is wrong by percents of a stroke.
 const LONGEST: f64 = 0.5;
 
-/// Steps without a choice are whole multiples of this \[s\].
-const ROUND_S: f64 = 1e-4;
+/// Steps without a choice \[s\]: such as loops have.
+const ROUND_S: [f64; 7] = [1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4];
 
 /// The delay in steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,7 +42,7 @@ impl DelayInSteps {
     }
 }
 
-/// The step that was chosen, or the one of servoid's integrator.
+/// The step that was chosen, or the round one that is no longer than that of servoid's integrator.
 ///
 /// # Errors
 /// The chosen step is too long for the servo.
@@ -57,9 +57,10 @@ pub(super) fn step_s(export: &ServoExport<'_>) -> Result<f64, ExportError> {
         Some(step_s) => Ok(step_s),
         None => {
             let usual = Grid::for_stiffness(1.0, 0.0, stiffness);
-            let tenths = (1.0 / usual.steps as f64 / ROUND_S + 1e-9).floor();
-            // 5e-4 rather than 5.000000000000001e-4.
-            Ok(tenths.max(1.0) / (1.0 / ROUND_S))
+            let longest_s = usual.period_s / usual.steps as f64;
+            let [.., shortest] = ROUND_S;
+            let found = ROUND_S.into_iter().find(|step_s| *step_s <= longest_s);
+            Ok(found.unwrap_or(shortest))
         }
     }
 }

@@ -6,11 +6,14 @@
 use super::emulation::{DelayLine, SecondOrder};
 use super::exported::ExportedServo;
 use super::rate_limit::{RateFit, best_share};
+use super::smooth_command::SmoothCommand;
 use super::statement::{Comparison, Frame};
 use super::subject::{NO_LIMIT, ServoExport};
 use super::terms::Term;
 use super::trial_command::{Difference, Trial};
 use crate::presentation::export::error::ExportError;
+use crate::presentation::export::jsbsim::{before_servo, start};
+use crate::presentation::export::neutral::neutral;
 use crate::presentation::export::text::{XML_STYLE, identifier, number};
 use crate::presentation::summary::four_digits;
 use crate::presentation::template::fill;
@@ -39,10 +42,13 @@ enum Filter {
 #[derive(Clone, Copy)]
 struct Actuator {
     filter: Filter,
+    /// The command under which all parts begin.
+    centre: f64,
     delay_s: f64,
     /// Towards larger and smaller theta \[1/s\].
     rates: Option<(f64, f64)>,
     hysteresis_width: f64,
+    /// What the constant load moves the rest by.
     bias: f64,
     stiffness: f64,
     damping: f64,
@@ -60,6 +66,7 @@ impl Actuator {
         let bias = like.resting_angle(0.0);
         Self {
             filter: Filter::Behind,
+            centre: neutral(export.metadata.units(), export.model.commands),
             commands: p.range().map(|end| end - bias),
             positions: [
                 p.stops.lower.unwrap_or(f64::NEG_INFINITY),
@@ -81,7 +88,7 @@ impl Actuator {
         let full_speed = Self { filter, ..*self };
         let top = self.rates.map(|(up, down)| up.max(down));
         let found = best_share(trial, exact, top, |share| {
-            full_speed.slower(share).respond(trial)
+            (full_speed.slower(share)).respond(&trial.command(), trial.step_s)
         });
         (full_speed.slower(found.share), found)
     }
@@ -94,23 +101,15 @@ impl Actuator {
         }
     }
 
-    /// The position at the beginning of each step, as JSBSim computes it: an actuator limits the rate, then has its hysteresis, its
-    /// bias and its delay, and filters are discrete by Tustin's rule.
-    fn respond(&self, trial: &Trial) -> Vec<f64> {
-        let step_s = trial.step_s;
+    /// The position at the beginning of each step, as JSBSim computes it: an actuator limits the rate, then has its hysteresis and its
+    /// delay, and filters are discrete by Tustin's rule.
+    fn respond(&self, command: &[f64], step_s: f64) -> Vec<f64> {
         let [least, most] = self.commands;
-        let within = |command: f64| command.max(least).min(most);
-        let command: Vec<f64> = trial.command().into_iter().map(within).collect();
-        let first = command.first().copied().unwrap_or(0.0);
         // A delay of n whole steps delays by n-1; the second delay, of three steps, by two.
         let whole = (self.delay_s / step_s) as usize;
-        let before = match self.filter {
-            Filter::Before => first,
-            Filter::Behind => first + self.bias,
-        };
-        let mut late = DelayLine::new(whole.saturating_sub(1) + 2, first + self.bias);
-        let mut filter = SecondOrder::new(self.stiffness, self.damping, step_s, before);
-        let (mut limited, mut played) = (first, first);
+        let mut late = DelayLine::new(whole.saturating_sub(1) + 2, self.centre);
+        let mut filter = SecondOrder::new(self.stiffness, self.damping, step_s, self.centre);
+        let (mut limited, mut played) = (self.centre, self.centre);
         let mut act = |command: f64| {
             limited = match self.rates {
                 None => command,
@@ -120,17 +119,24 @@ impl Actuator {
             };
             let half = self.hysteresis_width / 2.0;
             played = played.clamp(limited - half, limited + half);
-            late.pass(played + self.bias)
+            late.pass(played)
         };
         let position = |command: &f64| {
+            let command = command.max(least).min(most);
             let moved = match self.filter {
-                Filter::Before => act(filter.pass(*command)),
-                Filter::Behind => filter.pass(act(*command)),
+                Filter::Before => act(filter.pass(command)),
+                Filter::Behind => filter.pass(act(command)),
             };
-            let [lower, upper] = self.positions;
-            (self.gain * moved + self.offset).max(lower).min(upper)
+            self.position(moved)
         };
         command.iter().map(position).collect()
+    }
+
+    /// The position at rest under a command.
+    fn position(&self, command: f64) -> f64 {
+        let [lower, upper] = self.positions;
+        let free = self.gain * (command + self.bias) + self.offset;
+        free.max(lower).min(upper)
     }
 
     /// The parts of the system from the property `input` on, in their order, and the property behind them.
@@ -168,16 +174,6 @@ impl Actuator {
         (parts.join("\n"), property)
     }
 
-    /// Where the system begins: all of its parts begin at 0.
-    fn start(&self, export: &ServoExport<'_>) -> String {
-        let [lower, upper] = self.positions;
-        format!(
-            "Start: the system begins at rest at theta = 0, where the position is {} {}, whatever the first command is, and goes from there to it as to any other.",
-            four_digits(self.offset.max(lower).min(upper)),
-            export.output_unit()
-        )
-    }
-
     /// What its elements are of the servo.
     fn in_words(&self) -> String {
         let place = match self.filter {
@@ -190,7 +186,7 @@ impl Actuator {
             said += "; hysteresis_width is the distance between the rests from above and from below, by friction at rest and dead band: a shaft that is moved slowly from either side stays so far apart, and here it is as far behind in motion";
         }
         if self.bias != 0.0 {
-            said += "; bias is what the constant load moves the rest by";
+            said += "; the constant load, which moves the rest, is in the last bias";
         }
         said + "."
     }
@@ -211,9 +207,6 @@ impl Actuator {
         if self.hysteresis_width > 0.0 {
             let width = number(self.hysteresis_width);
             lines.push(format!("<hysteresis_width>{width}</hysteresis_width>"));
-        }
-        if self.bias != 0.0 {
-            lines.push(format!("<bias>{}</bias>", number(self.bias)));
         }
         lines.push(format!(
             "<delay type=\"time\">{}</delay>",
@@ -255,7 +248,7 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     let trial = Trial::of(
         export,
         export.options.step_s.unwrap_or(STEP_S),
-        f64::INFINITY,
+        [f64::NEG_INFINITY, f64::INFINITY],
     );
     let exact = trial.exact(&export.parameters);
     let [first, behind] =
@@ -264,18 +257,19 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         true => first.0,
         false => behind.0,
     };
-    let positions = actuator.respond(&trial);
-    let first = trial.levels.first().copied().unwrap_or(0.0);
+    let positions = actuator.respond(&trial.command(), trial.step_s);
+    let slowest = actuator.rates.map(|(up, down)| up.min(down));
+    let smooth = SmoothCommand::of(export, &trial, slowest);
+    let late_s = smooth.lag_s(export, &actuator.respond(&smooth.held(), trial.step_s));
     let like = export.parameters_with(export.only_constant_load());
     let difference = Difference::of(export, trial, |_| positions.clone(), &like);
     let id = identifier(export.name);
-    let held = export.frame_s() > 0.0;
     let rates = [&actuator, &any].map(|of| of.rates.map_or([0.0; 2], <[f64; 2]>::from));
-    let about = about(export, &actuator, rates, &difference);
-    let frame = [("id", id.clone()), ("frame", number(export.frame_s()))];
-    let hold = held.then(|| fill(include_str!("../templates/hold.xml"), &frame));
-    let input = if held { "held" } else { "cmd" };
-    let within = clip(actuator.commands).map(|clip| {
+    let mut about = about(export, &actuator, rates, &difference);
+    about.push(smooth.in_words(export, late_s));
+    let centre = actuator.centre;
+    let (mut before, input) = before_servo(&id, centre, export.frame_s());
+    let within = clip(actuator.commands.map(|end| end - centre)).map(|clip| {
         let values = [
             ("id", id.clone()),
             ("input", input.to_owned()),
@@ -284,29 +278,39 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         fill(include_str!("../templates/servo_model/within.xml"), &values)
     });
     let input = if within.is_some() { "within" } else { input };
+    before.extend(within);
     let (parts, moved) = actuator.parts(&id, input);
     let values = [
         ("about", XML_STYLE.comment(&about)),
-        ("first", number(first)),
-        (
-            "hold",
-            [hold, within]
-                .into_iter()
-                .flatten()
-                .collect::<Vec<_>>()
-                .join("\n"),
-        ),
+        ("centre", number(centre)),
+        ("hold", before.join("\n")),
         ("clip", clip(actuator.positions).unwrap_or_default()),
         ("parts", parts),
         ("moved", moved),
         ("gain", number(actuator.gain)),
-        ("offset", number(actuator.offset)),
+        (
+            "offset",
+            number(actuator.gain * (centre + actuator.bias) + actuator.offset),
+        ),
         ("id", id),
     ];
     ExportedServo::new(
         fill(include_str!("../templates/servo_model/servo.xml"), &values),
         difference,
     )
+}
+
+/// At which rate the system is to run.
+fn steps(export: &ServoExport<'_>, difference: &Difference) -> String {
+    let step_s = difference.trial.step_s;
+    match export.options.step_s {
+        Some(_) => format!(
+            "Run it at {} Hz, in steps of {} ms, for which the differences below were computed.",
+            four_digits(1.0 / step_s),
+            four_digits(1e3 * step_s)
+        ),
+        None => "Run it at 500 Hz or more; at fewer, export with --step-ms, and the differences below are those of your steps.".to_owned(),
+    }
 }
 
 fn about(
@@ -320,11 +324,18 @@ fn about(
         "the system, as limits of the command and of the position: here the servo comes to the stop slower than it does",
     ));
     about.extend([
-        actuator.start(export),
+        start(
+            export.metadata.units(),
+            actuator.centre,
+            actuator.position(actuator.centre),
+        ),
         export.frame(Frame::InFile),
         actuator.in_words(),
         export.rate(limits, tops),
-        "Time: the position that a step of JSBSim gives is that of the beginning of the step, when its command begins to act. Run it at 500 Hz or more. Set the step before the aircraft is loaded: delays are counted out then.".to_owned(),
+        format!(
+            "Time: the position that a step of JSBSim gives is that of the beginning of the step, when its command begins to act. {} Set the step before the aircraft is loaded: delays are counted out then.",
+            steps(export, difference)
+        ),
         export.left_out("an actuator of JSBSim", &LEFT_OUT),
         export.difference(difference, Comparison::Emulation("JSBSim")),
     ]);

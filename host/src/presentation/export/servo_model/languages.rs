@@ -96,7 +96,7 @@ pub(super) fn python(export: &ServoExport<'_>) -> Result<ExportedServo, ExportEr
 impl ServoExport<'_> {
     fn in_language(&self, language: &Language) -> Result<ExportedServo, ExportError> {
         let step_s = step_s(self)?;
-        let trial = Trial::of(self, step_s, f64::INFINITY);
+        let trial = Trial::of(self, step_s, [f64::NEG_INFINITY, f64::INFINITY]);
         let positions = respond(self, &trial);
         let difference = Difference::of(self, trial, |_| positions.clone(), &self.parameters);
         let delay = DelayInSteps::new(self.parameters.delay_s, step_s);

@@ -2,7 +2,6 @@
 
 use crate::presentation::export::text::number;
 use servoid_identification::servo_model::Load;
-use std::f64::consts::PI;
 
 /// Gravity \[m/s²\].
 pub(super) const GRAVITY: f64 = 9.81;
@@ -13,6 +12,25 @@ const ARM_M: f64 = 0.001;
 /// Mass of a joint without a weight \[kg\].
 const NO_MASS: f64 = 1e-9;
 
+/// Places to each side of the middle at which a weight is compared.
+const PLACES: i32 = 50;
+
+/// How the joint turns with theta.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Turn {
+    /// Its angle at theta = 0 \[rad\].
+    pub at_zero: f64,
+    /// Its angle for each unit of theta \[rad\], negative where it turns against theta.
+    pub each: f64,
+}
+
+impl Turn {
+    /// The joint's angle.
+    pub fn at(self, theta: f64) -> f64 {
+        self.at_zero + self.each * theta
+    }
+}
+
 /// A mass on an arm that turns with a joint of MuJoCo.
 #[derive(Clone, Copy)]
 pub(super) struct Weight {
@@ -20,32 +38,42 @@ pub(super) struct Weight {
     pub mass: f64,
     /// The arm hangs where the joint's angle is minus this \[rad\].
     from: f64,
-    /// Radians for each unit of the command.
-    radians: f64,
 }
 
 impl Weight {
-    /// Of a load; next to none where that is no weight.
-    pub fn of(load: &Load<f64>, radians: f64) -> Self {
-        let (gravity, from) = match *load {
-            // What pulls the other way hangs on the other side.
-            Load::Pendulum { gravity, from, .. } if gravity < 0.0 => {
-                (-gravity, from * radians + PI)
-            }
-            Load::Pendulum { gravity, from, .. } => (gravity, from * radians),
-            Load::None | Load::Constant(_) | Load::Air { .. } => (0.0, 0.0),
-        };
-        Self {
-            mass: (gravity * radians / (GRAVITY * ARM_M)).max(NO_MASS),
+    /// Of a load; next to none where that is no weight. The arm turns with the joint, and that of the servo model with theta, in other degrees where
+    /// the gain is not one: the mass and its place are those that come closest over the commands `middle` +- `most`.
+    pub fn of(load: &Load<f64>, turn: Turn, (middle, most): (f64, f64)) -> Self {
+        let Load::Pendulum {
+            gravity,
             from,
             radians,
+        } = *load
+        else {
+            return Self {
+                mass: NO_MASS,
+                from: 0.0,
+            };
+        };
+        let places = (-PLACES..=PLACES).map(|place| most * f64::from(place) / f64::from(PLACES));
+        // Beside the middle a sine and a cosine, which are orthogonal over such places.
+        let [mut sine, mut cosine] = [(0.0, 0.0); 2];
+        for beside in places {
+            let torque = turn.each * gravity * (radians * (middle + beside + from)).sin();
+            let (sin, cos) = (turn.each * beside).sin_cos();
+            sine = (sine.0 + torque * sin, sine.1 + sin * sin);
+            cosine = (cosine.0 + torque * cos, cosine.1 + cos * cos);
+        }
+        let [sine, cosine] = [sine, cosine].map(|(product, square)| product / square);
+        Self {
+            mass: (sine.hypot(cosine) / (GRAVITY * ARM_M)).max(NO_MASS),
+            from: cosine.atan2(sine) - turn.at(middle),
         }
     }
 
     /// The acceleration that it takes.
     pub fn at(self, angle: f64) -> f64 {
-        let torque = self.mass * GRAVITY * ARM_M;
-        torque * (angle * self.radians + self.from).sin() / self.radians
+        self.mass * GRAVITY * ARM_M * (angle + self.from).sin()
     }
 
     /// Its inertia about the joint \[kg m²\].

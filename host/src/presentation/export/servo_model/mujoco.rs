@@ -6,14 +6,14 @@
 use super::emulation::DelayLine;
 use super::exported::ExportedServo;
 use super::fixed_step::step_s;
-use super::load_mass::{GRAVITY, Weight};
-use super::statement::{Comparison, Frame};
+use super::load_mass::{GRAVITY, Turn, Weight};
+use super::smooth_command::SmoothCommand;
+use super::statement::{Comparison, Frame, line};
 use super::subject::ServoExport;
 use super::terms::Term;
-use super::trial_command::{Difference, Trial};
+use super::trial_command::{Difference, Trial, recorded};
 use crate::presentation::export::error::ExportError;
 use crate::presentation::export::text::{XML_STYLE, identifier, number};
-use crate::presentation::summary::four_digits;
 use crate::presentation::template::fill;
 use servoid_identification::servo_model::Load;
 
@@ -35,12 +35,12 @@ const LEFT_OUT: [Term; 5] = [
     Term::StiffeningLoad,
 ];
 
-/// The numbers of joint and actuator, in units of the command.
+/// The numbers of joint and actuator. The joint's angle is the position in rad.
 struct Joint {
     /// Of the position actuator.
     kp: f64,
     kv: f64,
-    /// Largest drive towards larger and smaller angles.
+    /// Largest drive towards larger and smaller angles, which theta turns against where the gain is negative.
     range: Option<(f64, f64)>,
     /// Of the joint.
     damping: f64,
@@ -57,32 +57,41 @@ struct Joint {
 impl Joint {
     fn of(export: &ServoExport<'_>, step_s: f64, radians: f64) -> Self {
         let p = &export.parameters;
+        let turn = turn(export, radians);
+        let size = turn.each.abs();
         let damping = p.limit.map_or(0.0, |limit| limit.motor_damping);
         Self {
             kp: p.stiffness,
             kv: p.damping - damping,
-            range: p.limit.map(|limit| (limit.up, limit.up * limit.down_to_up)),
+            range: p.limit.map(|limit| {
+                let drives = [limit.up, limit.up * limit.down_to_up];
+                let [up, down] = p.upwards_first(drives).map(|drive| size * drive);
+                (up, down)
+            }),
             damping,
-            frictionloss: p.friction.map_or(0.0, |friction| friction.coulomb),
-            load: export.constant_load(),
-            stops: p.range(),
+            frictionloss: p.friction.map_or(0.0, |friction| size * friction.coulomb),
+            load: turn.each * export.constant_load(),
+            stops: [
+                radians * p.stops.lower.unwrap_or(f64::NEG_INFINITY),
+                radians * p.stops.upper.unwrap_or(f64::INFINITY),
+            ],
             // The angle after a step has the speed at the end of the step: it is early by half a step.
             delay_steps: (p.delay_s.max(0.0) / step_s + 1.0).floor() as usize,
             step_s,
-            weight: Weight::of(&p.load, radians),
+            weight: Weight::of(&p.load, turn, recorded(export)),
         }
     }
 
     /// The angle at the beginning of each step, as MuJoCo's integrator `implicitfast` computes it, from rest at the angle
-    /// `rest`.
-    fn respond(&self, command: &[f64], rest: f64) -> Vec<f64> {
-        let first = command.first().copied().unwrap_or(0.0);
+    /// `rest`, for these values of ctrl.
+    fn respond(&self, controls: &[f64], rest: f64) -> Vec<f64> {
+        let first = controls.first().copied().unwrap_or(0.0);
         let (mut angle, mut speed) = (rest, 0.0);
         let mut late = DelayLine::new(self.delay_steps, first);
-        let mut angles = Vec::with_capacity(command.len());
-        for command in command {
+        let mut angles = Vec::with_capacity(controls.len());
+        for control in controls {
             angles.push(angle);
-            let wanted = self.kp * (late.pass(*command) - angle) - self.kv * speed;
+            let wanted = self.kp * (late.pass(*control) - angle) - self.kv * speed;
             let drive = match self.range {
                 Some((up, down)) => wanted.clamp(-down, up),
                 None => wanted,
@@ -99,20 +108,20 @@ impl Joint {
     }
 
     /// The values of the template.
-    fn values(&self, id: &str, radians: f64) -> Vec<(&'static str, String)> {
+    fn values(&self, id: &str) -> Vec<(&'static str, String)> {
         let range = self.range.map(|(up, down)| {
-            let (lowest, highest) = (number(-down * radians), number(up * radians));
+            let (lowest, highest) = (number(-down), number(up));
             format!(" forcerange=\"{lowest} {highest}\"")
         });
         let friction = (self.frictionloss > 0.0).then(|| {
             format!(
                 " frictionloss=\"{}\" solreffriction=\"{} 1\" solimpfriction=\"{IMPEDANCE} {IMPEDANCE} 0.001 0.5 2\"",
-                number(self.frictionloss * radians),
+                number(self.frictionloss),
                 number(TIME_CONSTANT * self.step_s)
             )
         });
         let stops = self.stops.iter().any(|end| end.is_finite()).then(|| {
-            let [lowest, highest] = self.stops.map(|end| (end * radians).clamp(-TURNS, TURNS));
+            let [lowest, highest] = self.stops.map(|end| end.clamp(-TURNS, TURNS));
             format!(
                 " limited=\"true\" range=\"{} {}\" solreflimit=\"{} 1\" solimplimit=\"{IMPEDANCE} {IMPEDANCE} 0.001 0.5 2\"",
                 number(lowest),
@@ -121,10 +130,7 @@ impl Joint {
             )
         });
         let load = (self.load != 0.0).then(|| {
-            let values = [
-                ("id", id.to_owned()),
-                ("load", number(-self.load * radians)),
-            ];
+            let values = [("id", id.to_owned()), ("load", number(-self.load))];
             fill(include_str!("../templates/servo_model/load.mjcf"), &values)
         });
         vec![
@@ -175,77 +181,76 @@ impl Joint {
     }
 }
 
+/// How the joint, whose angle is the position, turns with theta.
+fn turn(export: &ServoExport<'_>, radians: f64) -> Turn {
+    let p = &export.parameters;
+    Turn {
+        at_zero: radians * p.offset,
+        each: radians * p.gain,
+    }
+}
+
 /// The model.
 pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportError> {
-    let radians = export.radians_per_unit()?;
+    let radians = export.radians_per_position()?;
     let step_s = step_s(export)?;
     let joint = Joint::of(export, step_s, radians);
+    let turn = turn(export, radians);
     let servo = &export.parameters;
-    let trial = Trial::of(export, step_s, f64::INFINITY);
-    let command = trial.command();
-    let first = command.first().copied().unwrap_or(0.0);
-    let rest = (servo.resting_output(first) - servo.offset) / servo.gain;
-    let positions: Vec<f64> = joint
-        .respond(&command, rest)
-        .iter()
-        .map(|angle| servo.gain * angle + servo.offset)
-        .collect();
+    let trial = Trial::of(export, step_s, [f64::NEG_INFINITY, f64::INFINITY]);
+    let rest = radians * servo.resting_output(trial.middle());
+    let positions = |commands: Vec<f64>| -> Vec<f64> {
+        let controls: Vec<f64> = commands.into_iter().map(|u| turn.at(u)).collect();
+        let angles = joint.respond(&controls, rest).into_iter();
+        angles.map(|angle| angle / radians).collect()
+    };
+    let smooth = SmoothCommand::of(export, &trial, None);
+    let late_s = smooth.lag_s(export, &positions(smooth.held()));
+    let found = positions(trial.command());
     let load = match servo.load {
         Load::Pendulum { .. } => servo.load,
         _ => export.only_constant_load(),
     };
     let like = export.parameters_with(load);
-    let difference = Difference::of(export, trial, |_| positions.clone(), &like);
-    let beside = export.line(
-        servo.offset,
-        servo.gain / radians,
-        "times the joint's angle in rad",
-    );
-    let about = about(export, radians, &beside, &difference);
-    let mut values = joint.values(&identifier(export.name), radians);
+    let difference = Difference::of(export, trial, |_| found.clone(), &like);
+    let control = control(export, turn);
+    let mut about = about(export, radians, &control, &difference);
+    about.push(smooth.in_words(export, late_s));
+    let mut values = joint.values(&identifier(export.name));
     values.push(("about", XML_STYLE.comment(&about)));
-    let template = include_str!("../templates/servo_model/servo.mjcf");
-    Ok(ExportedServo::new(fill(template, &values), difference)?.with(beside))
+    let text = fill(include_str!("../templates/servo_model/servo.mjcf"), &values);
+    let remark =
+        format!("the joint's angle is the position in rad, and ctrl the command as one: {control}");
+    Ok(ExportedServo::new(text, difference)?.with([remark]))
 }
 
-/// That pulses are counted from 0 us, where the command is in us: the joint of a servo in its middle is far from 0.
-fn of_pulses(export: &ServoExport<'_>, radians: f64) -> Option<String> {
-    let is_pulse = export.metadata.units().input == Some("us");
-    is_pulse.then(|| format!(
-        "The command is the pulse in us, so the joint is at 0 under a pulse of 0 us, and at {} rad under one of 1500 us. For a joint whose 0 is the middle, record the command in degrees (u_deg), or convert it, and identify again.",
-        four_digits(1500.0 * radians)
-    ))
+/// What ctrl is for a command.
+fn control(export: &ServoExport<'_>, turn: Turn) -> String {
+    let unit = export.metadata.units().input;
+    format!(
+        "ctrl = {} times the command{}",
+        line(turn.at_zero, turn.each),
+        unit.map(|unit| format!(" in {unit}")).unwrap_or_default()
+    )
 }
 
 /// Where the joint begins: at 0, as all that MuJoCo keeps.
-fn start(export: &ServoExport<'_>) -> String {
-    format!(
-        "Start: the joint begins at rest at the angle 0, where the position is {} {}, and for the delay it has the command 0. To begin at rest under another, set qpos to its angle and fill the delay (mj_initCtrlHistory).",
-        four_digits(export.parameters.offset),
-        export.output_unit()
-    )
-}
+const START: &str = "Start: the joint begins at rest at the position 0, and ctrl is 0 for the delay. To begin at rest elsewhere, set qpos to its angle and fill the delay with ctrl (mj_initCtrlHistory).";
 
 fn about(
     export: &ServoExport<'_>,
     radians: f64,
-    beside: &str,
+    control: &str,
     difference: &Difference,
 ) -> Vec<String> {
     let mut about = export.statement();
     about.extend(export.stops_in_words("the joint, as its range"));
     about.extend([
-        start(export),
+        START.to_owned(),
         export.frame(Frame::BeforeFile),
         format!(
-            "In MuJoCo: angles are in rad, {} for each unit of the command and of theta: ctrl is that times the command. The actuator is the drive, with kp = k, kv = c - B and the range from -A- to A+; the joint has the damping B and the frictionloss C.",
+            "In MuJoCo: the joint's angle is the position in rad, {} for each unit of it. ctrl is the command as such a position: {control}. The actuator is the drive, with kp = k, kv = c - B and the range from -A- to A+; the joint has the damping B and the frictionloss C. Range, frictionloss and load act on the joint: they are times the gain in rad.",
             number(radians)
-        ),
-    ]);
-    about.extend(of_pulses(export, radians));
-    about.extend([
-        format!(
-            "Apply beside the file the gain and the offset, which a joint has not: {beside}. The largest difference below is of the position so computed."
         ),
         "The joint has an inertia of 1 kg m^2, which stands for the unknown one of motor, gears and load. In your mechanism with the inertia J about this joint, armature included, multiply kp, kv, forcerange, damping, frictionloss and the load by J. The weight, if there is one, is a mass on an arm as short as a millimetre: your mechanism takes its place.".to_owned(),
         format!(

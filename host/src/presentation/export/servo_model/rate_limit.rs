@@ -3,7 +3,7 @@
 use super::trial_command::Trial;
 
 /// Each rate that is tried is this part of the last.
-const FACTOR: f64 = 0.97;
+pub(super) const FACTOR: f64 = 0.97;
 
 /// A rate limit beside a servo.
 #[derive(Clone, Copy)]

@@ -26,7 +26,7 @@ pub(super) enum Frame {
     InFile,
     /// Who runs it can hold the command.
     BeforeFile,
-    /// Who runs it can add the mean wait to this parameter alone.
+    /// This parameter has the mean wait, as there is no more in the program.
     InDelay(&'static str),
 }
 
@@ -206,7 +206,7 @@ impl ServoExport<'_> {
                 "this file takes it at any step. Put a sample and hold of {frame} ms before it"
             ),
             Frame::InDelay(parameter) => format!(
-                "here it is taken at any step. Add the mean wait, {} s, to {parameter}",
+                "here it is taken at any step, and {parameter} has the mean wait, {} s. The largest difference below is without that, as its command changes with the pulses",
                 number((self.frame_s() * 5e6).round() / 1e7)
             ),
         };
@@ -256,12 +256,9 @@ impl ServoExport<'_> {
 
     /// The position as a line of what a target gives: `at_zero` is where that is 0, and `each` is for each unit of it, which `what` names.
     pub(super) fn line(&self, at_zero: f64, each: f64, what: &str) -> String {
-        let sign = if each < 0.0 { '-' } else { '+' };
         format!(
-            "position = {} {sign} {} {what}, in {}",
-            // A negative zero is 0.
-            six_digits(at_zero) + 0.0,
-            six_digits(each.abs()),
+            "position = {} {what}, in {}",
+            line(at_zero, each),
             self.output_unit()
         )
     }
@@ -312,12 +309,13 @@ impl ServoExport<'_> {
     pub(super) fn difference(&self, found: &Difference, by: Comparison) -> String {
         let trial = &found.trial;
         let shown = |difference: f64| self.of_stroke(difference, trial);
-        let without = found.without_others.map(|(difference, others)| {
-            format!(
-                " From the same servo without {others} it is {}.",
-                shown(difference)
-            )
-        });
+        let largest = shown(found.largest);
+        let without = (found.without_others.as_ref())
+            .map(|(difference, others)| (shown(*difference), others))
+            .filter(|(difference, _)| *difference != largest)
+            .map(|(difference, others)| {
+                format!(" From the same servo without {others} it is {difference}.")
+            });
         let emulation = match by {
             Comparison::SameSteps => String::new(),
             Comparison::Emulation(program) => {
@@ -327,7 +325,7 @@ impl ServoExport<'_> {
         let levels: Vec<String> = trial.levels.iter().copied().map(number).collect();
         format!(
             "Largest difference from servoid's own integrator with steps {FINER} times as fine as usual: {}, {}, with steps of {} ms{emulation}; root mean square {} %.{} The command: {}, each for {} s ({} steps), and all again for {} s ({} steps), which breaks strokes off; the first level is not compared.",
-            shown(found.largest),
+            largest,
             self.strokes(trial),
             four_digits(1e3 * trial.step_s),
             self.percent_of_stroke(found.root_mean_square, trial),
@@ -339,6 +337,14 @@ impl ServoExport<'_> {
             trial.steps_of_broken_off,
         )
     }
+}
+
+/// "2.5 - 45", the numbers of a line that is `at_zero` at 0 and rises by `each`.
+pub(super) fn line(at_zero: f64, each: f64) -> String {
+    let sign = if each < 0.0 { '-' } else { '+' };
+    // A negative zero is 0.
+    let at_zero = six_digits(at_zero) + 0.0;
+    format!("{at_zero} {sign} {}", six_digits(each.abs()))
 }
 
 /// The first sentence of a text, without its stop: what follows is no limit of a number.
@@ -353,7 +359,7 @@ fn of_column(unit: Option<&str>, column: &str) -> String {
 }
 
 /// A number with the digits that count beside the size `size`: three of that.
-fn beside(value: f64, size: f64) -> String {
+pub(super) fn beside(value: f64, size: f64) -> String {
     let decimals = 2 - size.abs().max(f64::MIN_POSITIVE).log10().floor() as i32;
     format!("{value:.*}", decimals.clamp(0, 12) as usize)
 }

@@ -2,6 +2,7 @@
 
 use crate::data::model_file::ServoModelDocument;
 use crate::data::model_metadata::ModelMetadata;
+use crate::data::unitless_command::UnitlessCommand;
 use crate::presentation::export::error::ExportError;
 use servoid_identification::results::Model;
 use servoid_identification::servo_model::{Load, ServoModel, ServoParameters, Stops};
@@ -23,6 +24,8 @@ pub struct ServoExportOptions {
     pub controller: Option<f64>,
     /// The step of the exported servo \[s\]; without it, one that suits servo and target.
     pub step_s: Option<f64>,
+    /// The command that fully deflects a servo of ArduPilot; without it, one that the unit of the command suggests.
+    pub full_command: Option<f64>,
 }
 
 /// A servo model with one controller, ready to be written.
@@ -105,7 +108,26 @@ impl<'a> ServoExport<'a> {
         self.metadata.pulse_frame_s.unwrap_or(0.0)
     }
 
-    /// Radians for each unit of θ, for programs whose servos turn by angles.
+    /// Radians for each unit of the position, for programs whose servos turn by angles.
+    ///
+    /// # Errors
+    /// Neither command nor position is an angle.
+    pub(super) fn radians_per_position(&self) -> Result<f64, ExportError> {
+        let units = self.metadata.units();
+        match units.output.or(units.input) {
+            Some("deg") => Ok(1f64.to_radians()),
+            Some("rad") => Ok(1.0),
+            None => Ok(self.model.radians_per_command),
+            Some(_) => Ok(self.radians_per_unit()? / self.parameters.gain.abs()),
+        }
+    }
+
+    /// What is made of a command without a unit; `None` where it has one.
+    pub(super) fn unitless(&self) -> Option<UnitlessCommand> {
+        UnitlessCommand::of(self.metadata.units(), self.model)
+    }
+
+    /// Radians for each unit of θ, where the command, or the position, is an angle.
     ///
     /// # Errors
     /// Neither command nor position is an angle.

@@ -83,10 +83,9 @@ const SETTLING: f64 = 5.0;
 pub(super) const FINER: f64 = 10.0;
 
 impl Trial {
-    /// A trial with steps of `step_s` seconds, within `farthest` units of the command from its middle.
-    pub(super) fn of(export: &ServoExport<'_>, step_s: f64, farthest: f64) -> Self {
-        let (middle, most) = recorded(export);
-        let most = most.min(farthest);
+    /// A trial with steps of `step_s` seconds, of commands that are `possible`.
+    pub(super) fn of(export: &ServoExport<'_>, step_s: f64, possible: [f64; 2]) -> Self {
+        let (middle, most) = within(recorded(export), possible);
         let amplitude = short(most, most, 3, f64::floor);
         let middle = short(middle, amplitude, 3, f64::round);
         let hold_s = hold_s(export, amplitude);
@@ -114,16 +113,12 @@ impl Trial {
     /// The position at the beginning of each step, by servoid's integrator with steps of a tenth of its usual ones.
     #[must_use]
     pub fn exact(&self, servo: &ServoParameters) -> Vec<f64> {
-        let usual = Grid::for_stiffness(1.0, 0.0, servo.stiffness);
-        let finer = usual.period_s / usual.steps as f64 / FINER;
-        let grid = Grid::new(self.step_s, 0.0, finer);
-        let first = self.levels.first().copied().unwrap_or(0.0);
-        let start = Start::at_rest(servo.resting_output(first), Some(first));
-        let mut position = Vec::new();
-        simulate(servo, &grid, &start, &self.command(), |_, y| {
-            position.push(y);
-        });
-        position
+        exact(servo, self.step_s, &self.command())
+    }
+
+    /// The middle of the levels.
+    pub(super) fn middle(&self) -> f64 {
+        self.levels.first().copied().unwrap_or(0.0)
     }
 
     /// The largest difference of two courses of the position after the first level, on which other programs may not begin at
@@ -157,10 +152,35 @@ impl Trial {
     }
 }
 
+/// The position at the beginning of each step of `step_s` with these commands, from rest under the first, by servoid's integrator with steps of a
+/// tenth of its usual ones.
+pub(super) fn exact(servo: &ServoParameters, step_s: f64, command: &[f64]) -> Vec<f64> {
+    let usual = Grid::for_stiffness(1.0, 0.0, servo.stiffness);
+    let finer = usual.period_s / usual.steps as f64 / FINER;
+    let grid = Grid::new(step_s, 0.0, finer);
+    let first = command.first().copied().unwrap_or(0.0);
+    let start = Start::at_rest(servo.resting_output(first), Some(first));
+    let mut position = Vec::new();
+    simulate(servo, &grid, &start, command, |_, y| position.push(y));
+    position
+}
+
+/// What of a range, which is its middle and half of its width, is possible.
+fn within((middle, most): (f64, f64), [least, largest]: [f64; 2]) -> (f64, f64) {
+    let (low, high) = (middle - most, middle + most);
+    match low >= least && high <= largest {
+        true => (middle, most),
+        false => {
+            let (low, high) = (low.max(least), high.min(largest));
+            ((low + high) / 2.0, (high - low) / 2.0)
+        }
+    }
+}
+
 /// The middle of the recorded commands, and half of their range: what is said of a file holds for the largest strokes that the
 /// recording had. A file without it, as older ones are, gets the root mean square of the motion about the position 0, and one without that
 /// strokes that the drive limits.
-fn recorded(export: &ServoExport<'_>) -> (f64, f64) {
+pub(super) fn recorded(export: &ServoExport<'_>) -> (f64, f64) {
     let (fit, parameters) = (&export.model.fit, &export.parameters);
     let middle_of_outputs = -parameters.offset / parameters.gain;
     let (middle, shown) = match export.model.commands {

@@ -18,9 +18,10 @@
 #ifndef {{ID}}_REAL
 #define {{ID}}_REAL float
 #endif
-typedef {{ID}}_REAL {{id}}_real;
-
+#ifndef {{ID}}_NAME /* the servo model of this servo has both, too */
 #define {{ID}}_NAME "{{name}}"
+typedef {{ID}}_REAL {{id}}_real;
+#endif
 #define {{ID}}_BOUNDS_HOLD {{bounds_hold}} /* 0: there are no bounds below, and no level */
 #define {{ID}}_SAMPLE_PERIOD_S {{period}}
 #define {{ID}}_SAMPLE_PHASE_S {{phase}}

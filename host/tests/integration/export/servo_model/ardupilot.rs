@@ -2,7 +2,8 @@
 //! and `Filter/LowPassFilter2p.cpp` of ArduPilot do, in single precision: a ring of commands of which the oldest is taken after the
 //! newest is put in, a limit of the change in a step, and a biquad filter.
 
-use super::subjects::{Exported, SERVOS, export, number_behind, prose};
+use super::smooth::Smooth;
+use super::subjects::{Exported, SERVOS, export, number_behind, prose, pulses, unitless};
 use std::collections::VecDeque;
 
 /// A servo of SITL. Commands and positions are parts of the full deflection.
@@ -61,28 +62,36 @@ impl Sitl {
     }
 }
 
+/// The wait for a pulse is in the delay, and the trial has none.
+const WITHOUT_WAIT: &[&str] = &["--frame-ms", "0"];
+
 fn positions(exported: &Exported) -> Vec<f64> {
     positions_of(exported, &exported.text)
 }
 
 /// The same with other parameters, of `text`.
 fn positions_of(exported: &Exported, text: &str) -> Vec<f64> {
-    // As the header says; the command is in deg.
+    under(exported, text, &exported.trial.command())
+}
+
+/// The same under other commands, at the beginning of each step.
+fn under(exported: &Exported, text: &str, commands: &[f64]) -> Vec<f64> {
+    // As the header says.
     let said = prose(&exported.text);
     let full = number_behind(&said, "An output of 1 stands for ");
     let zero = number_behind(&said, "and 0 under the command ");
-    let [at_zero, each] = exported.line();
+    let [at_zero, each] = exported.line("position");
     let part = |command: f64| ((command - zero) / full) as f32;
-    let mut sitl = Sitl::new(text, part(exported.trial.levels[0]));
+    let mut sitl = Sitl::new(text, part(commands[0]));
     let position = |command: &f64| at_zero + each * f64::from(sitl.step(part(*command)));
-    exported.trial.command().iter().map(position).collect()
+    commands.iter().map(position).collect()
 }
 
 #[test]
 fn parameters_are_as_far_from_the_servo_model_as_they_state() {
     let folder = tempfile::tempdir().unwrap();
     for servo in SERVOS {
-        let exported = servo.export("ardupilot", folder.path(), &[]);
+        let exported = servo.export("ardupilot", folder.path(), WITHOUT_WAIT);
         // Single precision in a filter whose poles are close to one: 24 bits less some 10 of them.
         exported.check(servo.name, &positions(&exported), 1e-3);
     }
@@ -93,7 +102,7 @@ fn parameters_are_as_far_from_the_servo_model_as_they_state() {
 fn no_slower_and_no_quicker_servo_is_closer() {
     let folder = tempfile::tempdir().unwrap();
     for servo in SERVOS.iter().filter(|servo| servo.name != "linear") {
-        let exported = servo.export("ardupilot", folder.path(), &[]);
+        let exported = servo.export("ardupilot", folder.path(), WITHOUT_WAIT);
         require_closest(servo.name, &exported);
     }
     // The same full drive, and a top speed that strokes of the recording are far from.
@@ -104,7 +113,7 @@ fn no_slower_and_no_quicker_servo_is_closer() {
         *value = far.into();
     }
     std::fs::write(&file, document.to_string()).unwrap();
-    let far = export(&file, 0, "ardupilot", &[]);
+    let far = export(&file, 0, "ardupilot", WITHOUT_WAIT);
     assert!(far.text.contains("of the top speed of 50000 deg/s"));
     require_closest("far", &far);
 }
@@ -130,7 +139,81 @@ fn require_closest(name: &str, exported: &Exported) {
 #[test]
 fn another_rate_is_written_and_used() {
     let folder = tempfile::tempdir().unwrap();
-    let exported = SERVOS[1].export("ardupilot", folder.path(), &["--step-ms", "2.5"]);
+    let options = [WITHOUT_WAIT, &["--step-ms", "2.5"]].concat();
+    let exported = SERVOS[1].export("ardupilot", folder.path(), &options);
     assert!(exported.text.contains("SIM_RATE_HZ 400\n"));
     exported.check("400 Hz", &positions(&exported), 1e-3);
+}
+
+/// Recorded from 1100 to 1596 us: SITL's output is 0 at 1500 us, and 1 at 2000 us, whatever the recording's middle is.
+#[test]
+fn a_pulse_is_taken_as_sitl_takes_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let exported = export(&pulses(folder.path()), 0, "ardupilot", WITHOUT_WAIT);
+    let said = prose(&exported.text);
+    assert_eq!(number_behind(&said, "and 0 under the command "), 1500.0);
+    assert_eq!(number_behind(&said, "An output of 1 stands for "), 500.0);
+    let [at_zero, each] = exported.line("position");
+    // Six digits are written.
+    let position = |pulse: f64| at_zero + each * (pulse - 1500.0) / 500.0;
+    for pulse in [1100.0, 1596.0] {
+        let rest = exported.servo.resting_output(pulse);
+        assert!((position(pulse) - rest).abs() < 1e-3, "{pulse}: {rest}");
+    }
+    exported.check("pulses", &positions(&exported), 1e-3);
+}
+
+/// The speed of a servo of which a full command is stated is written for that: nothing is left to be multiplied.
+#[test]
+fn a_stated_full_command_is_in_the_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = SERVOS[1].file(folder.path());
+    let stated = |full: &'static str| {
+        let options = [WITHOUT_WAIT, &["--full-command", full]].concat();
+        export(&file, 0, "ardupilot", &options)
+    };
+    let (small, large) = (stated("25"), stated("50"));
+    for (exported, full) in [(&small, 25.0), (&large, 50.0)] {
+        exported.check("stated", &positions(exported), 1e-3);
+        let said = number_behind(&prose(&exported.text), "An output of 1 stands for ");
+        assert_eq!(said, full);
+        assert!((exported.line("position")[1] - 1.02 * full).abs() < 1e-3);
+    }
+    let time_s = |exported: &Exported| number_behind(&exported.text, "\nSIM_SERVO_SPEED ");
+    assert!((time_s(&large) / time_s(&small) - 2.0).abs() < 1e-9);
+}
+
+/// A command of -1 to 1 without a unit is SITL's output itself.
+#[test]
+fn a_small_command_without_a_unit_is_a_part_of_a_full_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = unitless(folder.path());
+    let exported = export(&file, 0, "ardupilot", WITHOUT_WAIT);
+    let said = prose(&exported.text);
+    assert_eq!(number_behind(&said, "An output of 1 stands for "), 1.0);
+    assert_eq!(number_behind(&said, "and 0 under the command "), 0.0);
+    exported.check("unitless", &positions(&exported), 1e-3);
+}
+
+#[test]
+fn a_known_frame_is_in_the_delay() {
+    let folder = tempfile::tempdir().unwrap();
+    let of = |frame: &str| {
+        let text = SERVOS[1].export("ardupilot", folder.path(), &["--frame-ms", frame]);
+        number_behind(&text.text, "\nSIM_SERVO_DELAY ")
+    };
+    // Half of 20 ms are 12 steps of 1200 in a second.
+    assert!((of("20") - of("0") - 0.01).abs() < 1e-9);
+}
+
+/// Of the held command the servo is as much later as the header says: the wait is in the delay.
+#[test]
+fn parameters_are_as_late_as_they_state() {
+    let folder = tempfile::tempdir().unwrap();
+    for frame in ["0", "20"] {
+        let exported = SERVOS[1].export("ardupilot", folder.path(), &["--frame-ms", frame]);
+        let smooth = Smooth::of(&exported, 1e-3 * frame.parse::<f64>().unwrap());
+        let found = under(&exported, &exported.text, &smooth.command(0.0));
+        smooth.check(&exported, &found);
+    }
 }

@@ -3,7 +3,8 @@
 use super::super::jsbsim::AIRCRAFT;
 use super::super::scripts::literal;
 use super::super::{must, rows, works};
-use super::subjects::{Exported, SERVOS, number_behind, prose};
+use super::smooth::Smooth;
+use super::subjects::{Exported, SERVOS, export, number_behind, prose, pulses};
 use servoid_test_support::tools::missing;
 use std::path::Path;
 use std::process::Command;
@@ -51,21 +52,64 @@ fn systems_are_as_far_from_the_servo_model_as_they_state() {
     }
 }
 
-/// Where the header says, under any command: 20 degrees are more than all levels.
+/// Under the neutral command, which is the value of the property, and where the header says: of a pulse, too, held for a frame or not.
 #[test]
-fn systems_begin_where_they_state() {
+fn systems_begin_at_rest_where_they_state() {
     if !works("python3", &["-c", "import jsbsim"]) {
         return missing("the start in JSBSim", "python's jsbsim is not installed");
     }
     let folder = tempfile::tempdir().unwrap();
-    for servo in SERVOS.iter().filter(|servo| servo.name != "linear") {
-        let exported = servo.export("jsbsim", folder.path(), &["--frame-ms", "0"]);
-        let positions = run(folder.path(), servo.name, &exported, &[20.0]);
-        let words = "at theta = 0, where the position is ";
-        let stated = number_behind(&prose(&exported.text), words);
-        // Four digits are written, and the delay is longer than a step.
-        assert!((positions[0] - stated).abs() < 1e-3, "{}", servo.name);
+    let pulses = pulses(folder.path());
+    for frame in [["--frame-ms", "0"], ["--frame-ms", "20"]] {
+        let mut exports: Vec<(&str, Exported)> = SERVOS
+            .iter()
+            .map(|servo| (servo.name, servo.export("jsbsim", folder.path(), &frame)))
+            .collect();
+        let options = [&frame[..], &["--name", "pulses"]].concat();
+        exports.push(("pulses", export(&pulses, 0, "jsbsim", &options)));
+        for (name, exported) in &exports {
+            let said = prose(&exported.text);
+            let neutral = number_behind(&said, "at rest under the command ");
+            let stated = number_behind(&said, ", where the position is ");
+            let positions = run(folder.path(), name, exported, &[neutral; 100]);
+            for position in positions {
+                // Four digits are written.
+                assert!(
+                    (position - stated).abs() < 1e-3,
+                    "{name}: {position} {stated}"
+                );
+            }
+        }
     }
+}
+
+/// Of the held command, whose steps a rate limit passes later than a smooth one.
+#[test]
+fn systems_are_as_late_as_they_state() {
+    if !works("python3", &["-c", "import jsbsim"]) {
+        return missing("a sine in JSBSim", "python's jsbsim is not installed");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    for (frame, frame_s) in [("0", 0.0), ("20", 0.02)] {
+        let exported = SERVOS[1].export("jsbsim", folder.path(), &["--frame-ms", frame]);
+        let smooth = Smooth::of(&exported, frame_s);
+        let commands = smooth.command(0.0);
+        let positions = run(folder.path(), "limited", &exported, &commands);
+        smooth.check(&exported, &positions);
+    }
+}
+
+#[test]
+fn the_step_of_a_stated_rate_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let of = |more: &[&str]| prose(&SERVOS[1].export("jsbsim", folder.path(), more).text);
+    assert!(of(&[]).contains("Run it at 500 Hz or more"));
+    let stated = of(&["--step-ms", "8.333333"]);
+    assert!(
+        stated.contains("Run it at 120.0 Hz, in steps of 8.333 ms"),
+        "{stated}"
+    );
+    assert!(!stated.contains("500 Hz"), "{stated}");
 }
 
 /// The position after each of these commands.

@@ -7,5 +7,8 @@ mod jsbsim;
 mod mujoco;
 mod refusals;
 mod scripts;
+mod smooth;
 mod statements;
 mod subjects;
+
+pub(super) use subjects::AIRCRAFT;

@@ -2,22 +2,25 @@
 
 use super::super::scripts::literal;
 use super::super::{must, rows, works};
-use super::subjects::SERVOS;
+use super::subjects::{Exported, SERVOS, export, pulses, unitless};
 use servoid_test_support::tools::missing;
 use std::fmt::Write;
 use std::process::Command;
 
-/// Prints the angle at the beginning of each step, from rest where the first command and the load hold it.
+/// Prints the angle at the beginning of each step, from rest where the first command and the load hold it, begun as the header says.
 const SCRIPT: &str = r"
-import sys, mujoco
-def run(file, radians, rest, commands):
+import sys, mujoco, numpy as np
+def run(file, rest, at_zero, each, commands):
     model = mujoco.MjModel.from_xml_path(sys.argv[1] + '/' + file)
     data = mujoco.MjData(model)
-    data.qpos[0] = rest * radians
+    data.qpos[0] = rest
+    samples = model.actuator_history[0][0]
+    held = np.full(samples, at_zero + each * commands[0])
+    mujoco.mj_initCtrlHistory(model, data, 0, None, held)
     angles = []
     for command in commands:
-        angles.append(data.qpos[0] / radians)
-        data.ctrl[0] = command * radians
+        angles.append(data.qpos[0])
+        data.ctrl[0] = at_zero + each * command
         mujoco.mj_step(model, data)
     print(*map(repr, map(float, angles)))
 ";
@@ -30,28 +33,42 @@ fn joints_are_as_far_from_the_servo_model_as_they_state() {
     }
     let folder = tempfile::tempdir().unwrap();
     let mut script = SCRIPT.to_owned();
-    let exports = SERVOS.map(|servo| {
-        let exported = servo.export("mujoco", folder.path(), &[]);
-        let file = format!("{}.xml", servo.name);
+    let mut exports: Vec<(&str, Exported)> = SERVOS
+        .iter()
+        .map(|servo| (servo.name, servo.export("mujoco", folder.path(), &[])))
+        .collect();
+    let others = [
+        ("pulses", pulses(folder.path())),
+        ("unitless", unitless(folder.path())),
+    ];
+    exports.extend(others.map(|(name, file)| (name, export(&file, 0, "mujoco", &[]))));
+    // With all terms, turning against its command: two speeds, two stops and a load change their sides.
+    for servo in ["full", "constant", "tilted", "stopped"] {
+        let found = SERVOS.iter().find(|found| found.name == servo).unwrap();
+        let file = found.reversed(folder.path());
+        exports.push((servo, export(&file, 0, "mujoco", &[])));
+    }
+    for (number, (_, exported)) in exports.iter().enumerate() {
+        let file = format!("{number}.xml");
         std::fs::write(folder.path().join(&file), &exported.text).unwrap();
-        let rest = (exported.exact[0] - exported.servo.offset) / exported.servo.gain;
-        // The command is in deg.
-        let radians = 1f64.to_radians();
+        let [at_zero, each] = exported.line("ctrl");
         let _infallible = writeln!(
             script,
-            "run('{file}', {radians:?}, {rest:?}, {})",
+            "run('{file}', {:?}, {at_zero:?}, {each:?}, {})",
+            exported.exact[0].to_radians(),
             literal(&exported.trial.command())
         );
-        exported
-    });
+    }
     let file = folder.path().join("run.py");
     std::fs::write(&file, script).unwrap();
     let printed = rows(&must(Command::new("python3").arg(file).arg(folder.path())));
-    for ((exported, servo), angles) in exports.iter().zip(SERVOS).zip(printed) {
-        let [at_zero, each] = exported.line();
-        let position = |angle: &f64| at_zero + each * angle.to_radians();
-        let positions: Vec<f64> = angles.iter().map(position).collect();
+    for ((name, exported), angles) in exports.iter().zip(printed) {
+        // The joint's angle is the position.
+        let positions: Vec<f64> = angles.iter().map(|angle| angle.to_degrees()).collect();
         // The solver stops a little before the exact minimum of its constraint.
-        exported.check(servo.name, &positions, 1e-4);
+        exported.check(name, &positions, 1e-4);
+        // One that turned the wrong way would be off by a whole stroke.
+        let stroke = exported.largest_stroke();
+        assert!(exported.stated < 0.5 * stroke, "{name}");
     }
 }

@@ -2,7 +2,7 @@
 
 use super::super::SUBJECT;
 use super::subjects::{AIRCRAFT, SERVOS};
-use crate::support::{arg, refusal};
+use crate::support::{arg, refusal, run};
 use serde_json::json;
 use servoid::data::model_file::ModelFile;
 use servoid::presentation::export::Target;
@@ -50,6 +50,11 @@ fn a_step_that_is_too_long_names_the_longest() {
     let sentence = refused(&file, &args);
     // 0.5 of 1/ω = 1/38.73 s.
     assert!(sentence.contains("can be 12.909 at the most"), "{sentence}");
+    let remedy = "--step-ms 10, and take 2 such steps in each of yours";
+    assert!(
+        sentence.contains("wrong by percents of a stroke") && sentence.contains(remedy),
+        "{sentence}"
+    );
 }
 
 #[test]
@@ -81,10 +86,41 @@ fn a_command_that_is_no_angle_cannot_turn_a_joint() {
     document["units"] = json!({ "input": "us", "output": "counts" });
     let file = folder.path().join("counts.json");
     std::fs::write(&file, document.to_string()).unwrap();
-    for target in ["mujoco", "ardupilot"] {
-        let sentence = refused(&file, &["--to", target]);
-        assert!(sentence.contains("the command is in us"), "{sentence}");
-    }
+    let sentence = refused(&file, &["--to", "mujoco"]);
+    assert!(sentence.contains("the command is in us"), "{sentence}");
+    document["units"] = json!({ "input": "counts", "output": "counts" });
+    std::fs::write(&file, document.to_string()).unwrap();
+    let ardupilot = ["--to", "ardupilot"];
+    let sentence = refused(&file, &ardupilot);
+    assert!(
+        sentence.contains("state it with --full-command"),
+        "{sentence}"
+    );
+    // It needs no angle beside it.
+    let stated = [
+        &["export", arg(&file), "-q"],
+        &ardupilot[..],
+        &["--full-command", "50"],
+    ]
+    .concat();
+    assert!(run(&stated).contains("An output of 1 stands for 50 counts"));
+}
+
+#[test]
+fn a_full_command_is_for_ardupilot_and_reaches_the_recorded_ones() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = super::subjects::pulses(folder.path());
+    let full = |target, full| refused(&file, &["--to", target, "--full-command", full]);
+    assert!(full("mujoco", "50").contains("is for --to ardupilot"));
+    assert!(full("ardupilot", "0").contains("must be a command above 0"));
+    let mut document = crate::support::json(&file);
+    document["servo_model"]["commands"] = json!({ "least": 600.0, "largest": 900.0 });
+    std::fs::write(&file, document.to_string()).unwrap();
+    let sentence = refused(&file, &["--to", "ardupilot"]);
+    assert!(
+        sentence.contains("within those of ArduPilot's outputs, 1000 to 2000"),
+        "{sentence}"
+    );
 }
 
 /// A model file may say anything: each number in turn is one that no servo has.

@@ -1,6 +1,6 @@
 //! What the files say.
 
-use super::subjects::{AIRCRAFT, SERVOS, export, number_behind, prose};
+use super::subjects::{AIRCRAFT, SERVOS, export, number_behind, prose, pulses, unitless};
 use crate::support::arg;
 use crate::support::run;
 use serde_json::json;
@@ -197,7 +197,7 @@ fn what_is_to_be_applied_beside_a_file_is_said_with_its_numbers() {
     });
     let of = |target| prose(&export(&reversed, 0, target, &[]).text);
     let exported = export(&reversed, 0, "ardupilot", &[]);
-    let [at_zero, each] = exported.line();
+    let [at_zero, each] = exported.line("position");
     // Six digits are written.
     assert!((at_zero - exported.servo.resting_output(0.0)).abs() < 1e-4);
     assert_eq!(each, -36.0);
@@ -212,7 +212,7 @@ fn what_is_to_be_applied_beside_a_file_is_said_with_its_numbers() {
         assert!(said.contains(part), "{part}: {said}");
     }
     let said = of("mujoco");
-    let line = "position = 12 - 45.8366 times the joint's angle in rad, in deg";
+    let line = "ctrl = 0.20944 - 0.0139626 times the command in deg";
     assert!(said.contains(line), "{said}");
     assert!(!prose(&export(&AIRCRAFT.file, 0, "ardupilot", &[]).text).contains("SERVOn_REVERSED"));
     let args = ["export", arg(&reversed), "--to", "mujoco"];
@@ -364,30 +364,16 @@ fn the_hysteresis_is_the_distance_of_the_rests() {
 fn pulses_are_said_as_the_degrees_that_they_stand_for() {
     let folder = tempfile::tempdir().unwrap();
     let ardupilot = prose(&export(&AIRCRAFT.file, 0, "ardupilot", &[]).text);
-    assert!(
-        ardupilot.contains("D is 500/P, and with 10 us it is 50"),
-        "{ardupilot}"
-    );
-    let mut document = crate::support::json(&AIRCRAFT.file);
-    document["units"]["input"] = json!("us");
-    let places = document["servo_model"]["coordinates"]
-        .as_array()
-        .unwrap()
-        .clone();
-    let gain = places.iter().position(|at| *at == "gain").unwrap();
-    document["servo_model"]["values"][gain] = json!(0.1);
-    let pulses = folder.path().join("pulses.json");
-    std::fs::write(&pulses, document.to_string()).unwrap();
+    let said = "An output of 1 stands for 45 deg of the command, which are 45 degrees";
+    assert!(ardupilot.contains(said), "{ardupilot}");
+    let pulses = pulses(folder.path());
     let ardupilot = prose(&export(&pulses, 0, "ardupilot", &[]).text);
-    assert!(
-        ardupilot.contains("0.1000 degrees each, so D is 50.00"),
-        "{ardupilot}"
-    );
+    let said = "500 us of the command: it is (pulse - 1500) / 500, as SITL takes the pulse";
+    assert!(ardupilot.contains(said), "{ardupilot}");
+    // -150 deg and 0.1 deg/us.
     let mujoco = prose(&export(&pulses, 0, "mujoco", &[]).text);
-    assert!(
-        mujoco.contains("at 2.618 rad under one of 1500 us"),
-        "{mujoco}"
-    );
+    let said = "ctrl = -2.61799 + 0.00174533 times the command in us";
+    assert!(mujoco.contains(said), "{mujoco}");
 }
 
 #[test]
@@ -469,6 +455,104 @@ fn an_angle_that_is_guessed_and_a_function_in_a_file_of_another_name_are_said() 
             arg(&out),
         ]);
         assert_eq!(said.contains("call it servo_a.m"), holds, "{said}");
+    }
+}
+
+/// What was assumed, and what one number stands for, is said on the terminal, too.
+#[test]
+fn what_is_assumed_for_ardupilot_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let of = |file: &std::path::Path, more: &[&str]| {
+        remarks(&[&["export", arg(file), "--to", "ardupilot"], more].concat())
+    };
+    let degrees = of(&AIRCRAFT.file, &[]);
+    let said = "an output of 1 (a pulse of 2000 us) is taken for the command 45 deg: state another with --full-command";
+    assert!(degrees.contains(said), "{degrees}");
+    assert!(!of(&AIRCRAFT.file, &["--full-command", "30"]).contains("is taken for"));
+    assert!(!of(&pulses(folder.path()), &[]).contains("is taken for"));
+    let part = of(&unitless(folder.path()), &[]);
+    assert!(part.contains("is taken for the command 1: state"), "{part}");
+    // Speeds of 233 and 158 deg/s of the command, times the gain of 1.02.
+    let unequal = of(&SERVOS[2].file(folder.path()), &[]);
+    let said = "where the servo has 238.0 deg/s upwards and 161.5 deg/s downwards";
+    assert!(
+        unequal.contains("one speed stands for two: ") && unequal.contains(said),
+        "{unequal}"
+    );
+    assert!(!of(&SERVOS[1].file(folder.path()), &[]).contains("one speed stands for two"));
+}
+
+/// One convention for a command from -1 to 1: 1 is a pulse 500 us from the middle, which is 50 degrees of a rig and an output of 1 of ArduPilot.
+#[test]
+fn a_command_without_a_unit_is_simulated_as_a_part_of_a_full_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let (model, out) = (unitless(folder.path()), folder.path().join("out.csv"));
+    let simulate = ["simulate", "--servo", arg(&model), "-o", arg(&out)];
+    let said = remarks(&simulate);
+    let taken = "has no unit: 1 is taken for a full command, a pulse 500 us from the neutral one, which is 50 degrees of a rig";
+    assert!(said.contains(taken), "{said}");
+    let plan = remarks(&["plan", "--servo", arg(&model), "--length", "4"]);
+    assert!(plan.contains(taken), "{plan}");
+    // The rig commands 5 degrees, a tenth; 50 for each unit, and an offset of 0.2.
+    let written = std::fs::read_to_string(&out).unwrap();
+    let rows = written
+        .lines()
+        .filter_map(|line| line.split(',').nth(3)?.parse::<f64>().ok());
+    let highest = rows.fold(f64::MIN, f64::max);
+    // Noise and the resolution of the sensor are some tenths.
+    assert!((5.0..5.8).contains(&highest), "{highest}");
+    let bare = remarks(&[
+        "simulate",
+        "--force",
+        "--servo",
+        arg(&AIRCRAFT.file),
+        "-o",
+        arg(&out),
+    ]);
+    assert!(!bare.contains("is taken for"), "{bare}");
+}
+
+/// A load of the air that stiffens nowhere within the strokes.
+#[test]
+fn a_load_without_effect_is_not_counted_twice() {
+    let folder = tempfile::tempdir().unwrap();
+    let airborne = SERVOS
+        .iter()
+        .find(|servo| servo.name == "airborne")
+        .unwrap();
+    let file = airborne.file(folder.path());
+    let mut document = crate::support::json(&file);
+    let of = |document: &serde_json::Value| {
+        std::fs::write(&file, document.to_string()).unwrap();
+        prose(&export(&file, 0, "jsbsim", &[]).text)
+    };
+    let words = "From the same servo without the load that is left out it is";
+    assert!(of(&document).contains(words));
+    let model = &mut document["servo_model"];
+    let place = model["coordinates"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .position(|at| *at == "air_from");
+    model["values"][place.unwrap()] = json!(-200.0);
+    assert!(!of(&document).contains(words));
+}
+
+/// Loops run in round steps.
+#[test]
+fn a_step_without_a_choice_is_a_round_one() {
+    let folder = tempfile::tempdir().unwrap();
+    for servo in SERVOS {
+        for target in ["c", "mujoco"] {
+            let step_ms = 1e3 * servo.export(target, folder.path(), &[]).trial.step_s;
+            let round = [10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1];
+            assert!(
+                round
+                    .iter()
+                    .any(|round| (step_ms / round - 1.0).abs() < 1e-9),
+                "{step_ms}"
+            );
+        }
     }
 }
 

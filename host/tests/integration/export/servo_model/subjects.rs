@@ -125,11 +125,11 @@ impl Exported {
         );
     }
 
-    /// What the header says is done with what the program gives: the position where that is 0, and for each unit of it.
-    pub fn line(&self) -> [f64; 2] {
+    /// The line that the header has for `what`: where that with which it is multiplied is 0, and for each unit of that.
+    pub fn line(&self, what: &str) -> [f64; 2] {
         let said = prose(&self.text);
         // The equation has one, too.
-        let (_, line) = said.rsplit_once("position = ").unwrap();
+        let (_, line) = said.rsplit_once(&format!("{what} = ")).unwrap();
         let words: Vec<&str> = line.split(' ').take(3).collect();
         let [at_zero, sign, each] = words[..] else {
             panic!("{line}");
@@ -222,6 +222,17 @@ impl Servo {
         }
     }
 
+    /// The file of one that turns against its command, by 0.8 of it.
+    pub fn reversed(&self, folder: &Path) -> PathBuf {
+        let mut document = crate::support::json(&self.file(folder));
+        let values = document["servo_model"]["values"].as_array_mut().unwrap();
+        values[3] = json!(-0.8);
+        values[4] = json!(2.0);
+        let file = folder.join(format!("{}_reversed.json", self.name));
+        std::fs::write(&file, document.to_string()).unwrap();
+        file
+    }
+
     /// Exports it.
     pub fn export(&self, target: &str, folder: &Path, more: &[&str]) -> Exported {
         let controller = self.controller.map(|name| name.to_string());
@@ -267,6 +278,58 @@ pub fn export(file: &Path, controller: usize, target: &str, more: &[&str]) -> Ex
         trial,
         servo,
     }
+}
+
+/// The file of a servo whose command is a pulse, recorded on one side of 1500 us.
+pub fn pulses(folder: &Path) -> PathBuf {
+    rescaled(
+        folder,
+        "pulses",
+        json!({ "input": "us", "output": "deg" }),
+        [0.1, -150.0],
+        [1100.0, 1596.0],
+    )
+}
+
+/// That of one whose command has no unit, and goes from -0.74 to 0.73.
+pub fn unitless(folder: &Path) -> PathBuf {
+    rescaled(
+        folder,
+        "unitless",
+        json!({ "output": "deg" }),
+        [50.0, 0.2],
+        [-0.74, 0.73],
+    )
+}
+
+/// The limited servo with other units, gain and offset, and commands.
+fn rescaled(
+    folder: &Path,
+    name: &str,
+    units: Value,
+    line: [f64; 2],
+    commands: [f64; 2],
+) -> PathBuf {
+    let file = SERVOS[1].file(folder);
+    let mut document = crate::support::json(&file);
+    document["units"] = units;
+    let model = &mut document["servo_model"];
+    model["radians_per_command"] = json!(if commands[1] < 1.0 {
+        1.0
+    } else {
+        1f64.to_radians()
+    });
+    model["commands"] = json!({ "least": commands[0], "largest": commands[1] });
+    let [gain, offset] = line;
+    // The same motion of the position.
+    let top_speed = (250.0 * 1.02 / gain).ln();
+    let values = model["values"].as_array_mut().unwrap();
+    for (place, value) in [(3, gain), (4, offset), (5, top_speed)] {
+        values[place] = json!(value);
+    }
+    let file = folder.join(format!("{name}.json"));
+    std::fs::write(&file, document.to_string()).unwrap();
+    file
 }
 
 /// Positions at the ends of steps as those at their beginnings: the first is that of the integrator.

@@ -4,8 +4,8 @@
  * C99, no allocation. {{id}}_real is float unless {{ID}}_REAL says otherwise, for example
  * -D{{ID}}_REAL=double.
  */
-#ifndef {{ID}}_H
-#define {{ID}}_H
+#ifndef {{ID}}_SERVO_MODEL_H
+#define {{ID}}_SERVO_MODEL_H
 
 /* Constants have all their digits, which a float rounds. */
 #if defined(__GNUC__)
@@ -18,14 +18,17 @@
 {{sine}}#ifndef {{ID}}_REAL
 #define {{ID}}_REAL float
 #endif
-typedef {{ID}}_REAL {{id}}_real;
-
+#ifndef {{ID}}_NAME /* the linear model of this servo has both, too */
 #define {{ID}}_NAME "{{name}}"
+typedef {{ID}}_REAL {{id}}_real;
+#endif
+
 #define {{ID}}_STEP_S {{step}}
 #define {{ID}}_DELAY_STEPS {{delay_steps}} /* whole steps */
 #define {{ID}}_LATE ({{ID}}_DELAY_STEPS + 2) /* commands that are on their way */
 
-static const {{id}}_real {{id}}_step_s = {{ID}}_STEP_S;
+/* Times are counted with this: single precision would be off by a step after minutes. */
+static const double {{id}}_step_s = {{ID}}_STEP_S;
 {{parameters}}
 
 typedef struct {
@@ -227,10 +230,10 @@ static inline {{id}}_real {{id}}_step({{id}}_state *servo, {{id}}_real command)
     {{id}}_real older = servo->late[oldest], newer = servo->late[next];
     /* The delayed command changes within the step: the motion is computed to there, and from there. */
     if (older < newer || older > newer) {
-        {{id}}_advance(servo, {{id}}_delay_fraction * {{id}}_step_s, older);
-        {{id}}_advance(servo, (1 - {{id}}_delay_fraction) * {{id}}_step_s, newer);
+        {{id}}_advance(servo, {{id}}_delay_fraction * ({{id}}_real){{id}}_step_s, older);
+        {{id}}_advance(servo, (1 - {{id}}_delay_fraction) * ({{id}}_real){{id}}_step_s, newer);
     } else {
-        {{id}}_advance(servo, {{id}}_step_s, newer);
+        {{id}}_advance(servo, ({{id}}_real){{id}}_step_s, newer);
     }
     return {{id}}_position(servo);
 }

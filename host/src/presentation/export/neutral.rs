@@ -1,0 +1,41 @@
+//! The command that a servo is under before it gets another.
+
+use crate::data::model_metadata::unit_meant;
+use crate::data::units::Units;
+use servoid_identification::servo_model::CommandRange;
+
+/// The neutral pulse of R/C servos \[us\].
+pub(super) const NEUTRAL_US: f64 = 1500.0;
+
+/// Whether the command is the pulse itself, in us.
+pub(super) fn is_pulse(units: Units<'_>) -> bool {
+    units.input.and_then(unit_meant).as_deref() == Some("us")
+}
+
+/// The neutral command, which is a pulse of 1500 us, or 0 in other units; where the recorded commands leave it out, their middle.
+pub(super) fn neutral(units: Units<'_>, recorded: Option<CommandRange>) -> f64 {
+    let usual = if is_pulse(units) { NEUTRAL_US } else { 0.0 };
+    recorded
+        .filter(|range| !(range.least..=range.largest).contains(&usual))
+        .map_or(usual, |range| range.middle())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_is_within_what_was_recorded() {
+        let of = |unit, least, largest| {
+            let units = Units {
+                input: unit,
+                output: Some("deg"),
+            };
+            neutral(units, Some(CommandRange { least, largest }))
+        };
+        assert_eq!(of(Some("us"), 1100.0, 1596.0), 1500.0);
+        assert_eq!(of(Some("us"), 600.0, 900.0), 750.0);
+        assert_eq!(of(Some("deg"), -20.0, 60.0), 0.0);
+        assert_eq!(of(None, 4.0, 6.0), 5.0);
+    }
+}

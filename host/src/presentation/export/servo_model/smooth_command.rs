@@ -1,0 +1,133 @@
+//! A smooth command, which shows how late an export is in motion: a staircase shows its largest difference alone.
+
+use super::subject::ServoExport;
+use super::trial_command::{Trial, exact};
+use std::f64::consts::{PI, TAU};
+
+/// The largest speed as a share of the limit: the sine is to stay below it.
+const OF_LIMIT: f64 = 0.8;
+
+/// The frequency as a share of that of the servo at small signals, at the most: where it follows.
+const OF_BANDWIDTH: f64 = 0.2;
+
+/// The longest period \[s\]; a servo that needs longer for the strokes of the recording gets smaller ones.
+const LONGEST_S: f64 = 10.0;
+
+/// Periods, of which the first is not compared.
+const PERIODS: usize = 3;
+
+/// A sine of the recording's range, slow enough for the servo.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct SmoothCommand {
+    step_s: f64,
+    frame_s: f64,
+    middle: f64,
+    amplitude: f64,
+    steps_per_period: usize,
+}
+
+impl SmoothCommand {
+    /// In the range of a trial, below the speed `limit` \[units of the command/s\] of the export and that of the servo.
+    pub fn of(export: &ServoExport<'_>, trial: &Trial, limit: Option<f64>) -> Self {
+        let top = export.top_speeds().map(|(up, down)| up.min(down));
+        let limit = limit.into_iter().chain(top).fold(f64::INFINITY, f64::min);
+        let most = trial.largest_stroke() / 2.0;
+        let bandwidth = OF_BANDWIDTH * export.parameters.stiffness.sqrt();
+        let wanted = (OF_LIMIT * limit / most).min(bandwidth);
+        let omega = wanted.max(TAU / LONGEST_S);
+        Self {
+            step_s: trial.step_s,
+            frame_s: export.frame_s(),
+            middle: trial.middle(),
+            amplitude: most * wanted / omega,
+            steps_per_period: (TAU / omega / trial.step_s).round().max(1.0) as usize,
+        }
+    }
+
+    /// The command of each step.
+    pub fn command(&self) -> Vec<f64> {
+        self.sampled(|time_s| time_s)
+    }
+
+    /// The same, new at the beginning of each pulse frame, where there is one.
+    pub fn held(&self) -> Vec<f64> {
+        self.sampled(|time_s| match self.frame_s > 0.0 {
+            // Half a step more, so that rounding moves no frame.
+            true => ((time_s + self.step_s / 2.0) / self.frame_s).floor() * self.frame_s,
+            false => time_s,
+        })
+    }
+
+    fn sampled(&self, taken_s: impl Fn(f64) -> f64) -> Vec<f64> {
+        let omega = TAU / self.period_s();
+        let command = |step: usize| {
+            let time_s = taken_s(step as f64 * self.step_s);
+            self.middle + self.amplitude * (omega * time_s).sin()
+        };
+        (0..PERIODS * self.steps_per_period).map(command).collect()
+    }
+
+    fn period_s(&self) -> f64 {
+        self.steps_per_period as f64 * self.step_s
+    }
+
+    /// By how much later than the servo itself, which gets the held command, an export is with these positions \[s\].
+    pub fn lag_s(&self, export: &ServoExport<'_>, positions: &[f64]) -> f64 {
+        let servo = exact(&export.parameters, self.step_s, &self.held());
+        let apart = self.phase(positions) - self.phase(&servo);
+        let nearest = apart - TAU * (apart / TAU).round();
+        nearest / TAU * self.period_s()
+    }
+
+    /// By how much positions lag, of a period of 2 pi.
+    fn phase(&self, positions: &[f64]) -> f64 {
+        let turn = TAU / self.steps_per_period as f64;
+        let compared = positions.iter().enumerate().skip(self.steps_per_period);
+        let (in_phase, behind) = compared.fold((0.0, 0.0), |(a, b), (step, position)| {
+            let (sin, cos) = (turn * step as f64).sin_cos();
+            (a + position * sin, b - position * cos)
+        });
+        f64::atan2(behind, in_phase).clamp(-PI, PI)
+    }
+
+    /// Of an export that is late by this, a sentence.
+    pub fn in_words(&self, export: &ServoExport<'_>, lag_s: f64) -> String {
+        let beside = |value| super::statement::beside(value, self.amplitude);
+        let held = match self.frame_s > 0.0 {
+            true => " and is held for each pulse frame",
+            false => "",
+        };
+        format!(
+            "Smooth command: under a sine of {} +- {} {} at {:.2} Hz, which stays below the limit of the speed{held}, the position is {:.1} ms {}.",
+            beside(self.middle),
+            beside(self.amplitude),
+            export.command_unit(),
+            1.0 / self.period_s(),
+            1e3 * lag_s.abs(),
+            if lag_s < 0.0 { "early" } else { "late" }
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_later_sine_is_as_late_as_it_is() {
+        let smooth = SmoothCommand {
+            step_s: 0.002,
+            frame_s: 0.02,
+            middle: 1500.0,
+            amplitude: 300.0,
+            steps_per_period: 500,
+        };
+        let later = |seconds: f64| smooth.phase(&smooth.sampled(|time_s| time_s - seconds));
+        let lag = (later(0.0074) - later(0.0)) / TAU * smooth.period_s();
+        // Rounding of a thousand terms.
+        assert!((lag - 0.0074).abs() < 1e-9, "{lag}");
+        // The mean wait of a hold of ten steps is that of 0 to 9 of them.
+        let held = (smooth.phase(&smooth.held()) - later(0.0)) / TAU * smooth.period_s();
+        assert!((held - 0.009).abs() < 1e-4, "{held}");
+    }
+}
