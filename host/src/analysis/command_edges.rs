@@ -8,14 +8,16 @@
 //!
 //! Where that is the time of one row, a logger polled the command: every answer is up to a row later than its row says, so no time holds, and
 //! errors that follow the motion are its consequence. That is a reason to have no bounds. A frame of pulses is part of what a simulation needs.
-//! Where frames are regular, [each command waits for the next](super::pulse_frames), and errors that follow the motion are that wait.
+//! Where frames are regular, [each command waits for the next](super::pulse_frames). Errors that follow the motion are that wait where a model of the
+//! [commands at their pulses](super::commands_at_pulses) has none.
 
 use super::command_answers::{CommandAnswer, answers, of_noise};
+use super::commands_at_pulses::at_pulses;
 use super::duration_in_words::in_words;
-use super::pulse_frames::{TimedAnswer, frame_length};
+use super::pulse_frames::{PulseFrames, TimedAnswer};
 use crate::data::dataset::Dataset;
 use servoid_identification::results::{Advice, Check, Model};
-use servoid_identification::{Identification, Run};
+use servoid_identification::{Identification, Options, Record, Run, identify_explained};
 
 /// Fewest answers by which one scatter is distinguished from another.
 const FEWEST: usize = 20;
@@ -51,7 +53,11 @@ pub(super) enum CommandEdges {
 }
 
 /// That commands take effect between the rows of a file, or later than they are written by a frame that scatters.
-pub(super) fn command_edges(data: &Dataset, found: &Identification) -> Option<CommandEdges> {
+pub(super) fn command_edges(
+    data: &Dataset,
+    found: &Identification,
+    options: &Options,
+) -> Option<CommandEdges> {
     let model = &found.model;
     // Steps of a coarse sensor scatter from stroke to stroke, too.
     let (at_rows, polled) = (data.about.commands_at_rows, data.about.polled);
@@ -64,9 +70,9 @@ pub(super) fn command_edges(data: &Dataset, found: &Identification) -> Option<Co
     let is_longer = rows > *ONE_ROW.end() && scatter_s <= LONGEST_FRAME_S;
     if at_rows
         && is_longer
-        && let Some(frame_s) = scatter.frame_length(model.sample_period_s)
+        && let Some(advice) = scatter.explained_by_pulses(data, found, options)
     {
-        return Some(CommandEdges::WithPulses(with_pulses(rows, frame_s)));
+        return Some(CommandEdges::WithPulses(advice));
     }
     if !scatter.is_even() {
         return None;
@@ -114,12 +120,19 @@ fn in_frames(rows: f64, scatter_s: f64) -> Advice {
     of_wait(rows, &finding, scatter_s)
 }
 
-fn with_pulses(rows: f64, frame_s: f64) -> Advice {
+/// Of frames whose length is known, or of those over whose length answers scatter.
+fn with_pulses(rows: f64, length_s: Option<f64>, scatter_s: f64) -> Advice {
+    let frame = match length_s {
+        Some(length_s) => format!("a frame of {}", in_words(length_s)),
+        None => format!(
+            "a frame of its own, of about {} (equal holds do not show it exactly)",
+            in_words(scatter_s)
+        ),
+    };
     let finding = format!(
-        "Each command waits for the next pulse of a frame of {}, and errors that follow the motion are that wait. All times contain its mean",
-        in_words(frame_s)
+        "Each command waits for the next pulse of {frame}, and errors that follow the motion are that wait. All times contain its mean"
     );
-    of_wait(rows, &finding, frame_s)
+    of_wait(rows, &finding, length_s.unwrap_or(scatter_s))
 }
 
 /// A `finding` that goes on with the mean of a wait of up to `longest_s`.
@@ -143,6 +156,8 @@ struct Scatter {
     answers: Vec<CommandAnswer>,
     /// Their variance beyond noise \[samples²\].
     variance: f64,
+    /// The same with that of noise.
+    with_noise: f64,
     kurtosis: f64,
 }
 
@@ -169,6 +184,7 @@ impl Scatter {
         (of_noise < MOST_NOISE * variance).then(|| Self {
             answers,
             variance: variance - of_noise,
+            with_noise: variance,
             kurtosis: fourth / (variance * variance),
         })
     }
@@ -185,25 +201,111 @@ impl Scatter {
 
     fn is_free_of_strokes(&self) -> bool {
         let by_stroke: [fn(&CommandAnswer) -> f64; 2] =
-            [|answer| answer.stroke, |answer| answer.stroke.abs()];
+            [CommandAnswer::stroke, |answer| answer.stroke().abs()];
         let mut by_stroke = by_stroke.into_iter();
         by_stroke.all(|of| squared_correlation(&self.answers, of) < MOST_BY_STROKE)
     }
 
-    /// The length of a frame of pulses that commands wait for \[s\], by the run that has the most of them.
-    fn frame_length(&self, period_s: f64) -> Option<f64> {
-        if !self.is_free_of_strokes() {
+    /// Whether answers to the same stroke after the same one scatter as all do. Where strokes repeat themselves in one order, a servo that is not linear answers
+    /// each in its own time, and any clock may have such times.
+    fn scatters_within_strokes(&self) -> bool {
+        let mut answers: Vec<([u64; 3], f64)> = self.answers.iter().map(key_and_time).collect();
+        answers.sort_by_key(|answer| answer.0);
+        let (mut square, mut degrees) = (0.0, 0);
+        for same in answers.chunk_by(|a, b| a.0 == b.0) {
+            let mean = same.iter().map(|(_, late)| late).sum::<f64>() / same.len() as f64;
+            square += (same.iter().map(|(_, late)| (late - mean).powi(2))).sum::<f64>();
+            degrees += same.len() - 1;
+        }
+        let are_different = 2 * degrees < answers.len();
+        are_different || square > (1.0 - MOST_BY_STROKE) * self.with_noise * degrees as f64
+    }
+
+    /// That commands wait for regular pulses, where no error in motion is left to a model of the commands at their pulses.
+    fn explained_by_pulses(
+        &self,
+        data: &Dataset,
+        found: &Identification,
+        options: &Options,
+    ) -> Option<Advice> {
+        if !self.is_free_of_strokes() || !self.scatters_within_strokes() {
             return None;
         }
-        let runs = self.answers.chunk_by(|a, b| a.at.0 == b.at.0);
-        let run = runs.max_by_key(|answers| answers.len())?;
-        let answers = run.iter().map(|answer| TimedAnswer {
-            at_s: answer.at.1 as f64 * period_s,
-            late_s: answer.late * period_s,
-        });
-        let answers: Vec<TimedAnswer> = answers.collect();
-        frame_length(&answers, self.rows() * period_s)
+        let scatter_s = self.rows() * data.record.sample_period_s();
+        let runs = self.runs_in_frames(data.record.sample_period_s());
+        let most = runs.iter().max_by_key(|run| run.answers.len())?;
+        let in_frames: usize = runs.iter().map(|run| run.answers.len()).sum();
+        let are_most = 2 * in_frames > self.answers.len();
+        let is_explained =
+            || found.model.linear || is_linear_at_pulses(&data.record, &runs, options);
+        (are_most && is_explained())
+            .then(|| with_pulses(self.rows(), most.frames.length_s, scatter_s))
     }
+
+    /// The runs that show regular pulses.
+    fn runs_in_frames(&self, period_s: f64) -> Vec<RunInFrames> {
+        let scatter_s = self.rows() * period_s;
+        let of_run = |answers: &[CommandAnswer]| {
+            let run = answers.first()?.at.0;
+            let timed = answers.iter().map(|answer| TimedAnswer {
+                at_s: answer.at.1 as f64 * period_s,
+                late_s: answer.late * period_s,
+            });
+            let answers: Vec<TimedAnswer> = timed.collect();
+            let frames = PulseFrames::of(&answers, scatter_s)?;
+            Some(RunInFrames {
+                run,
+                answers,
+                frames,
+            })
+        };
+        let runs = self.answers.chunk_by(|a, b| a.at.0 == b.at.0);
+        runs.filter_map(of_run).collect()
+    }
+}
+
+/// By what strokes are told apart, and the time of an answer.
+fn key_and_time(answer: &CommandAnswer) -> ([u64; 3], f64) {
+    (answer.levels.map(f64::to_bits), answer.late)
+}
+
+/// A run whose commands wait for regular pulses.
+struct RunInFrames {
+    /// Its place among the runs.
+    run: usize,
+    answers: Vec<TimedAnswer>,
+    frames: PulseFrames,
+}
+
+impl RunInFrames {
+    /// The run with its commands at their pulses.
+    fn at_pulses(&self, record: &Record<'_>) -> Option<Run<'static>> {
+        let period_s = record.sample_period_s();
+        let wait_rows = |row: usize| {
+            let at_s = row as f64 * period_s;
+            let answer = (self.answers).binary_search_by(|answer| answer.at_s.total_cmp(&at_s));
+            let answer = answer.ok().and_then(|index| self.answers.get(index));
+            self.frames.wait_s(at_s, answer.map(|answer| answer.late_s)) / period_s
+        };
+        at_pulses(record.runs().get(self.run)?, wait_rows)
+    }
+}
+
+/// Whether no errors that follow the motion are left to a model of the `runs` with their commands at their pulses.
+fn is_linear_at_pulses(record: &Record<'_>, runs: &[RunInFrames], options: &Options) -> bool {
+    let moved: Option<Vec<Run>> = runs.iter().map(|run| run.at_pulses(record)).collect();
+    let moved = moved.and_then(|runs| Record::new(record.sample_period_s(), runs).ok());
+    let found = moved.and_then(|moved| {
+        let moved = moved
+            .with_sample_phase(record.sample_phase_s())
+            .with_rest(record.rest().to_vec());
+        identify_explained(&moved, options).ok()
+    });
+    found.is_some_and(|Identification { explanation, .. }| {
+        let linearity = explanation.linearity;
+        explanation.model_errors.is_none()
+            && linearity.is_some_and(|found| !found.errors_follow_motion())
+    })
 }
 
 /// Of the times of the answers with a property of their strokes.
