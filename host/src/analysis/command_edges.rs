@@ -12,12 +12,12 @@
 //! [commands at their pulses](super::commands_at_pulses) has none.
 
 use super::command_answers::{CommandAnswer, answers, of_noise};
-use super::commands_at_pulses::at_pulses;
+use super::commands_at_pulses::{RunInFrames, is_linear_at_pulses};
 use super::duration_in_words::in_words;
 use super::pulse_frames::{PulseFrames, TimedAnswer};
 use crate::data::dataset::Dataset;
 use servoid_identification::results::{Advice, Check, Model};
-use servoid_identification::{Identification, Options, Record, Run, identify_explained};
+use servoid_identification::{Identification, Options, Run};
 
 /// Fewest answers by which one scatter is distinguished from another.
 const FEWEST: usize = 20;
@@ -269,45 +269,6 @@ fn key_and_time(answer: &CommandAnswer) -> ([u64; 3], f64) {
     (answer.levels.map(f64::to_bits), answer.late)
 }
 
-/// A run whose commands wait for regular pulses.
-struct RunInFrames {
-    /// Its place among the runs.
-    run: usize,
-    answers: Vec<TimedAnswer>,
-    frames: PulseFrames,
-}
-
-impl RunInFrames {
-    /// The run with its commands at their pulses.
-    fn at_pulses(&self, record: &Record<'_>) -> Option<Run<'static>> {
-        let period_s = record.sample_period_s();
-        let wait_rows = |row: usize| {
-            let at_s = row as f64 * period_s;
-            let answer = (self.answers).binary_search_by(|answer| answer.at_s.total_cmp(&at_s));
-            let answer = answer.ok().and_then(|index| self.answers.get(index));
-            self.frames.wait_s(at_s, answer.map(|answer| answer.late_s)) / period_s
-        };
-        at_pulses(record.runs().get(self.run)?, wait_rows)
-    }
-}
-
-/// Whether no errors that follow the motion are left to a model of the `runs` with their commands at their pulses.
-fn is_linear_at_pulses(record: &Record<'_>, runs: &[RunInFrames], options: &Options) -> bool {
-    let moved: Option<Vec<Run>> = runs.iter().map(|run| run.at_pulses(record)).collect();
-    let moved = moved.and_then(|runs| Record::new(record.sample_period_s(), runs).ok());
-    let found = moved.and_then(|moved| {
-        let moved = moved
-            .with_sample_phase(record.sample_phase_s())
-            .with_rest(record.rest().to_vec());
-        identify_explained(&moved, options).ok()
-    });
-    found.is_some_and(|Identification { explanation, .. }| {
-        let linearity = explanation.linearity;
-        explanation.model_errors.is_none()
-            && linearity.is_some_and(|found| !found.errors_follow_motion())
-    })
-}
-
 /// Of the times of the answers with a property of their strokes.
 fn squared_correlation(answers: &[CommandAnswer], of: fn(&CommandAnswer) -> f64) -> f64 {
     let count = answers.len() as f64;
@@ -436,16 +397,15 @@ mod tests {
         assert_eq!(scatter(0.0, 1.0), None);
     }
 
-    /// The same servo behind pulses every 23.7 ms, with which commands begin.
-    #[test]
-    fn a_servo_behind_pulses_is_linear_and_its_frame_is_named() {
+    /// The same servo behind pulses every 23.7 ms, with which commands begin, under holds of `rows(stroke)`; no faster than `top` a step of 0.1 ms up, and `down` down.
+    fn behind_pulses(rows: fn(u32) -> u32, [top, down]: [f64; 2]) -> Model {
         let random = |k: u32| (f64::from(k) * f64::from(k) * 0.7548776662).fract();
         let (mut input, mut output) = (Vec::new(), Vec::new());
         let (mut angle, mut in_force) = (0.0, 0.0);
         let mut part = 0u32;
         for stroke in 0..100 {
             let level = 10.0 * random(7 * stroke + 1) - 5.0;
-            for row in 0..20 + stroke % 21 {
+            for row in 0..rows(stroke) {
                 input.push(level);
                 output.push(angle + 0.02 * (random(91 * stroke + row) - 0.5));
                 for _ in 0..100 {
@@ -453,7 +413,7 @@ mod tests {
                         in_force = level;
                     }
                     part += 1;
-                    angle += (in_force - angle) / 300.0;
+                    angle += f64::clamp((in_force - angle) / 300.0, -down, top);
                 }
             }
         }
@@ -468,15 +428,78 @@ mod tests {
         })
         .unwrap();
         data.about.commands_at_rows = true;
-        let found = identified(&data, "pulses", &Options::default()).unwrap();
-        let model = found.model;
+        let found = identified(&data, "pulses", &Options::default());
+        found.unwrap().model
+    }
+
+    fn advised(model: &Model, words: &str) -> bool {
+        let mut advice = model.advice.iter();
+        advice.any(|item| item.finding.contains(words))
+    }
+
+    #[test]
+    fn a_servo_behind_pulses_is_linear_and_its_frame_is_named() {
+        let model = behind_pulses(|stroke| 20 + stroke % 21, [f64::INFINITY; 2]);
         assert!(
             model.linear && model.bounds.valid().is_some(),
             "{:?}",
             model.advice
         );
-        let mut advice = model.advice.iter();
-        let named = |item: &Advice| item.finding.contains("pulse of a frame of 23.7 ms");
-        assert!(advice.any(named), "{:?}", model.advice);
+        let named = advised(&model, "pulse of a frame of 23.7 ms");
+        assert!(named, "{:?}", model.advice);
+    }
+
+    #[test]
+    fn under_equal_holds_it_is_linear_too_and_no_exact_frame_is_named() {
+        let model = behind_pulses(|_| 20, [f64::INFINITY; 2]);
+        assert!(
+            model.linear && model.bounds.valid().is_some(),
+            "{:?}",
+            model.advice
+        );
+        let named = advised(&model, "equal holds do not show it exactly");
+        assert!(named, "{:?}", model.advice);
+    }
+
+    /// The longest strokes are up to 330 a second, of which 100 or 150 are left: both ways, or up alone.
+    #[test]
+    fn a_limit_of_speed_behind_pulses_is_found() {
+        for limits in [[0.01, 0.01], [0.015, 0.015], [0.015, f64::INFINITY]] {
+            for rows in [|_| 20, |stroke| 20 + stroke % 21] {
+                let model = behind_pulses(rows, limits);
+                assert!(!model.linear, "{limits:?}: {:?}", model.advice);
+                assert!(!advised(&model, "next pulse"), "{:?}", model.advice);
+            }
+        }
+    }
+
+    /// Each of five strokes in one order has its own time, as a servo that is not linear may have, and as equal holds behind pulses make it.
+    #[test]
+    fn times_that_repeat_themselves_with_the_strokes_are_no_wait() {
+        let random = |k: u32| (f64::from(k) * f64::from(k) * 0.7548776662).fract();
+        let (mut input, mut output) = (Vec::new(), Vec::new());
+        let mut angle = 0.0;
+        let levels = [0.0, 4.0, -2.0, 1.0, -5.0];
+        for hold in 0..100u32 {
+            let level = levels[hold as usize % 5];
+            let late = 100 * (hold * 3 % 5);
+            let before = levels[(hold as usize + 4) % 5];
+            for row in 0..30 {
+                input.push(level);
+                output.push(angle + 0.02 * (random(91 * hold + row) - 0.5));
+                for step in 0..100 {
+                    let command = if 100 * row + step < late {
+                        before
+                    } else {
+                        level
+                    };
+                    angle += (command - angle) / 300.0;
+                }
+            }
+        }
+        let record = Record::of_run(0.01, input, output).unwrap();
+        let model = identify(&record, &Options::default()).unwrap();
+        let found = Scatter::of(record.runs(), &model);
+        assert!(found.is_none_or(|found| !found.scatters_within_strokes()));
     }
 }
