@@ -4,13 +4,16 @@
 //! are. A command of the time t waits for the next one,
 //!
 //! ```text
-//! w(t) = (t0 - t) mod T
+//! w(t) = (t0 - t) mod T = T/2 + Σ_k T/(π k) sin(2π k (t - t0)/T)
 //! ```
 //!
-//! and the w that explains the times of the answers best has to explain nearly all of them. Commands at rows show such a w as one of other frequencies, too, whose
-//! waits are shorter or longer: the times themselves tell which.
+//! so for each T the first harmonic of the times of the answers gives a first t0, and the w that explains the times best has to explain
+//! nearly all of them. Commands at rows show such a w as one of other frequencies, too, whose waits are shorter or longer: the times
+//! themselves tell which.
 //!
 //! Under equal holds too many frequencies are alike for the length to be known. What each command waited for is known nevertheless.
+
+use std::f64::consts::TAU;
 
 /// The time of a command, and by how much its answer is later than the others \[s\].
 #[derive(Clone, Copy)]
@@ -26,10 +29,13 @@ const PARTS: [f64; 2] = [0.7, 1.4];
 /// at both ends.
 const STEPS: f64 = 5.0;
 
-/// Steps of the moment of the pulses within a frame.
-const MOMENTS: usize = 20;
+/// So many of these are looked at more closely: where commands come at few parts of a frame, the harmonic is off by some of it.
+const REFINED: usize = 10;
 
-/// Times that both steps are halved: pulses are then known to a thousandth of a frame.
+/// The step, in frames, by which moments of pulses are moved first.
+const MOMENT: f64 = 0.1;
+
+/// Times that both steps are halved: pulses are then known to a few thousandths of a frame.
 const HALVED: usize = 6;
 
 /// Share of the times that the wait may leave: noise, and the row up to which a time is known.
@@ -61,16 +67,14 @@ impl PulseFrames {
         let step = (STEPS * (last - first)).recip();
         let tries = ((highest - lowest) / step).max(1.0);
         let times = Times::of(answers);
-        let clocks = (0..tries.ceil() as usize).flat_map(|k| {
-            let frequency = lowest + k as f64 * step;
-            (0..MOMENTS).map(move |moment| Clock {
-                frequency,
-                pulse: moment as f64 / MOMENTS as f64,
-            })
-        });
-        let left = clocks.map(|clock| (clock, times.left_by(clock)));
-        let (clock, left) = left.min_by(|a, b| a.1.total_cmp(&b.1))?;
-        let (clock, left) = times.refined(clock, left, [step, 1.0 / MOMENTS as f64]);
+        let mut rough: Vec<(Clock, f64)> = (0..tries.ceil() as usize)
+            .map(|k| times.clock_of(lowest + k as f64 * step))
+            .map(|clock| (clock, times.left_by(clock)))
+            .collect();
+        rough.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let best = rough.into_iter().take(REFINED);
+        let refined = best.map(|rough| times.refined(rough, [step, MOMENT]));
+        let (clock, left) = refined.min_by(|a, b| a.1.total_cmp(&b.1))?;
         // A length, a moment, and a mean are fitted.
         let chance = tries * left.powf(0.5 * (answers.len() as f64 - 3.0));
         (left < MOST_LEFT && chance < CHANCE).then(|| Self {
@@ -132,6 +136,21 @@ impl<'a> Times<'a> {
         }
     }
 
+    /// That of a `frequency` by the first harmonic of the times.
+    fn clock_of(&self, frequency: f64) -> Clock {
+        let harmonic = self.answers.iter().map(|answer| {
+            let (sin, cos) = (TAU * frequency * answer.at_s).sin_cos();
+            let late = answer.late_s - self.mean;
+            (late * cos, late * sin)
+        });
+        let (cos, sin) = harmonic.fold((0.0, 0.0), |(a, b), (cos, sin)| (a + cos, b + sin));
+        // cos : sin of the harmonic are those of sin(2π (t - t0)/T).
+        Clock {
+            frequency,
+            pulse: f64::atan2(cos, sin) / TAU,
+        }
+    }
+
     /// The mean of what the wait for `clock` leaves.
     fn mean_without(&self, clock: Clock) -> f64 {
         let waits = self.answers.iter().map(|answer| clock.wait_s(answer.at_s));
@@ -146,9 +165,9 @@ impl<'a> Times<'a> {
         square.sum::<f64>() / self.square
     }
 
-    /// The best clock about `clock`, and the share that it leaves, from steps of frequency and moment on.
-    fn refined(&self, clock: Clock, left: f64, steps: [f64; 2]) -> (Clock, f64) {
-        let mut best = (clock, left);
+    /// The best clock about a `rough` one with the share that it leaves, from steps of frequency and moment on.
+    fn refined(&self, rough: (Clock, f64), steps: [f64; 2]) -> (Clock, f64) {
+        let mut best = rough;
         for halved in 1..=HALVED {
             let [of_frequency, of_pulse] = steps.map(|step| step / f64::from(1 << halved));
             let (about, _) = best;
