@@ -16,8 +16,8 @@ use servoid_identification::results::Model;
 pub(super) struct CommandAnswer {
     /// The run, and the row in it at which the command changed.
     pub(super) at: (usize, usize),
-    /// The command two changes ago, before this one, and after it; the first is NaN at the first change of a run.
-    pub(super) levels: [f64; 3],
+    /// The command before the change and after it.
+    pub(super) levels: [f64; 2],
     /// Later than the model by \[samples\].
     pub(super) late: f64,
     /// Sum of squares of the speed about its mean.
@@ -30,13 +30,13 @@ pub(super) struct CommandAnswer {
 impl CommandAnswer {
     /// Change of the command.
     pub(super) fn stroke(&self) -> f64 {
-        let [_, before, after] = self.levels;
+        let [before, after] = self.levels;
         after - before
     }
 }
 
 /// The answers of a run, each from one change of the command to the next.
-pub(super) fn answers(index_of_run: usize, run: &Run<'_>, model: &Model) -> Vec<CommandAnswer> {
+pub(super) fn answers(index: usize, run: &Run<'_>, model: &Model) -> Vec<CommandAnswer> {
     let simulated = model.simulate(run);
     let speed = |beside: &[f64]| match beside {
         [before, _, after] => 0.5 * (after - before),
@@ -49,17 +49,13 @@ pub(super) fn answers(index_of_run: usize, run: &Run<'_>, model: &Model) -> Vec<
         (run.input().iter().copied().zip(errors.zip(speeds))).collect();
     // The first hold answers what was before the run.
     let holds: Vec<_> = rows.chunk_by(|(a, _), (b, _)| a == b).collect();
-    let level = |index: usize| holds.get(index).and_then(|hold| hold.first());
     let pairs = holds.iter().zip(holds.iter().skip(1));
     let mut row = 0;
     pairs
-        .enumerate()
-        .filter_map(|(index, (before, hold))| {
+        .filter_map(|(before, hold)| {
             row += before.len();
-            let earlier = index.checked_sub(1).and_then(level);
-            let levels = [earlier, before.first(), hold.first()];
-            let levels = levels.map(|row| row.map_or(f64::NAN, |row| row.0));
-            answer((index_of_run, row), levels, hold)
+            let levels = [before.first()?.0, hold.first()?.0];
+            answer((index, row), levels, hold)
         })
         .collect()
 }
@@ -67,7 +63,7 @@ pub(super) fn answers(index_of_run: usize, run: &Run<'_>, model: &Model) -> Vec<
 /// The answer within a hold, by its rows of command, error and speed.
 fn answer(
     at: (usize, usize),
-    levels: [f64; 3],
+    levels: [f64; 2],
     hold: &[(f64, (f64, f64))],
 ) -> Option<CommandAnswer> {
     let known = hold.iter().map(|(_, pair)| *pair);
@@ -140,7 +136,7 @@ mod tests {
                 let speed = (-f64::from(row) / 15.0).exp();
                 (1.0, (noise, speed))
             });
-            answer((0, 0), [0.0; 3], &rows.collect::<Vec<_>>())
+            answer((0, 0), [0.0; 2], &rows.collect::<Vec<_>>())
         };
         let answers: Vec<CommandAnswer> = (0..400).filter_map(&mut hold).collect();
         let square: f64 = answers.iter().map(|answer| answer.late.powi(2)).sum();

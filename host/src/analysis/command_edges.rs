@@ -18,6 +18,7 @@ use super::pulse_frames::{PulseFrames, TimedAnswer};
 use crate::data::dataset::Dataset;
 use servoid_identification::results::{Advice, Check, Model};
 use servoid_identification::{Identification, Options, Run};
+use std::collections::BTreeSet;
 
 /// Fewest answers by which one scatter is distinguished from another.
 const FEWEST: usize = 20;
@@ -156,8 +157,6 @@ struct Scatter {
     answers: Vec<CommandAnswer>,
     /// Their variance beyond noise \[samples²\].
     variance: f64,
-    /// The same with that of noise.
-    with_noise: f64,
     kurtosis: f64,
 }
 
@@ -184,7 +183,6 @@ impl Scatter {
         (of_noise < MOST_NOISE * variance).then(|| Self {
             answers,
             variance: variance - of_noise,
-            with_noise: variance,
             kurtosis: fourth / (variance * variance),
         })
     }
@@ -206,19 +204,12 @@ impl Scatter {
         by_stroke.all(|of| squared_correlation(&self.answers, of) < MOST_BY_STROKE)
     }
 
-    /// Whether answers to the same stroke after the same one scatter as all do. Where strokes repeat themselves in one order, a servo that is not linear answers
-    /// each in its own time, and any clock may have such times.
-    fn scatters_within_strokes(&self) -> bool {
-        let mut answers: Vec<([u64; 3], f64)> = self.answers.iter().map(key_and_time).collect();
-        answers.sort_by_key(|answer| answer.0);
-        let (mut square, mut degrees) = (0.0, 0);
-        for same in answers.chunk_by(|a, b| a.0 == b.0) {
-            let mean = same.iter().map(|(_, late)| late).sum::<f64>() / same.len() as f64;
-            square += (same.iter().map(|(_, late)| (late - mean).powi(2))).sum::<f64>();
-            degrees += same.len() - 1;
-        }
-        let are_different = 2 * degrees < answers.len();
-        are_different || square > (1.0 - MOST_BY_STROKE) * self.with_noise * degrees as f64
+    /// Whether most strokes are others than those before. Where they repeat themselves under equal holds, a servo that is not linear answers each in its own time,
+    /// and any clock may have such times.
+    fn strokes_are_different(&self) -> bool {
+        let strokes = self.answers.iter().map(|answer| answer.levels);
+        let strokes: BTreeSet<[u64; 2]> = strokes.map(|levels| levels.map(f64::to_bits)).collect();
+        2 * strokes.len() > self.answers.len()
     }
 
     /// That commands wait for regular pulses, where no error in motion is left to a model of the commands at their pulses.
@@ -228,7 +219,7 @@ impl Scatter {
         found: &Identification,
         options: &Options,
     ) -> Option<Advice> {
-        if !self.is_free_of_strokes() || !self.scatters_within_strokes() {
+        if !self.is_free_of_strokes() {
             return None;
         }
         let scatter_s = self.rows() * data.record.sample_period_s();
@@ -236,6 +227,9 @@ impl Scatter {
         let most = runs.iter().max_by_key(|run| run.answers.len())?;
         let in_frames: usize = runs.iter().map(|run| run.answers.len()).sum();
         let are_most = 2 * in_frames > self.answers.len();
+        if most.frames.length_s.is_none() && !self.strokes_are_different() {
+            return None;
+        }
         let is_explained =
             || found.model.linear || is_linear_at_pulses(&data.record, &runs, options);
         (are_most && is_explained())
@@ -262,11 +256,6 @@ impl Scatter {
         let runs = self.answers.chunk_by(|a, b| a.at.0 == b.at.0);
         runs.filter_map(of_run).collect()
     }
-}
-
-/// By what strokes are told apart, and the time of an answer.
-fn key_and_time(answer: &CommandAnswer) -> ([u64; 3], f64) {
-    (answer.levels.map(f64::to_bits), answer.late)
 }
 
 /// Of the times of the answers with a property of their strokes.
@@ -473,33 +462,32 @@ mod tests {
         }
     }
 
-    /// Each of five strokes in one order has its own time, as a servo that is not linear may have, and as equal holds behind pulses make it.
+    /// Five strokes in one order, under equal holds behind pulses: each has its own times, as those of a servo that is not linear.
     #[test]
-    fn times_that_repeat_themselves_with_the_strokes_are_no_wait() {
-        let random = |k: u32| (f64::from(k) * f64::from(k) * 0.7548776662).fract();
-        let (mut input, mut output) = (Vec::new(), Vec::new());
-        let mut angle = 0.0;
-        let levels = [0.0, 4.0, -2.0, 1.0, -5.0];
-        for hold in 0..100u32 {
-            let level = levels[hold as usize % 5];
-            let late = 100 * (hold * 3 % 5);
-            let before = levels[(hold as usize + 4) % 5];
-            for row in 0..30 {
-                input.push(level);
-                output.push(angle + 0.02 * (random(91 * hold + row) - 0.5));
-                for step in 0..100 {
-                    let command = if 100 * row + step < late {
-                        before
-                    } else {
-                        level
-                    };
-                    angle += (command - angle) / 300.0;
+    fn strokes_that_repeat_themselves_are_told_from_others() {
+        let different = |model_of: fn(u32) -> f64| {
+            let (mut input, mut output) = (Vec::new(), Vec::new());
+            let (mut angle, mut in_force, mut part) = (0.0, 0.0, 0u32);
+            for hold in 0..100 {
+                for _ in 0..20 {
+                    input.push(model_of(hold));
+                    output.push(angle);
+                    for _ in 0..100 {
+                        if part.is_multiple_of(237) {
+                            in_force = model_of(hold);
+                        }
+                        part += 1;
+                        angle += (in_force - angle) / 300.0;
+                    }
                 }
             }
-        }
-        let record = Record::of_run(0.01, input, output).unwrap();
-        let model = identify(&record, &Options::default()).unwrap();
-        let found = Scatter::of(record.runs(), &model);
-        assert!(found.is_none_or(|found| !found.scatters_within_strokes()));
+            let record = Record::of_run(0.01, input, output).unwrap();
+            let model = identify(&record, &Options::default()).unwrap();
+            Scatter::of(record.runs(), &model).map(|found| found.strokes_are_different())
+        };
+        let five = |hold: u32| [0.0, 4.0, -2.0, 1.0, -5.0][hold as usize % 5];
+        assert_ne!(different(five), Some(true));
+        let any = |hold: u32| (f64::from(hold) * f64::from(hold) * 0.7548776662).fract();
+        assert_eq!(different(any), Some(true));
     }
 }
