@@ -16,8 +16,8 @@ use servoid_identification::results::Model;
 pub(super) struct CommandAnswer {
     /// The run, and the row in it at which the command changed.
     pub(super) at: (usize, usize),
-    /// Change of the command.
-    pub(super) stroke: f64,
+    /// The command before the change and after it.
+    pub(super) levels: [f64; 2],
     /// Later than the model by \[samples\].
     pub(super) late: f64,
     /// Sum of squares of the speed about its mean.
@@ -25,6 +25,14 @@ pub(super) struct CommandAnswer {
     /// The speed about its mean, and the errors that the lag does not explain.
     speeds: Vec<f64>,
     left: Vec<f64>,
+}
+
+impl CommandAnswer {
+    /// Change of the command.
+    pub(super) fn stroke(&self) -> f64 {
+        let [before, after] = self.levels;
+        after - before
+    }
 }
 
 /// The answers of a run, each from one change of the command to the next.
@@ -46,14 +54,18 @@ pub(super) fn answers(index: usize, run: &Run<'_>, model: &Model) -> Vec<Command
     pairs
         .filter_map(|(before, hold)| {
             row += before.len();
-            answer((index, row), before.first()?.0, hold)
+            let levels = [before.first()?.0, hold.first()?.0];
+            answer((index, row), levels, hold)
         })
         .collect()
 }
 
-/// The answer within a hold, by the command `before` it and its rows of command, error and speed.
-fn answer(at: (usize, usize), before: f64, hold: &[(f64, (f64, f64))]) -> Option<CommandAnswer> {
-    let stroke = hold.first()?.0 - before;
+/// The answer within a hold, by its rows of command, error and speed.
+fn answer(
+    at: (usize, usize),
+    levels: [f64; 2],
+    hold: &[(f64, (f64, f64))],
+) -> Option<CommandAnswer> {
     let known = hold.iter().map(|(_, pair)| *pair);
     let known = known.filter(|(error, speed)| !(error * speed).is_nan());
     let (mut left, mut speeds): (Vec<f64>, Vec<f64>) = known.unzip();
@@ -69,7 +81,7 @@ fn answer(at: (usize, usize), before: f64, hold: &[(f64, (f64, f64))]) -> Option
     }
     (weight > 0.0).then_some(CommandAnswer {
         at,
-        stroke,
+        levels,
         late,
         weight,
         speeds,
@@ -124,7 +136,7 @@ mod tests {
                 let speed = (-f64::from(row) / 15.0).exp();
                 (1.0, (noise, speed))
             });
-            answer((0, 0), 0.0, &rows.collect::<Vec<_>>())
+            answer((0, 0), [0.0; 2], &rows.collect::<Vec<_>>())
         };
         let answers: Vec<CommandAnswer> = (0..400).filter_map(&mut hold).collect();
         let square: f64 = answers.iter().map(|answer| answer.late.powi(2)).sum();

@@ -8,14 +8,17 @@
 //!
 //! Where that is the time of one row, a logger polled the command: every answer is up to a row later than its row says, so no time holds, and
 //! errors that follow the motion are its consequence. That is a reason to have no bounds. A frame of pulses is part of what a simulation needs.
-//! Where frames are regular, [each command waits for the next](super::pulse_frames), and errors that follow the motion are that wait.
+//! Where frames are regular, [each command waits for the next](super::pulse_frames). Errors that follow the motion are that wait where a model of the
+//! [commands at their pulses](super::commands_at_pulses) has none.
 
 use super::command_answers::{CommandAnswer, answers, of_noise};
+use super::commands_at_pulses::{RunInFrames, is_linear_at_pulses};
 use super::duration_in_words::in_words;
-use super::pulse_frames::{TimedAnswer, frame_length};
+use super::pulse_frames::{PulseFrames, TimedAnswer};
 use crate::data::dataset::Dataset;
 use servoid_identification::results::{Advice, Check, Model};
-use servoid_identification::{Identification, Run};
+use servoid_identification::{Identification, Options, Run};
+use std::collections::BTreeSet;
 
 /// Fewest answers by which one scatter is distinguished from another.
 const FEWEST: usize = 20;
@@ -51,7 +54,11 @@ pub(super) enum CommandEdges {
 }
 
 /// That commands take effect between the rows of a file, or later than they are written by a frame that scatters.
-pub(super) fn command_edges(data: &Dataset, found: &Identification) -> Option<CommandEdges> {
+pub(super) fn command_edges(
+    data: &Dataset,
+    found: &Identification,
+    options: &Options,
+) -> Option<CommandEdges> {
     let model = &found.model;
     // Steps of a coarse sensor scatter from stroke to stroke, too.
     let (at_rows, polled) = (data.about.commands_at_rows, data.about.polled);
@@ -64,9 +71,9 @@ pub(super) fn command_edges(data: &Dataset, found: &Identification) -> Option<Co
     let is_longer = rows > *ONE_ROW.end() && scatter_s <= LONGEST_FRAME_S;
     if at_rows
         && is_longer
-        && let Some(frame_s) = scatter.frame_length(model.sample_period_s)
+        && let Some(advice) = scatter.explained_by_pulses(data, found, options)
     {
-        return Some(CommandEdges::WithPulses(with_pulses(rows, frame_s)));
+        return Some(CommandEdges::WithPulses(advice));
     }
     if !scatter.is_even() {
         return None;
@@ -114,12 +121,19 @@ fn in_frames(rows: f64, scatter_s: f64) -> Advice {
     of_wait(rows, &finding, scatter_s)
 }
 
-fn with_pulses(rows: f64, frame_s: f64) -> Advice {
+/// Of frames whose length is known, or of those over whose length answers scatter.
+fn with_pulses(rows: f64, length_s: Option<f64>, scatter_s: f64) -> Advice {
+    let frame = match length_s {
+        Some(length_s) => format!("a frame of {}", in_words(length_s)),
+        None => format!(
+            "a frame of its own, of about {} (equal holds do not show it exactly)",
+            in_words(scatter_s)
+        ),
+    };
     let finding = format!(
-        "Each command waits for the next pulse of a frame of {}, and errors that follow the motion are that wait. All times contain its mean",
-        in_words(frame_s)
+        "Each command waits for the next pulse of {frame}, and errors that follow the motion are that wait. All times contain its mean"
     );
-    of_wait(rows, &finding, frame_s)
+    of_wait(rows, &finding, length_s.unwrap_or(scatter_s))
 }
 
 /// A `finding` that goes on with the mean of a wait of up to `longest_s`.
@@ -185,24 +199,62 @@ impl Scatter {
 
     fn is_free_of_strokes(&self) -> bool {
         let by_stroke: [fn(&CommandAnswer) -> f64; 2] =
-            [|answer| answer.stroke, |answer| answer.stroke.abs()];
+            [CommandAnswer::stroke, |answer| answer.stroke().abs()];
         let mut by_stroke = by_stroke.into_iter();
         by_stroke.all(|of| squared_correlation(&self.answers, of) < MOST_BY_STROKE)
     }
 
-    /// The length of a frame of pulses that commands wait for \[s\], by the run that has the most of them.
-    fn frame_length(&self, period_s: f64) -> Option<f64> {
+    /// Whether most strokes are others than those before. Where they repeat themselves under equal holds, a servo that is not linear answers each in its own time,
+    /// and any clock may have such times.
+    fn strokes_are_different(&self) -> bool {
+        let strokes = self.answers.iter().map(|answer| answer.levels);
+        let strokes: BTreeSet<[u64; 2]> = strokes.map(|levels| levels.map(f64::to_bits)).collect();
+        2 * strokes.len() > self.answers.len()
+    }
+
+    /// That commands wait for regular pulses, where no error in motion is left to a model of the commands at their pulses.
+    fn explained_by_pulses(
+        &self,
+        data: &Dataset,
+        found: &Identification,
+        options: &Options,
+    ) -> Option<Advice> {
         if !self.is_free_of_strokes() {
             return None;
         }
+        let scatter_s = self.rows() * data.record.sample_period_s();
+        let runs = self.runs_in_frames(data.record.sample_period_s());
+        let most = runs.iter().max_by_key(|run| run.answers.len())?;
+        let in_frames: usize = runs.iter().map(|run| run.answers.len()).sum();
+        let are_most = 2 * in_frames > self.answers.len();
+        if most.frames.length_s.is_none() && !self.strokes_are_different() {
+            return None;
+        }
+        let is_explained =
+            || found.model.linear || is_linear_at_pulses(&data.record, &runs, options);
+        (are_most && is_explained())
+            .then(|| with_pulses(self.rows(), most.frames.length_s, scatter_s))
+    }
+
+    /// The runs that show regular pulses.
+    fn runs_in_frames(&self, period_s: f64) -> Vec<RunInFrames> {
+        let scatter_s = self.rows() * period_s;
+        let of_run = |answers: &[CommandAnswer]| {
+            let run = answers.first()?.at.0;
+            let timed = answers.iter().map(|answer| TimedAnswer {
+                at_s: answer.at.1 as f64 * period_s,
+                late_s: answer.late * period_s,
+            });
+            let answers: Vec<TimedAnswer> = timed.collect();
+            let frames = PulseFrames::of(&answers, scatter_s)?;
+            Some(RunInFrames {
+                run,
+                answers,
+                frames,
+            })
+        };
         let runs = self.answers.chunk_by(|a, b| a.at.0 == b.at.0);
-        let run = runs.max_by_key(|answers| answers.len())?;
-        let answers = run.iter().map(|answer| TimedAnswer {
-            at_s: answer.at.1 as f64 * period_s,
-            late_s: answer.late * period_s,
-        });
-        let answers: Vec<TimedAnswer> = answers.collect();
-        frame_length(&answers, self.rows() * period_s)
+        runs.filter_map(of_run).collect()
     }
 }
 
@@ -334,16 +386,15 @@ mod tests {
         assert_eq!(scatter(0.0, 1.0), None);
     }
 
-    /// The same servo behind pulses every 23.7 ms, with which commands begin.
-    #[test]
-    fn a_servo_behind_pulses_is_linear_and_its_frame_is_named() {
+    /// The same servo behind pulses every 23.7 ms, with which commands begin, under holds of `rows(stroke)`; no faster than `top` a step of 0.1 ms up, and `down` down.
+    fn behind_pulses(rows: fn(u32) -> u32, [top, down]: [f64; 2]) -> Model {
         let random = |k: u32| (f64::from(k) * f64::from(k) * 0.7548776662).fract();
         let (mut input, mut output) = (Vec::new(), Vec::new());
         let (mut angle, mut in_force) = (0.0, 0.0);
         let mut part = 0u32;
         for stroke in 0..100 {
             let level = 10.0 * random(7 * stroke + 1) - 5.0;
-            for row in 0..20 + stroke % 21 {
+            for row in 0..rows(stroke) {
                 input.push(level);
                 output.push(angle + 0.02 * (random(91 * stroke + row) - 0.5));
                 for _ in 0..100 {
@@ -351,7 +402,7 @@ mod tests {
                         in_force = level;
                     }
                     part += 1;
-                    angle += (in_force - angle) / 300.0;
+                    angle += f64::clamp((in_force - angle) / 300.0, -down, top);
                 }
             }
         }
@@ -366,15 +417,77 @@ mod tests {
         })
         .unwrap();
         data.about.commands_at_rows = true;
-        let found = identified(&data, "pulses", &Options::default()).unwrap();
-        let model = found.model;
+        let found = identified(&data, "pulses", &Options::default());
+        found.unwrap().model
+    }
+
+    fn advised(model: &Model, words: &str) -> bool {
+        let mut advice = model.advice.iter();
+        advice.any(|item| item.finding.contains(words))
+    }
+
+    #[test]
+    fn a_servo_behind_pulses_is_linear_and_its_frame_is_named() {
+        let model = behind_pulses(|stroke| 20 + stroke % 21, [f64::INFINITY; 2]);
         assert!(
             model.linear && model.bounds.valid().is_some(),
             "{:?}",
             model.advice
         );
-        let mut advice = model.advice.iter();
-        let named = |item: &Advice| item.finding.contains("pulse of a frame of 23.7 ms");
-        assert!(advice.any(named), "{:?}", model.advice);
+        let named = advised(&model, "pulse of a frame of 23.7 ms");
+        assert!(named, "{:?}", model.advice);
+    }
+
+    #[test]
+    fn under_equal_holds_it_is_linear_too_and_no_exact_frame_is_named() {
+        let model = behind_pulses(|_| 20, [f64::INFINITY; 2]);
+        assert!(
+            model.linear && model.bounds.valid().is_some(),
+            "{:?}",
+            model.advice
+        );
+        let named = advised(&model, "equal holds do not show it exactly");
+        assert!(named, "{:?}", model.advice);
+    }
+
+    /// The longest strokes are up to 330 a second, of which 100 or 150 are left: both ways, or up alone.
+    #[test]
+    fn a_limit_of_speed_behind_pulses_is_found() {
+        for limits in [[0.01, 0.01], [0.015, 0.015], [0.015, f64::INFINITY]] {
+            for rows in [|_| 20, |stroke| 20 + stroke % 21] {
+                let model = behind_pulses(rows, limits);
+                assert!(!model.linear, "{limits:?}: {:?}", model.advice);
+                assert!(!advised(&model, "next pulse"), "{:?}", model.advice);
+            }
+        }
+    }
+
+    /// Five strokes in one order, under equal holds behind pulses: each has its own times, as those of a servo that is not linear.
+    #[test]
+    fn strokes_that_repeat_themselves_are_told_from_others() {
+        let different = |model_of: fn(u32) -> f64| {
+            let (mut input, mut output) = (Vec::new(), Vec::new());
+            let (mut angle, mut in_force, mut part) = (0.0, 0.0, 0u32);
+            for hold in 0..100 {
+                for _ in 0..20 {
+                    input.push(model_of(hold));
+                    output.push(angle);
+                    for _ in 0..100 {
+                        if part.is_multiple_of(237) {
+                            in_force = model_of(hold);
+                        }
+                        part += 1;
+                        angle += (in_force - angle) / 300.0;
+                    }
+                }
+            }
+            let record = Record::of_run(0.01, input, output).unwrap();
+            let model = identify(&record, &Options::default()).unwrap();
+            Scatter::of(record.runs(), &model).map(|found| found.strokes_are_different())
+        };
+        let five = |hold: u32| [0.0, 4.0, -2.0, 1.0, -5.0][hold as usize % 5];
+        assert_ne!(different(five), Some(true));
+        let any = |hold: u32| (f64::from(hold) * f64::from(hold) * 0.7548776662).fract();
+        assert_eq!(different(any), Some(true));
     }
 }

@@ -39,7 +39,7 @@ pub fn identified(data: &Dataset, name: &str, options: &Options) -> Result<Ident
         .model
         .advice
         .splice(0..0, doubtful.into_iter().chain(mixed).chain(off));
-    let in_frames = match command_edges(data, &found) {
+    let in_frames = match command_edges(data, &found, options) {
         Some(CommandEdges::BetweenRows(advice)) => {
             found.model.withdraw_times(Reason::CommandsBetweenRows);
             // Errors that follow the motion are its consequence.

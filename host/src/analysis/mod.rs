@@ -4,6 +4,7 @@
 mod angle_units;
 mod command_answers;
 mod command_edges;
+mod commands_at_pulses;
 mod comparison;
 mod delay_errors;
 mod duration_in_words;

@@ -7,12 +7,16 @@
 //! w(t) = (t0 - t) mod T = T/2 + Σ_k T/(π k) sin(2π k (t - t0)/T)
 //! ```
 //!
-//! so for each T the first harmonic of the times of the answers gives t0, and the w that explains the times best has to explain nearly all of them.
-//! Under equal holds anything that alternates from stroke to stroke is such a w for some T, so they show no frame.
+//! so for each T the first harmonic of the times of the answers gives a first t0, and the w that explains the times best has to explain
+//! nearly all of them. Commands at rows show such a w as one of other frequencies, too, whose waits are shorter or longer: the times
+//! themselves tell which.
+//!
+//! Under equal holds too many frequencies are alike for the length to be known. What each command waited for is known nevertheless.
 
 use std::f64::consts::TAU;
 
 /// The time of a command, and by how much its answer is later than the others \[s\].
+#[derive(Clone, Copy)]
 pub(super) struct TimedAnswer {
     pub(super) at_s: f64,
     pub(super) late_s: f64,
@@ -25,32 +29,161 @@ const PARTS: [f64; 2] = [0.7, 1.4];
 /// at both ends.
 const STEPS: f64 = 5.0;
 
+/// So many of these are looked at more closely: where commands come at few parts of a frame, the harmonic is off by some of it.
+const REFINED: usize = 10;
+
+/// The step, in frames, by which moments of pulses are moved first.
+const MOMENT: f64 = 0.1;
+
+/// Times that both steps are halved: pulses are then known to a few thousandths of a frame.
+const HALVED: usize = 6;
+
 /// Share of the times that the wait may leave: noise, and the row up to which a time is known.
 const MOST_LEFT: f64 = 0.25;
 
 /// Probability of such a wait by chance.
 const CHANCE: f64 = 1e-4;
 
-/// Share of the times between commands that may be the same.
+/// Share of the times between commands that may be the same where the length of the frame is known.
 const MOST_EQUAL: f64 = 0.3;
 
-/// The length of the frames \[s\], of answers that scatter over `scatter_s`; `None` where commands do not wait so.
-pub(super) fn frame_length(answers: &[TimedAnswer], scatter_s: f64) -> Option<f64> {
-    if share_of_usual_hold(answers) > MOST_EQUAL {
-        return None;
+/// Part of a frame before and after a pulse in which a time of an answer tells with which pulse it came, and not the clock of the pulses.
+const BESIDE_PULSE: f64 = 0.15;
+
+/// Regular pulses that commands wait for.
+pub(super) struct PulseFrames {
+    clock: Clock,
+    /// By how much an answer is later than the others if its command did not wait \[s\].
+    without_wait_s: f64,
+    /// The length of a frame \[s\]; `None` under equal holds, which do not show it.
+    pub(super) length_s: Option<f64>,
+}
+
+impl PulseFrames {
+    /// Of answers that scatter over `scatter_s`; `None` where commands do not wait so.
+    pub(super) fn of(answers: &[TimedAnswer], scatter_s: f64) -> Option<Self> {
+        let (first, last) = (answers.first()?.at_s, answers.last()?.at_s);
+        let [highest, lowest] = PARTS.map(|part| (part * scatter_s).recip());
+        let step = (STEPS * (last - first)).recip();
+        let tries = ((highest - lowest) / step).max(1.0);
+        let times = Times::of(answers);
+        let mut rough: Vec<(Clock, f64)> = (0..tries.ceil() as usize)
+            .map(|k| times.clock_of(lowest + k as f64 * step))
+            .map(|clock| (clock, times.left_by(clock)))
+            .collect();
+        rough.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let best = rough.into_iter().take(REFINED);
+        let refined = best.map(|rough| times.refined(rough, [step, MOMENT]));
+        let (clock, left) = refined.min_by(|a, b| a.1.total_cmp(&b.1))?;
+        // A length, a moment, and a mean are fitted.
+        let chance = tries * left.powf(0.5 * (answers.len() as f64 - 3.0));
+        (left < MOST_LEFT && chance < CHANCE).then(|| Self {
+            clock,
+            without_wait_s: times.mean_without(clock),
+            length_s: (share_of_usual_hold(answers) <= MOST_EQUAL).then(|| clock.frequency.recip()),
+        })
     }
-    let count = answers.len() as f64;
-    let (first, last) = (answers.first()?.at_s, answers.last()?.at_s);
-    let mean = answers.iter().map(|answer| answer.late_s).sum::<f64>() / count;
-    let [highest, lowest] = PARTS.map(|part| (part * scatter_s).recip());
-    let step = (STEPS * (last - first)).recip();
-    let tries = ((highest - lowest) / step).max(1.0);
-    let frequencies = (0..tries.ceil() as usize).map(|k| lowest + k as f64 * step);
-    let left = frequencies.map(|frequency| (frequency, left_by_wait(answers, mean, frequency)));
-    let (frequency, left) = left.min_by(|a, b| a.1.total_cmp(&b.1))?;
-    // A length, a phase, and a mean are fitted.
-    let chance = tries * left.powf(0.5 * (count - 3.0));
-    (left < MOST_LEFT && chance < CHANCE).then(|| frequency.recip())
+
+    /// How long a command of the time `at_s` waits \[s\]. One beside a pulse came with this or the next, whichever its answer of `late_s` says, where there is one.
+    pub(super) fn wait_s(&self, at_s: f64, late_s: Option<f64>) -> f64 {
+        let wait = self.clock.wait_s(at_s);
+        let frames = wait * self.clock.frequency;
+        let other = match frames {
+            soon if soon < BESIDE_PULSE => wait + self.clock.frequency.recip(),
+            late if late > 1.0 - BESIDE_PULSE => wait - self.clock.frequency.recip(),
+            _ => return wait,
+        };
+        let apart =
+            |wait: f64| late_s.map_or(0.0, |late| (late - self.without_wait_s - wait).abs());
+        if apart(other) < apart(wait) {
+            other.max(0.0)
+        } else {
+            wait
+        }
+    }
+}
+
+/// Pulses of a `frequency` \[1/s\], the first after time 0 when a share `pulse` of a frame is left of 1.
+#[derive(Clone, Copy)]
+struct Clock {
+    frequency: f64,
+    pulse: f64,
+}
+
+impl Clock {
+    /// From the time `at_s` to the next pulse \[s\].
+    fn wait_s(&self, at_s: f64) -> f64 {
+        (1.0 - (self.frequency * at_s + self.pulse).rem_euclid(1.0)) / self.frequency
+    }
+}
+
+/// The times of answers about their mean.
+struct Times<'a> {
+    answers: &'a [TimedAnswer],
+    mean: f64,
+    /// Sum of their squares.
+    square: f64,
+}
+
+impl<'a> Times<'a> {
+    fn of(answers: &'a [TimedAnswer]) -> Self {
+        let late = answers.iter().map(|answer| answer.late_s);
+        let mean = late.clone().sum::<f64>() / answers.len() as f64;
+        Self {
+            answers,
+            mean,
+            square: late.map(|late| (late - mean).powi(2)).sum(),
+        }
+    }
+
+    /// That of a `frequency` by the first harmonic of the times.
+    fn clock_of(&self, frequency: f64) -> Clock {
+        let harmonic = self.answers.iter().map(|answer| {
+            let (sin, cos) = (TAU * frequency * answer.at_s).sin_cos();
+            let late = answer.late_s - self.mean;
+            (late * cos, late * sin)
+        });
+        let (cos, sin) = harmonic.fold((0.0, 0.0), |(a, b), (cos, sin)| (a + cos, b + sin));
+        // cos : sin of the harmonic are those of sin(2π (t - t0)/T).
+        Clock {
+            frequency,
+            pulse: f64::atan2(cos, sin) / TAU,
+        }
+    }
+
+    /// The mean of what the wait for `clock` leaves.
+    fn mean_without(&self, clock: Clock) -> f64 {
+        let waits = self.answers.iter().map(|answer| clock.wait_s(answer.at_s));
+        self.mean - waits.sum::<f64>() / self.answers.len() as f64
+    }
+
+    /// The share of the squares that the wait for `clock` leaves.
+    fn left_by(&self, clock: Clock) -> f64 {
+        let without = self.mean_without(clock);
+        let left = |answer: &TimedAnswer| answer.late_s - clock.wait_s(answer.at_s) - without;
+        let square = self.answers.iter().map(|answer| left(answer).powi(2));
+        square.sum::<f64>() / self.square
+    }
+
+    /// The best clock about a `rough` one with the share that it leaves, from steps of frequency and moment on.
+    fn refined(&self, rough: (Clock, f64), steps: [f64; 2]) -> (Clock, f64) {
+        let mut best = rough;
+        for halved in 1..=HALVED {
+            let [of_frequency, of_pulse] = steps.map(|step| step / f64::from(1 << halved));
+            let (about, _) = best;
+            for (i, j) in (-2..=2).flat_map(|i| (-2..=2).map(move |j| (i, j))) {
+                let clock = Clock {
+                    frequency: about.frequency + f64::from(i) * of_frequency,
+                    pulse: about.pulse + f64::from(j) * of_pulse,
+                };
+                let left = self.left_by(clock);
+                if left < best.1 {
+                    best = (clock, left);
+                }
+            }
+        }
+        best
+    }
 }
 
 /// Share of the holds that are as long as the most frequent one, to a microsecond.
@@ -62,26 +195,6 @@ fn share_of_usual_hold(answers: &[TimedAnswer]) -> f64 {
     holds.sort_unstable();
     let most = holds.chunk_by(|a, b| a == b).map(<[i64]>::len).max();
     most.unwrap_or(0) as f64 / holds.len().max(1) as f64
-}
-
-/// The share of the squared times about their `mean` that the wait for pulses of this `frequency` leaves. Commands at rows show it
-/// as that of other frequencies, too, whose waits are shorter or longer: so the harmonic gives the moment of the pulses alone.
-fn left_by_wait(answers: &[TimedAnswer], mean: f64, frequency: f64) -> f64 {
-    let cycles = |answer: &TimedAnswer| frequency * answer.at_s;
-    let harmonic = answers.iter().map(|answer| {
-        let (sin, cos) = (TAU * cycles(answer)).sin_cos();
-        ((answer.late_s - mean) * cos, (answer.late_s - mean) * sin)
-    });
-    let (cos, sin) = harmonic.fold((0.0, 0.0), |(a, b), (cos, sin)| (a + cos, b + sin));
-    // cos : sin of the harmonic are those of sin(2π (t - t0)/T).
-    let pulse = f64::atan2(cos, sin) / TAU;
-    let wait = |answer: &TimedAnswer| (1.0 - (cycles(answer) + pulse).rem_euclid(1.0)) / frequency;
-    let mean_wait = answers.iter().map(wait).sum::<f64>() / answers.len() as f64;
-    let of = |part: &dyn Fn(&TimedAnswer) -> f64| -> f64 {
-        answers.iter().map(|answer| part(answer).powi(2)).sum()
-    };
-    let of_times = of(&|answer| answer.late_s - mean);
-    of(&|answer| answer.late_s - mean - (wait(answer) - mean_wait)) / of_times
 }
 
 #[cfg(test)]
@@ -106,15 +219,39 @@ mod tests {
     fn the_length_of_a_frame_is_found() {
         for frame in [0.02, 0.022, 0.0111] {
             let late = answers(|_, at| frame - (at + 0.0073).rem_euclid(frame));
-            let found = frame_length(&late, 0.9 * frame).unwrap();
+            let found = PulseFrames::of(&late, 0.9 * frame).unwrap();
+            let length = found.length_s.unwrap();
             // A step of the frequency is 1/150 s.
-            assert!((found / frame - 1.0).abs() < 0.5 * found / 150.0, "{found}");
+            assert!(
+                (length / frame - 1.0).abs() < 0.5 * length / 150.0,
+                "{length}"
+            );
+            // To a tenth of a frame, with the row of a time and the wait of one row.
+            for answer in &late {
+                let wait = frame - (answer.at_s + 0.0073).rem_euclid(frame);
+                let off = found.wait_s(answer.at_s, Some(answer.late_s)) - wait;
+                assert!(off.abs() < 0.1 * frame, "{off}");
+            }
         }
     }
 
     #[test]
     fn waits_that_follow_no_clock_are_no_frames() {
         let late = answers(|k, _| 0.02 * random(3 * k + 1));
-        assert_eq!(frame_length(&late, 0.02), None);
+        assert!(PulseFrames::of(&late, 0.02).is_none());
+    }
+
+    #[test]
+    fn equal_holds_show_waits_and_not_how_long_frames_are() {
+        let wait = |at: f64| 0.02 - (at + 0.0073).rem_euclid(0.02);
+        let late: Vec<TimedAnswer> = (0..60u32)
+            .map(|k| {
+                let at_s = 0.247 * f64::from(k);
+                let late_s = wait(at_s) + 0.002 * random(11 * k + 3);
+                TimedAnswer { at_s, late_s }
+            })
+            .collect();
+        let found = PulseFrames::of(&late, 0.018).unwrap();
+        assert_eq!(found.length_s, None);
     }
 }
