@@ -2,6 +2,7 @@
 
 use super::outcome::{Asymmetry, Levels};
 use crate::data::Record;
+use crate::diagnostics::TakenOut;
 use crate::error::Error;
 use crate::estimation::FsfBasis;
 use crate::identify::{Identification, identify_runs};
@@ -13,6 +14,8 @@ use crate::results::{Bounds, Interval, Model};
 /// One side, identified.
 pub(super) struct Identified<'a> {
     pub(super) record: &'a Record<'a>,
+    /// The record without what its model takes out.
+    without_outliers: Record<'a>,
     pub(super) model: Model,
     pub(super) split: Option<DirectionModel>,
     /// How the model was identified, with the structure of both sides.
@@ -31,16 +34,28 @@ impl<'a> Identified<'a> {
     ) -> Result<Self, Error> {
         let may_go_on = alone.explanation.may_go_on();
         let by_direction = alone.explanation.may_go_on_by_direction();
-        let mut model = identify_runs(record, options, may_go_on)?.model;
+        let Identification {
+            mut model,
+            explanation,
+        } = identify_runs(record, options, may_go_on)?;
         let alone = alone.model;
         if let Bounds::Withdrawn(reason) = alone.level() {
             model.withdraw(reason);
         }
         // A record without an answer, such as one with strokes in one direction only, is no error here.
         let basis = model.basis()?;
-        let split = split_with(record, basis, NoiseOrder::Auto, model.level(), by_direction).ok();
+        let without_outliers = TakenOut::without(&explanation.taken_out, record);
+        let split = split_with(
+            &without_outliers,
+            basis,
+            NoiseOrder::Auto,
+            model.level(),
+            by_direction,
+        )
+        .ok();
         Ok(Self {
             record,
+            without_outliers,
             model,
             split,
             options: *options,
@@ -49,10 +64,11 @@ impl<'a> Identified<'a> {
         })
     }
 
-    /// Each run as a record of its own.
+    /// Each run without outliers as a record of its own.
     pub(super) fn run_records(&self) -> impl Iterator<Item = Result<Record<'_>, Error>> {
-        let (period_s, phase_s) = (self.record.sample_period_s(), self.record.sample_phase_s());
-        self.record.runs().iter().map(move |run| {
+        let record = &self.without_outliers;
+        let (period_s, phase_s) = (record.sample_period_s(), record.sample_phase_s());
+        record.runs().iter().map(move |run| {
             Ok(Record::new(period_s, vec![run.clone()])?.with_sample_phase(phase_s))
         })
     }

@@ -52,12 +52,17 @@ impl TakenOut {
             .copied()
             .filter(|found| found.spike)
             .collect();
-        if spikes.is_empty() {
+        Self::without(&spikes, record)
+    }
+
+    /// `record` without the samples that were taken out.
+    pub(crate) fn without<'a>(taken_out: &[Self], record: &Record<'a>) -> Record<'a> {
+        if taken_out.is_empty() {
             return record.clone();
         }
         let runs = record.runs().iter().enumerate().map(|(index, run)| {
             let mut output = run.output().to_vec();
-            Self::blank(&spikes, index, &mut output);
+            Self::blank(taken_out, index, &mut output);
             run.with_output(output)
         });
         record.with_runs(runs.collect())
