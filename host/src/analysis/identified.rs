@@ -3,6 +3,7 @@
 use super::angle_units::{advice_on_gain, advice_on_travel};
 use super::command_edges::{CommandEdges, command_edges};
 use super::duration_in_words::in_words;
+use super::sample_period::unlikely_period;
 use super::travel;
 use crate::data::dataset::Dataset;
 use crate::data::dataset::suggested_columns::quoted;
@@ -10,7 +11,7 @@ use crate::data::sensor_preset::is_of_data_sheet;
 use crate::presentation::summary::percent;
 use anyhow::{Context, Result};
 use servoid_identification::results::{
-    Advice, Check, Model, Reason, pointwise_critical, six_digits,
+    Advice, Check, Model, Reason, pointwise_critical,
 };
 use servoid_identification::{Identification, Options, identify_explained};
 use servoid_protocol::hello::INTERNAL_CLOCK_ERROR;
@@ -96,35 +97,6 @@ fn explained_by_waits(model: &mut Model) {
         model.linear = true;
         model.advice.retain(|item| !item.is_of_errors_in_motion());
     }
-}
-
-/// Sample periods of recordings of a servo \[s\]: with a longer one its motion is over between two samples, and no converter for
-/// servos has a shorter one.
-const PERIODS_S: std::ops::RangeInclusive<f64> = 20e-6..=0.2;
-
-/// That no servo is recorded with this time between samples.
-fn unlikely_period(seconds: f64) -> Option<Advice> {
-    if PERIODS_S.contains(&seconds) {
-        return None;
-    }
-    let (limit, rather) = match seconds > *PERIODS_S.end() {
-        true => (*PERIODS_S.end(), 1e-3 * seconds),
-        false => (*PERIODS_S.start(), 1e3 * seconds),
-    };
-    Some(Advice::new(
-        Check::Period,
-        format!(
-            "The time between samples is taken to be {seconds} s, which is not that of a recording of a servo: all times and frequencies \
-             follow from it."
-        ),
-        seconds,
-        limit,
-        format!(
-            "State it in seconds: --period {} if it is {} ms.",
-            six_digits(rather),
-            six_digits(1e3 * rather)
-        ),
-    ))
 }
 
 /// That the servo turns the other way, where command and position are both degrees.

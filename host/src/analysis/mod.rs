@@ -14,6 +14,7 @@ mod load_at_rest;
 mod misfit;
 mod noise_at_rest;
 mod pulse_frames;
+mod sample_period;
 mod scale_errors;
 pub mod servo_fit;
 mod simulation;

@@ -205,17 +205,8 @@ pub fn of_validation(
             servo.into_iter().chain(linear).collect()
         }
     };
-    let fits = linear.into_iter().chain(servo_model);
-    let fits = fits.map(|found| found.fit_percent);
-    let best = fits.fold(f64::NEG_INFINITY, f64::max);
-    let foreign = match best < 0.0 {
-        true => {
-            "\n  ! The model predicts this recording worse than its mean does.\n    Check that the servo, the columns and their units are those of the model.\n"
-        }
-        false => "",
-    };
     format!(
-        "{text}the fit of the recording that the model comes from is {own}\n{foreign}{}",
+        "{text}the fit of the recording that the model comes from is {own}\n{}",
         findings(advice)
     )
 }
