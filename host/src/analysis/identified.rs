@@ -31,6 +31,7 @@ pub fn identified(data: &Dataset, name: &str, options: &Options) -> Result<Ident
         .sort_by_key(|item| !item.explains_others());
     travel::withdraw_at_stops(data, &mut found.model);
     let doubtful = unlikely_period(data.record.sample_period_s());
+    let doubtful = doubtful.or_else(|| unlikely_wait(&found.model));
     let doubtful = doubtful.or_else(|| unlikely_duration(&found.model));
     let mixed = advice_on_gain(&found.model, data.about.units());
     let mixed = mixed.into_iter().chain(advice_on_travel(data));
@@ -194,4 +195,27 @@ fn unlikely_duration(model: &Model) -> Option<Advice> {
             in_words(model.sample_period_s)
         ),
     ))
+}
+
+/// The longest that a servo waits \[s\]: a pulse frame, what it computes, and the way through a radio or a network are a tenth of a second at the most.
+const LONGEST_WAIT_S: f64 = 0.25;
+
+/// That the response begins later than that of any servo, and then goes half way in less time than it waited: a slow servo takes its time
+/// for the way as well.
+fn unlikely_wait(model: &Model) -> Option<Advice> {
+    let metrics = &model.metrics;
+    let (wait, half_way) = (metrics.delay_s.value?, metrics.t50_s.value?);
+    (wait > LONGEST_WAIT_S && wait > half_way - wait).then(|| {
+        Advice::new(
+            Check::Duration,
+            format!(
+                "The response begins {} after the command, and no servo waits as long.",
+                in_words(wait)
+            ),
+            wait,
+            LONGEST_WAIT_S,
+            "Make sure that the columns of command and position begin at the same moment, and that one clock wrote both: all times from the command on \
+             follow from that. Else look for what holds the command back on its way to the servo.",
+        )
+    })
 }

@@ -58,6 +58,6 @@ pub use outcome::{
 pub use over_prediction::OverPrediction;
 pub use servo_models::{
     QuantityDifference, QuantityDifferences, QuantityPair, ServoModelComparison,
-    compare_servo_models,
+    compare_servo_models, StrokeTimes,
 };
 pub use verdict::Verdict;

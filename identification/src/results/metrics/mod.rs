@@ -154,6 +154,7 @@ impl Metrics {
         let pointwise = &measured.step_bounds.pointwise;
         let dc_gain = Interval::new(step[last], pointwise.lower[last], pointwise.upper[last]);
         // Everything else is relative to a gain, and there is none if it may be zero.
+        if std::env::var_os("DBGG").is_some() { eprintln!("GAIN {dc_gain:?} trunc {} round {} sd {}", measured.step_bounds.truncation_bias, measured.step_bounds.rounding_bias, measured.step_bounds.sd[last]); }
         if dc_gain.contains(0.0) {
             return Self::withheld(dc_gain, Withheld::GainMayBeZero, bounds);
         }
