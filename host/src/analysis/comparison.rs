@@ -167,9 +167,7 @@ impl StepResponses {
             bounds: (),
             withdrawn: (),
             p_value: (),
-            summary: format!(
-                "The step responses are not compared, because {because}."
-            ),
+            summary: format!("The step responses are not compared, because {because}."),
             advice: Vec::new(),
         }))
     }
@@ -264,10 +262,7 @@ impl Compared {
         let servos = (found.compared().is_none_or(wanted))
             .then(|| servo_fit::find_both([a, b], names, &identification, &watch()));
         let (servo_model, no_servo_model) = match servos {
-            Some(Ok([a, b])) => (
-                Some(compared_servos([&a.model, &b.model], sides)),
-                None,
-            ),
+            Some(Ok([a, b])) => (Some(compared_servos([&a.model, &b.model], sides)), None),
             Some(Err(reason)) => (None, Some(reason)),
             None => (None, None),
         };

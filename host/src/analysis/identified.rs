@@ -10,9 +10,7 @@ use crate::data::dataset::suggested_columns::quoted;
 use crate::data::sensor_preset::is_of_data_sheet;
 use crate::presentation::summary::percent;
 use anyhow::{Context, Result};
-use servoid_identification::results::{
-    Advice, Check, Model, Reason, pointwise_critical,
-};
+use servoid_identification::results::{Advice, Check, Model, Reason, pointwise_critical};
 use servoid_identification::{Identification, Options, identify_explained};
 use servoid_protocol::hello::INTERNAL_CLOCK_ERROR;
 

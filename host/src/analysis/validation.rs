@@ -11,9 +11,9 @@ use crate::data::units::Units;
 use crate::presentation::summary::{four_digits, with_unit};
 use anyhow::{Context, Result, anyhow};
 use serde::Serialize;
+use servoid_identification::results::{Advice, Check, Validation};
 use servoid_identification::servo_model::{CommandRange, ServoModel};
 use servoid_identification::{Error, Record, Run};
-use servoid_identification::results::{Advice, Check, Validation};
 
 /// The validation as its document has it, with advice on the files.
 #[derive(Debug, Serialize)]
@@ -79,7 +79,10 @@ impl Validated {
         let best = found.map(|found| found.fit_percent);
         let predicts_nothing = (best.fold(f64::NEG_INFINITY, f64::max) < 0.0).then(|| {
             let of_model = (file.metadata.units(), commands);
-            predicts_nothing(of_model, (metadata.units(), range_of_commands(&data.record)))
+            predicts_nothing(
+                of_model,
+                (metadata.units(), range_of_commands(&data.record)),
+            )
         });
         let own = fingerprint::of(&data.record);
         let own = fingerprint::advice_on_validation(&file.fingerprints, &own);

@@ -4,16 +4,14 @@ use super::compare::warn_of_small_margin;
 use super::input::{SecondSideArgs, TableArgs, name_of};
 use super::output::{Output, Talk, sides_are_open, stem, wrong_usage};
 use super::servo_search::ServoSearch;
-use crate::analysis::{compared, compared_models, identified, compared_servos, servo_fit};
+use crate::analysis::{compared, compared_models, compared_servos, identified, servo_fit};
 use crate::data::dataset::{Dataset, listed};
 use crate::data::model_file::{ModelFile, is_model};
 use crate::presentation::report::{self, Page, Servo};
 use anyhow::Result;
 use clap::Args;
 use servoid_identification::Options;
-use servoid_identification::comparison::{
-    Comparison, ComparisonOptions, ServoModelComparison,
-};
+use servoid_identification::comparison::{Comparison, ComparisonOptions, ServoModelComparison};
 use std::path::PathBuf;
 
 /// Write a page on one servo, or on the comparison of two, with figures to zoom in

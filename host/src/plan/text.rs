@@ -317,8 +317,8 @@ fn time_of(needed: &RunsNeeded) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plan::{AssumedServo, PlanRequest};
     use crate::instrument::reference::ReferenceSpec;
+    use crate::plan::{AssumedServo, PlanRequest};
     use servoid_protocol::PulseTrain;
 
     #[test]

@@ -145,3 +145,19 @@ fn a_plan_beyond_the_limits_says_so() {
     );
     assert!(!plan("9").contains("will not run this"));
 }
+
+/// In the short holds of a sweep a servo moves so evenly that it passes for one at rest.
+#[test]
+fn a_sweep_shows_no_rests_and_no_strokes() {
+    let dir = tempfile::tempdir().unwrap();
+    let sweep = dir.path().join("sweep.csv");
+    let simulate = ["simulate", "-q", "--servo", "bench", "-o", arg(&sweep)];
+    run(&[
+        &simulate[..],
+        &["--reference", "sweep", "--amplitude", "20"],
+    ]
+    .concat());
+    let text = run(&["identify", "-q", arg(&sweep), "--limits"]);
+    assert!(text.contains("no stroke that began"), "{text}");
+    assert!(!text.contains("Hysteresis of"), "{text}");
+}

@@ -158,7 +158,8 @@ impl ServoModelComparison {
         };
         let mut quantities = self.quantities;
         quantities.retain(|pair| is_of_output(&pair.name, pair.unit));
-        let is_kept = |found: &QuantityDifference| quantities.iter().any(|pair| pair.name == found.name);
+        let is_kept =
+            |found: &QuantityDifference| quantities.iter().any(|pair| pair.name == found.name);
         let bounds = self.bounds.map(|mut bounds| {
             bounds.differences.retain(is_kept);
             bounds
@@ -301,14 +302,23 @@ mod tests {
             .of_the_output_alone();
         let names: Vec<&str> = found.quantities.iter().map(|of| of.name.as_str()).collect();
         assert!(names.contains(&"delay") && names.contains(&"bandwidth at small signals"));
-        assert!(!names.contains(&"gain") && !names.contains(&"offset"), "{names:?}");
+        assert!(
+            !names.contains(&"gain") && !names.contains(&"offset"),
+            "{names:?}"
+        );
         if let Some(bounds) = found.bounds.valid() {
-            let of_bounds: Vec<&str> =
-                bounds.differences.iter().map(|of| of.name.as_str()).collect();
+            let of_bounds: Vec<&str> = bounds
+                .differences
+                .iter()
+                .map(|of| of.name.as_str())
+                .collect();
             assert_eq!(of_bounds, names);
         }
         let stroke = found.stroke.unwrap();
-        assert!(stroke.a_s.unwrap()[0] > stroke.b_s.unwrap()[0], "{stroke:?}");
+        assert!(
+            stroke.a_s.unwrap()[0] > stroke.b_s.unwrap()[0],
+            "{stroke:?}"
+        );
     }
 
     fn with_interval(mut model: ServoModel, half: f64) -> ServoModel {

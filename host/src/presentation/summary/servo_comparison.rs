@@ -141,11 +141,7 @@ fn head_of_side(letter: char, name: &str) -> String {
 
 /// The servos A and B of the files `names` quantity by quantity, with what is sure about their difference.
 #[must_use]
-pub fn of_servo_models(
-    names: [&str; 2],
-    found: &ServoModelComparison,
-    units: Units<'_>,
-) -> String {
+pub fn of_servo_models(names: [&str; 2], found: &ServoModelComparison, units: Units<'_>) -> String {
     let [a, b] = [head_of_side('A', names[0]), head_of_side('B', names[1])];
     let bounds = found.bounds.valid();
     let (difference, below) = match bounds {
@@ -159,7 +155,10 @@ pub fn of_servo_models(
     let mut text = format!("\n{}\n", head.trim_end());
     for row in servo_model_rows(found, units) {
         let line = |label: &str, cells: Vec<&str>| {
-            let cells: String = cells.iter().map(|cell| format!(" {cell:>COLUMN$}")).collect();
+            let cells: String = cells
+                .iter()
+                .map(|cell| format!(" {cell:>COLUMN$}"))
+                .collect();
             format!("{}\n", format!("  {label:34}{cells}").trim_end())
         };
         let (values, intervals) = row
@@ -269,7 +268,10 @@ fn stroke_rows(found: &ServoModelComparison) -> Vec<TableRow> {
             cells,
         }
     };
-    [(0, "upwards"), (1, "downwards")].into_iter().map(row).collect()
+    [(0, "upwards"), (1, "downwards")]
+        .into_iter()
+        .map(row)
+        .collect()
 }
 
 #[cfg(test)]

@@ -277,10 +277,7 @@ fn load(model: &ServoModel) -> Option<String> {
             format!("works as if against a constant load ({LOOKS_LIKE_A_LOAD})"),
         ),
         LoadKind::Pendulum | LoadKind::TiltedPendulum => {
-            (
-                QuantityKind::LoadOfLevelArm,
-                "carries a weight".to_owned(),
-            )
+            (QuantityKind::LoadOfLevelArm, "carries a weight".to_owned())
         }
         LoadKind::Air => (
             QuantityKind::LoadAtMiddle,
