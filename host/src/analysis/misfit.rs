@@ -302,7 +302,8 @@ mod tests {
         };
         for (factor, offset) in [(1.0, 7.0), (1.0, -0.3), (0.9, 7.0), (-1.0, 7.0)] {
             let measured: Vec<f64> = follows(0.0).iter().map(|y| offset + factor * y).collect();
-            let run = Run::new(vec![0.0; 400], measured).unwrap();
+            let command: Vec<f64> = (0..400).map(|k| f64::from(k / 100 % 2)).collect();
+            let run = Run::new(command, measured).unwrap();
             let record = Record::new(0.002, vec![run]).unwrap();
             let simulate = |line: Line| vec![follows(line.undone(&record).runs()[0].output()[0])];
             let found = Misfit::of(record.runs(), &simulate, 0.002);

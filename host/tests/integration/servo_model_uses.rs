@@ -362,7 +362,7 @@ fn servos_that_no_step_response_compares_are_compared_as_machines_and_that_is_sa
     let columns = ["--input", "u_deg", "--output", "y_deg", "--period", "0.01"];
     let text = run(&[&["compare", arg(&quick), arg(&slow)], &columns[..]].concat());
     assert!(
-        text.starts_with("As machines they differ, each quantity by itself at 99 %: top speed upwards 300.0 deg/s in A, 250."),
+        text.contains("\n\nAs machines they differ, each quantity by itself at 99 %: top speed upwards 300.0 deg/s in A, 250."),
         "{text}"
     );
     // What a record leaves open has no ends that nobody reads.
@@ -419,7 +419,7 @@ fn sides_with_different_times_between_samples_are_compared_as_machines_alone() {
     let text = run(&compare);
     let why = "The step responses are not compared, because one side has samples every 10 ms and the other every 20 ms.";
     assert!(
-        text.starts_with("As machines") && text.contains(why),
+        text.contains("\n\nAs machines") && text.contains(why),
         "{text}"
     );
     let document: Value =
