@@ -29,8 +29,8 @@ pub fn identified(data: &Dataset, name: &str, options: &Options) -> Result<Ident
         .sort_by_key(|item| !item.explains_others());
     travel::withdraw_at_stops(data, &mut found.model);
     let doubtful = unlikely_period(data.record.sample_period_s());
-    let doubtful = doubtful.or_else(|| unlikely_wait(&found.model));
     let doubtful = doubtful.or_else(|| unlikely_duration(&found.model));
+    let doubtful = doubtful.or_else(|| unlikely_wait(&found.model));
     let mixed = advice_on_gain(&found.model, data.about.units());
     let mixed = mixed.into_iter().chain(advice_on_travel(data));
     let off = travel::advice(data, &found.model);
@@ -212,8 +212,11 @@ fn unlikely_wait(model: &Model) -> Option<Advice> {
             ),
             wait,
             LONGEST_WAIT_S,
-            "Make sure that the columns of command and position begin at the same moment, and that one clock wrote both: all times from the command on \
-             follow from that. Else look for what holds the command back on its way to the servo.",
+            format!(
+                "Make sure that the columns of command and position begin at the same moment, that one clock wrote both, and that the time between samples is \
+                 {}: all times from the command on follow from that. Else look for what holds the command back on its way to the servo.",
+                in_words(model.sample_period_s)
+            ),
         )
     })
 }

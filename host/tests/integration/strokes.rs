@@ -104,7 +104,7 @@ fn large_strokes_have_their_top_speed_and_a_true_reason_for_what_is_left_out() {
         "{text}"
     );
     assert!(
-        text.contains("the linear model does not determine the gain"),
+        text.contains("they rest on frequencies that were left out"),
         "{text}"
     );
     assert!(!text.contains("may be zero"), "{text}");

@@ -29,7 +29,7 @@ fn changed(recording: &Path, table: &Path, change: impl Fn([f64; 3]) -> [f64; 3]
         format!("{time:.6},{command:.6},{position:.6}\n")
     };
     let rows: String = rows.map(row).collect();
-    std::fs::write(table, format!("t_s,command,position\n{rows}")).unwrap();
+    std::fs::write(table, format!("t_s,command,position_deg\n{rows}")).unwrap();
 }
 
 /// A model of the bench servo, and another recording of it.
@@ -58,7 +58,7 @@ fn said(
 ) -> String {
     let table = dir.join("table.csv");
     changed(other, &table, change);
-    let named = "--input command --output position --time t_s".split(' ');
+    let named = "--input command --output position_deg --time t_s".split(' ');
     let args = ["validate", "-q", arg(model), arg(&table)];
     let args: Vec<&str> = args.into_iter().chain(named).collect();
     run(&args).split_whitespace().collect::<Vec<_>>().join(" ")
@@ -133,12 +133,12 @@ fn a_position_that_was_written_from_another_start_is_later_than_any_servo() {
         .collect();
     for (name, table_text, is_late) in [
         ("on_time", text.clone(), false),
-        ("late", format!("t_s,command,position\n{moved}"), true),
+        ("late", format!("t_s,command,position_deg\n{moved}"), true),
     ] {
         let table = dir.path().join(format!("{name}.csv"));
         let out = dir.path().join(format!("{name}.json"));
         std::fs::write(&table, table_text).unwrap();
-        let named = "--input command --output position --time t_s".split(' ');
+        let named = "--input command --output position_deg --time t_s".split(' ');
         let args = ["identify", "-q", arg(&table), "-o", arg(&out)];
         let args: Vec<&str> = args.into_iter().chain(named).collect();
         let said = run(&args).split_whitespace().collect::<Vec<_>>().join(" ");
