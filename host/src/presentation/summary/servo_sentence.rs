@@ -265,7 +265,7 @@ fn resting_error(model: &ServoModel, units: Units<'_>) -> Option<String> {
     })
 }
 
-/// What a constant load cannot be told from.
+/// What has the motion of a constant load as well.
 pub(crate) const LOOKS_LIKE_A_LOAD: &str = "a drive that is weaker to one side looks the same";
 
 /// The load, where the record shows that there is one: unequal drives may make the same motion.
