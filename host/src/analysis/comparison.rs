@@ -1,18 +1,19 @@
 //! The comparison of two sides, with what the commands add to that of the library: servo models, and advice on the files.
 
+use super::servo_comparison::compared_servos;
 use super::{delay_errors, scale_errors, servo_fit};
 use crate::data::dataset::Dataset;
 use crate::data::fingerprint;
 use crate::data::mixed_units::advice_on_units;
 use crate::data::model_file::ModelFile;
-use crate::data::model_metadata::ModelMetadata;
+use crate::data::model_metadata::{ModelMetadata, UnitsDiffer};
 use crate::presentation::summary;
 use anyhow::{Context, Result, anyhow, bail};
 use serde::Serialize;
 use servoid_identification::Error;
 use servoid_identification::comparison::{
     Comparison, ComparisonOptions, SCHEMA, ServoModelComparison, Subject, Verdict, compare,
-    compare_models, compare_servo_models,
+    compare_models,
 };
 use servoid_identification::results::{Advice, Model};
 use servoid_identification::servo_model::Watch;
@@ -88,6 +89,11 @@ fn without_options(error: Error) -> anyhow::Error {
     }
 }
 
+/// Whether the positions of two sides have one unit.
+fn are_comparable([a, b]: [&ModelMetadata; 2]) -> bool {
+    a.same_units("", b, "").is_ok() || a.other_command(b).is_some()
+}
+
 /// Two sides with different times between samples.
 #[derive(Debug, thiserror::Error)]
 #[error(
@@ -138,14 +144,19 @@ pub struct NotCompared {
 }
 
 impl StepResponses {
-    /// The comparison that was `found`. Sides with different times between samples are no error where the servos are compared as
-    /// `machines`.
+    /// The comparison that was `found`. Sides with different times between samples, or commands in different units, are no error where the servos
+    /// are compared as `machines`.
     fn of(found: Result<Comparison>, machines: bool, margin_percent: f64) -> Result<Self> {
         let error = match found {
             Ok(found) => return Ok(Self::Compared(Box::new(found))),
             Err(error) => error,
         };
-        let Some(periods) = error.downcast_ref::<PeriodsDiffer>().filter(|_| machines) else {
+        let periods = error.downcast_ref::<PeriodsDiffer>();
+        let units = error.downcast_ref::<UnitsDiffer>();
+        let because = (periods.map(PeriodsDiffer::in_words))
+            .or_else(|| units.map(UnitsDiffer::in_words))
+            .filter(|_| machines);
+        let Some(because) = because else {
             return Err(error);
         };
         Ok(Self::NotCompared(NotCompared {
@@ -156,10 +167,7 @@ impl StepResponses {
             bounds: (),
             withdrawn: (),
             p_value: (),
-            summary: format!(
-                "The step responses are not compared, because {}.",
-                periods.in_words()
-            ),
+            summary: format!("The step responses are not compared, because {because}."),
             advice: Vec::new(),
         }))
     }
@@ -246,17 +254,15 @@ impl Compared {
         let identification = options.identification;
         let margin_percent = options.margin_percent;
         let found = compared([a, b], names, options);
-        let mut found = StepResponses::of(found, servo_model, margin_percent)?;
+        let metadata = [a, b].map(|side| ModelMetadata::from(&side.about));
+        let sides = [&metadata[0], &metadata[1]];
+        let machines = servo_model && are_comparable(sides);
+        let mut found = StepResponses::of(found, machines, margin_percent)?;
         let wanted = |found| servo_fit::are_compared(servo_model, found);
         let servos = (found.compared().is_none_or(wanted))
             .then(|| servo_fit::find_both([a, b], names, &identification, &watch()));
-        let metadata = [a, b].map(|side| ModelMetadata::from(&side.about));
-        let scale_sd = scale_errors::ratio_sd([&metadata[0], &metadata[1]]);
         let (servo_model, no_servo_model) = match servos {
-            Some(Ok([a, b])) => (
-                Some(compare_servo_models(&a.model, &b.model, scale_sd)),
-                None,
-            ),
+            Some(Ok([a, b])) => (Some(compared_servos([&a.model, &b.model], sides)), None),
             Some(Err(reason)) => (None, Some(reason)),
             None => (None, None),
         };
@@ -290,15 +296,15 @@ impl Compared {
         }
         let [of_a, of_b] = servos;
         let both = of_a.zip(of_b);
-        let scale_sd = scale_errors::ratio_sd(metadata);
-        let mut found = StepResponses::of(found, both.is_some(), options.margin_percent)?;
+        let machines = both.is_some() && are_comparable(metadata);
+        let mut found = StepResponses::of(found, machines, options.margin_percent)?;
         if let StepResponses::Compared(found) = &mut found {
             let same = fingerprint::advice_on_sides(&a.fingerprints, &b.fingerprints);
             say_same_data(found, same);
         }
         Ok(Self {
             found,
-            servo_model: both.map(|(a, b)| compare_servo_models(&a.model, &b.model, scale_sd)),
+            servo_model: both.map(|(a, b)| compared_servos([&a.model, &b.model], metadata)),
             no_servo_model: None,
             metadata: a.metadata.clone(),
         })
@@ -308,16 +314,15 @@ impl Compared {
     #[must_use]
     pub fn as_text(&self, names: [&str; 2]) -> String {
         let units = self.metadata.units();
+        let letters = format!("A  {}\nB  {}\n\n", names[0], names[1]);
         let mut text = match &self.found {
-            StepResponses::Compared(found) => {
-                summary::of_comparison(names[0], names[1], found, units)
-            }
+            StepResponses::Compared(found) => summary::of_comparison(found, units),
             StepResponses::NotCompared(found) => summary::wrapped(&found.summary, 0) + "\n",
         };
         if let Some(servos) = &self.servo_model {
             let sentence = summary::sentence_on_servo_models("A", "B", servos, units);
             let sentence = summary::wrapped(&sentence, 0);
-            let table = summary::of_servo_models("A", "B", servos, units);
+            let table = summary::of_servo_models(names, servos, units);
             let compared = self.found.compared();
             let decided = compared.is_some_and(|found| found.verdict != Verdict::Undecided);
             text = match decided || servos.bounds.valid().is_none() {
@@ -331,6 +336,6 @@ impl Compared {
                 .iter()
                 .map(|reason| format!("\nno servo models: {reason}\n")),
         );
-        text
+        letters + &text
     }
 }

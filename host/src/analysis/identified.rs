@@ -3,15 +3,14 @@
 use super::angle_units::{advice_on_gain, advice_on_travel};
 use super::command_edges::{CommandEdges, command_edges};
 use super::duration_in_words::in_words;
+use super::sample_period::unlikely_period;
 use super::travel;
 use crate::data::dataset::Dataset;
 use crate::data::dataset::suggested_columns::quoted;
 use crate::data::sensor_preset::is_of_data_sheet;
 use crate::presentation::summary::percent;
 use anyhow::{Context, Result};
-use servoid_identification::results::{
-    Advice, Check, Model, Reason, pointwise_critical, six_digits,
-};
+use servoid_identification::results::{Advice, Check, Model, Reason, pointwise_critical};
 use servoid_identification::{Identification, Options, identify_explained};
 use servoid_protocol::hello::INTERNAL_CLOCK_ERROR;
 
@@ -31,6 +30,7 @@ pub fn identified(data: &Dataset, name: &str, options: &Options) -> Result<Ident
     travel::withdraw_at_stops(data, &mut found.model);
     let doubtful = unlikely_period(data.record.sample_period_s());
     let doubtful = doubtful.or_else(|| unlikely_duration(&found.model));
+    let doubtful = doubtful.or_else(|| unlikely_wait(&found.model));
     let mixed = advice_on_gain(&found.model, data.about.units());
     let mixed = mixed.into_iter().chain(advice_on_travel(data));
     let off = travel::advice(data, &found.model);
@@ -96,35 +96,6 @@ fn explained_by_waits(model: &mut Model) {
         model.linear = true;
         model.advice.retain(|item| !item.is_of_errors_in_motion());
     }
-}
-
-/// Sample periods of recordings of a servo \[s\]: with a longer one its motion is over between two samples, and no converter for
-/// servos has a shorter one.
-const PERIODS_S: std::ops::RangeInclusive<f64> = 20e-6..=0.2;
-
-/// That no servo is recorded with this time between samples.
-fn unlikely_period(seconds: f64) -> Option<Advice> {
-    if PERIODS_S.contains(&seconds) {
-        return None;
-    }
-    let (limit, rather) = match seconds > *PERIODS_S.end() {
-        true => (*PERIODS_S.end(), 1e-3 * seconds),
-        false => (*PERIODS_S.start(), 1e3 * seconds),
-    };
-    Some(Advice::new(
-        Check::Period,
-        format!(
-            "The time between samples is taken to be {seconds} s, which is not that of a recording of a servo: all times and frequencies \
-             follow from it."
-        ),
-        seconds,
-        limit,
-        format!(
-            "State it in seconds: --period {} if it is {} ms.",
-            six_digits(rather),
-            six_digits(1e3 * rather)
-        ),
-    ))
 }
 
 /// That the servo turns the other way, where command and position are both degrees.
@@ -222,4 +193,30 @@ fn unlikely_duration(model: &Model) -> Option<Advice> {
             in_words(model.sample_period_s)
         ),
     ))
+}
+
+/// The longest that a servo waits \[s\]: a pulse frame, what it computes, and the way through a radio or a network are a tenth of a second at the most.
+const LONGEST_WAIT_S: f64 = 0.25;
+
+/// That the response begins later than that of any servo, and then goes half way in less time than it waited: a slow servo takes its time
+/// for the way as well.
+fn unlikely_wait(model: &Model) -> Option<Advice> {
+    let metrics = &model.metrics;
+    let (wait, half_way) = (metrics.delay_s.value?, metrics.t50_s.value?);
+    (wait > LONGEST_WAIT_S && wait > half_way - wait).then(|| {
+        Advice::new(
+            Check::Duration,
+            format!(
+                "The response begins {} after the command, and no servo waits as long.",
+                in_words(wait)
+            ),
+            wait,
+            LONGEST_WAIT_S,
+            format!(
+                "Make sure that the columns of command and position begin at the same moment, that one clock wrote both, and that the time between samples is \
+                 {}: all times from the command on follow from that. Else look for what holds the command back on its way to the servo.",
+                in_words(model.sample_period_s)
+            ),
+        )
+    })
 }

@@ -1,7 +1,11 @@
 //! What sets a recording apart from a model of it: an offset, a scale, a shift in time, or noise.
+//!
+//! A servo model begins where the first sample of a run is. Where the zero of the sensor has moved, that is not where the command holds the servo, and
+//! the model moves from there first: an error that the offset does not explain. So the model is simulated again with the first samples as it would have
+//! them, until offset and scale stay as they are.
 
 use super::noise_at_rest::noise_at_rest;
-use servoid_identification::Run;
+use servoid_identification::{Record, Run};
 
 /// The farthest shift that is looked for \[s\]: servos answer sooner.
 const FARTHEST_S: f64 = 0.25;
@@ -30,6 +34,33 @@ pub(super) struct Scale {
     /// The error that a scale alone leaves, about zero or about the middle of the motion, whichever leaves less (rms).
     pub(super) left_of_scale_alone: f64,
 }
+
+/// A recording as a multiple of its model and an offset.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Line {
+    factor: f64,
+    offset: f64,
+}
+
+impl Line {
+    /// A recording that is its model.
+    const SAME: Self = Self {
+        factor: 1.0,
+        offset: 0.0,
+    };
+
+    /// The record as the model has it.
+    pub(super) fn undone<'r>(self, record: &Record<'r>) -> Record<'r> {
+        record.with_each_output(|y| (y - self.offset) / self.factor)
+    }
+}
+
+/// Simulations for a line, at the most: each leaves the share of an offset that the run takes to forget its start, and a servo at rest
+/// under friction keeps it for long.
+const ROUNDS: usize = 8;
+
+/// A change of the error that is left by less than this part ends the search.
+const NO_LESS: f64 = 1e-3;
 
 /// A recording against a model of it that is shifted in time.
 pub(super) struct Lag {
@@ -82,6 +113,28 @@ impl Sums {
         self.squares / self.count - (self.error / self.count).powi(2)
     }
 
+    /// The offset alone, and the error that it leaves (rms).
+    fn offset(&self) -> (Line, f64) {
+        let offset = self.error / self.count;
+        let line = Line {
+            offset,
+            ..Line::SAME
+        };
+        (line, self.variance().max(0.0).sqrt())
+    }
+
+    /// The best line, and the error that it leaves (rms).
+    fn line(&self) -> (Line, f64) {
+        let (covariance, spread) = self.with_simulated();
+        let steeper = covariance / spread;
+        let line = Line {
+            factor: 1.0 + steeper,
+            offset: (self.error - steeper * self.simulated) / self.count,
+        };
+        let left = (self.variance() - covariance * steeper).max(0.0);
+        (line, left.sqrt())
+    }
+
     /// The error that the best factor leaves, with nothing added (rms).
     fn left_of_scale_about_zero(&self) -> f64 {
         let explained = self.product * self.product / self.simulated_squares;
@@ -98,28 +151,72 @@ impl Sums {
     }
 }
 
+/// What a line leaves of the error of one simulation.
+struct Explained {
+    simulated: Vec<Vec<f64>>,
+    sums: Sums,
+    line: Line,
+    left: f64,
+}
+
+impl Explained {
+    /// The simulation that the line of its own explains best, by rounds: each is simulated with the record as the line before has it.
+    fn best(
+        runs: &[Run<'_>],
+        simulate: &dyn Fn(Line) -> Vec<Vec<f64>>,
+        line_of: fn(&Sums) -> (Line, f64),
+    ) -> Self {
+        let at = |line: Line| {
+            let simulated = simulate(line);
+            let sums = Sums::at(runs, &simulated, 0);
+            let (line, left) = line_of(&sums);
+            Self {
+                simulated,
+                sums,
+                line,
+                left,
+            }
+        };
+        let mut best = at(Line::SAME);
+        for _ in 1..ROUNDS {
+            let again = at(best.line);
+            if again.left >= best.left || again.left.is_nan() {
+                break;
+            }
+            let gained = best.left - again.left;
+            best = again;
+            if gained < NO_LESS * best.left {
+                break;
+            }
+        }
+        best
+    }
+}
+
 impl Misfit {
-    /// Of the runs of a recording, and what a model simulates for each.
-    pub(super) fn of(runs: &[Run<'_>], simulated: &[Vec<f64>], period_s: f64) -> Self {
-        let unshifted = Sums::at(runs, simulated, 0);
-        let (covariance, spread) = unshifted.with_simulated();
-        let variance = unshifted.variance();
-        let offset = unshifted.error / unshifted.count;
-        let left = (variance - covariance * covariance / spread)
-            .max(0.0)
-            .sqrt();
+    /// Of the runs of a recording, and what a model simulates for each where they are read as a line says.
+    pub(super) fn of(
+        runs: &[Run<'_>],
+        simulate: &dyn Fn(Line) -> Vec<Vec<f64>>,
+        period_s: f64,
+    ) -> Self {
+        let moved = Explained::best(runs, simulate, Sums::offset);
+        let scaled = Explained::best(runs, simulate, Sums::line);
+        let Line { factor, offset } = scaled.line;
+        let mean = scaled.sums.error / scaled.sums.count;
         let scale = Scale {
-            factor: 1.0 + covariance / spread,
-            offset: offset - covariance / spread * unshifted.simulated / unshifted.count,
-            left,
-            left_of_scale_alone: unshifted.left_of_scale_about_zero().min(left.hypot(offset)),
+            factor,
+            offset,
+            left: scaled.left,
+            left_of_scale_alone: (scaled.sums.left_of_scale_about_zero())
+                .min(scaled.left.hypot(mean)),
         };
         Self {
-            offset,
-            left_of_offset: variance.max(0.0).sqrt(),
-            scale: scale.factor.is_finite().then_some(scale),
-            lag: Lag::of(runs, simulated, period_s),
-            noise: noise_at_rest(runs, simulated),
+            offset: moved.line.offset,
+            left_of_offset: moved.left,
+            scale: factor.is_finite().then_some(scale),
+            lag: Lag::of(runs, &moved.simulated, period_s),
+            noise: noise_at_rest(runs, &moved.simulated),
         }
     }
 }
@@ -168,7 +265,8 @@ mod tests {
         let simulated = vec![(0..2000).map(|k| position(f64::from(k))).collect()];
         for later in [7.4, -3.25, 0.0] {
             let run = Run::new(vec![0.0; 2000], of(later)).unwrap();
-            let found = Misfit::of(&[run], &simulated, 0.002).lag.unwrap();
+            let found = Misfit::of(&[run], &|_| simulated.clone(), 0.002);
+            let found = found.lag.unwrap();
             assert!((found.seconds - 0.002 * later).abs() < 2e-5);
             assert!(found.left < 1e-2);
         }
@@ -179,12 +277,44 @@ mod tests {
         let simulated: Vec<f64> = (0..400).map(|k| (0.1 * f64::from(k)).sin()).collect();
         let measured: Vec<f64> = simulated.iter().map(|y| 2.0 - 0.8 * y).collect();
         let run = Run::new(vec![0.0; 400], measured).unwrap();
-        let found = Misfit::of(&[run], &[simulated], 0.002);
+        let simulated = vec![simulated];
+        let found = Misfit::of(&[run], &|_| simulated.clone(), 0.002);
         let scale = found.scale.unwrap();
         assert!((scale.factor + 0.8).abs() < 1e-9 && scale.left < 1e-6);
         assert!((found.offset - 2.0).abs() < 0.1 && found.left_of_offset > 1.0);
         assert!((scale.offset - 2.0).abs() < 1e-9 && scale.left_of_scale_alone > 1.0);
         let still = Run::new(vec![0.0; 3], vec![1.0, 2.0, 1.0]).unwrap();
-        assert!(Misfit::of(&[still], &[vec![0.0; 3]], 0.002).scale.is_none());
+        let none = Misfit::of(&[still], &|_| vec![vec![0.0; 3]], 0.002);
+        assert!(none.scale.is_none());
+    }
+
+    /// The model begins where the recording does, and forgets that by a tenth a sample.
+    #[test]
+    fn a_start_that_an_offset_moved_does_not_hide_the_offset() {
+        let follows = |start: f64| -> Vec<f64> {
+            let mut y = start;
+            let step = |k: i32| {
+                let before = y;
+                y += 0.1 * (f64::from(k / 100 % 2) - y);
+                before
+            };
+            (0..400).map(step).collect()
+        };
+        for (factor, offset) in [(1.0, 7.0), (1.0, -0.3), (0.9, 7.0), (-1.0, 7.0)] {
+            let measured: Vec<f64> = follows(0.0).iter().map(|y| offset + factor * y).collect();
+            let command: Vec<f64> = (0..400).map(|k| f64::from(k / 100 % 2)).collect();
+            let run = Run::new(command, measured).unwrap();
+            let record = Record::new(0.002, vec![run]).unwrap();
+            let simulate = |line: Line| vec![follows(line.undone(&record).runs()[0].output()[0])];
+            let found = Misfit::of(record.runs(), &simulate, 0.002);
+            if factor == 1.0 {
+                // One part in a thousand is where the search ends.
+                assert!((found.offset - offset).abs() < 1e-3 * offset.abs());
+                assert!(found.left_of_offset < 1e-3 * offset.abs());
+            }
+            let scale = found.scale.unwrap();
+            assert!((scale.factor - factor).abs() < 1e-2, "{}", scale.factor);
+            assert!((scale.offset - offset).abs() < 1e-2, "{}", scale.offset);
+        }
     }
 }

@@ -1,16 +1,19 @@
 //! A model against recordings that it was not identified from.
 
 use super::load_at_rest;
-use super::misfit::{Misfit, Scale};
+use super::misfit::{Line, Misfit, Scale};
+use super::sample_period::unlikely_period;
 use crate::data::dataset::Dataset;
 use crate::data::fingerprint;
 use crate::data::model_file::ModelFile;
 use crate::data::model_metadata::{ModelMetadata, UnitsDiffer, unit_meant};
+use crate::data::units::Units;
 use crate::presentation::summary::{four_digits, with_unit};
 use anyhow::{Context, Result, anyhow};
 use serde::Serialize;
-use servoid_identification::Error;
 use servoid_identification::results::{Advice, Check, Validation};
+use servoid_identification::servo_model::{CommandRange, ServoModel};
+use servoid_identification::{Error, Record, Run};
 
 /// The validation as its document has it, with advice on the files.
 #[derive(Debug, Serialize)]
@@ -52,7 +55,8 @@ impl Validated {
         let of_load = servo.and_then(|servo| load_at_rest::remedy(&servo.model, metadata.units()));
         let is_linear = file.model.linear && servo.is_none_or(|servo| servo.model.is_linear());
         let period_s = data.record.sample_period_s();
-        let misfit = |simulated: &[Vec<f64>]| Misfit::of(runs, simulated, period_s);
+        // What follows from a wrong time is no finding on the model.
+        let doubtful = unlikely_period(period_s);
         let controllers = servo.map(|servo| data.controllers.among(&servo.controller_names));
         let servo = servo.zip(controllers.transpose()?);
         let servo_model = servo
@@ -62,15 +66,31 @@ impl Validated {
         let (validation, only_servo) = match validation.map_err(of_its_own_period) {
             Ok(found) => (Some(found), None),
             Err(error) if servo_model.is_some() => (None, Some(only_servo_model(&error))),
-            Err(error) => return Err(error).with_context(|| name.to_owned()),
+            Err(error) => {
+                let named = Err(error).with_context(|| name.to_owned());
+                return match doubtful {
+                    Some(doubt) => named.context(format!("{} {}", doubt.finding, doubt.remedy)),
+                    None => named,
+                };
+            }
         };
+        let commands = servo.as_ref().and_then(|(servo, _)| servo.model.commands);
+        let found = validation.iter().chain(&servo_model);
+        let best = found.map(|found| found.fit_percent);
+        let predicts_nothing = (best.fold(f64::NEG_INFINITY, f64::max) < 0.0).then(|| {
+            let of_model = (file.metadata.units(), commands);
+            predicts_nothing(
+                of_model,
+                (metadata.units(), range_of_commands(&data.record)),
+            )
+        });
         let own = fingerprint::of(&data.record);
         let own = fingerprint::advice_on_validation(&file.fingerprints, &own);
         let unit = metadata.units().output.unwrap_or_default();
         let of_linear = validation.as_ref().and_then(|found| {
             let misfit = || {
                 let simulated: Vec<_> = runs.iter().map(|run| file.model.simulate(run)).collect();
-                let misfit = misfit(&simulated);
+                let misfit = Misfit::of(runs, &|_| simulated.clone(), period_s);
                 Misfit {
                     // What is slower in larger strokes is later there, and no delay.
                     lag: misfit.lag.filter(|_| is_linear),
@@ -81,14 +101,21 @@ impl Validated {
         });
         let of_servo = servo.as_ref().zip(servo_model.as_ref());
         let of_servo = of_servo.and_then(|((servo, controllers), found)| {
-            let misfit = || misfit(&servo.model.simulate(&data.record, controllers));
+            let misfit = || of_servo_model(&servo.model, &data.record, controllers);
             larger_error("servo", [found.rmse, servo.model.fit.rmse], misfit, unit)
         });
-        let own = only_servo
-            .into_iter()
-            .chain(own)
-            .chain(of_linear)
-            .chain(of_servo);
+        // Of a recording that may be in other units, nobody should hear that its motion is another one.
+        let is_a_cause =
+            |found: &Advice| predicts_nothing.is_none() || found.remedy != ANOTHER_MOTION;
+        let of_models = of_linear.into_iter().chain(of_servo).filter(is_a_cause);
+        let of_models: Vec<Advice> = match doubtful {
+            Some(doubt) => vec![doubt],
+            None => (predicts_nothing.clone().into_iter())
+                .chain(only_servo)
+                .chain(of_models)
+                .collect(),
+        };
+        let own = own.into_iter().chain(of_models);
         let mut of_files = data.about.advice.clone();
         if let Some((by_load, remedy)) = of_load {
             Advice::name_load(&mut of_files, Some(by_load), &remedy);
@@ -107,6 +134,56 @@ impl Validated {
     pub fn own_fits(&self) -> (f64, Option<f64>) {
         (self.own_fit_percent, self.servo_model_own_fit_percent)
     }
+}
+
+/// What a recording has that the servo model has not.
+fn of_servo_model(model: &ServoModel, record: &Record, controllers: &[usize]) -> Misfit {
+    let simulate = |line: Line| model.simulate(&line.undone(record), controllers);
+    Misfit::of(record.runs(), &simulate, record.sample_period_s())
+}
+
+/// The least and the largest command of a record.
+fn range_of_commands(record: &Record) -> Option<CommandRange> {
+    let inputs = record.runs().iter().flat_map(Run::input).copied();
+    let known = inputs.filter(|input| !input.is_nan());
+    let range = |input: f64| CommandRange {
+        least: input,
+        largest: input,
+    };
+    known.map(range).reduce(|a, b| CommandRange {
+        least: a.least.min(b.least),
+        largest: a.largest.max(b.largest),
+    })
+}
+
+/// That a model predicts worse than a mean does, with the commands of both: in other units they have another range.
+fn predicts_nothing(
+    (model, of_model): (Units<'_>, Option<CommandRange>),
+    (here, of_record): (Units<'_>, Option<CommandRange>),
+) -> Advice {
+    let range = |commands: Option<CommandRange>, goes: &str| {
+        commands.map_or_else(String::new, |CommandRange { least, largest }| {
+            let [least, largest] = [least, largest].map(four_digits);
+            format!(" and {goes} from {least} to {largest}")
+        })
+    };
+    let unit = |unit: Option<&str>| match unit {
+        Some(unit) => format!("is in {unit}"),
+        None => "has no unit".to_owned(),
+    };
+    Advice::new(
+        Check::Prediction,
+        "The model predicts this recording worse than its mean does.",
+        0.0,
+        0.0,
+        format!(
+            "Check that the servo, the columns and their units are those of the model. The command of the model {}{}; that of this recording {}{}.",
+            unit(model.input),
+            range(of_model, "went"),
+            unit(here.input),
+            range(of_record, "goes"),
+        ),
+    )
 }
 
 /// A model whose error is so many times that of its own recording misses what it knew there: noise alone changes far less from one
@@ -179,17 +256,19 @@ fn cause([rmse, own_rmse]: [f64; 2], misfit: &Misfit, in_unit: impl Fn(f64) -> S
         );
     }
     match misfit.lag.as_ref().filter(|lag| is_most(lag.left)) {
-        Some(lag) => format!(
-            "It is a delay: this recording is {:.1} ms {} than the model, and shifted by that it leaves an error of {}. If the servo is the same, look at \
-             how the command is written (at the moment at which it is sent, by the clock of the position), and at the logger.",
-            1e3 * lag.seconds.abs(),
-            if lag.seconds > 0.0 {
-                "later"
-            } else {
-                "earlier"
-            },
-            in_unit(lag.left)
-        ),
+        Some(lag) => {
+            let (here, model) = match lag.seconds > 0.0 {
+                true => ("later", "early"),
+                false => ("earlier", "late"),
+            };
+            format!(
+                "It is a delay: this recording is {:.1} ms {here} than the model, and shifted by that it leaves an error of {}. Where servo, command and \
+                 logger are the same, it is the model that is {model} in motion of this kind: identify from this recording, or from both together. Else look at \
+                 how the command is written (at the moment at which it is sent, by the clock of the position), and at the logger.",
+                1e3 * lag.seconds.abs(),
+                in_unit(lag.left)
+            )
+        }
         None => noise(misfit, is_most, in_unit).unwrap_or_else(|| ANOTHER_MOTION.to_owned()),
     }
 }

@@ -4,16 +4,14 @@ use super::compare::warn_of_small_margin;
 use super::input::{SecondSideArgs, TableArgs, name_of};
 use super::output::{Output, Talk, sides_are_open, stem, wrong_usage};
 use super::servo_search::ServoSearch;
-use crate::analysis::{compared, compared_models, identified, scale_ratio_sd, servo_fit};
+use crate::analysis::{compared, compared_models, compared_servos, identified, servo_fit};
 use crate::data::dataset::{Dataset, listed};
 use crate::data::model_file::{ModelFile, is_model};
 use crate::presentation::report::{self, Page, Servo};
 use anyhow::Result;
 use clap::Args;
 use servoid_identification::Options;
-use servoid_identification::comparison::{
-    Comparison, ComparisonOptions, ServoModelComparison, compare_servo_models,
-};
+use servoid_identification::comparison::{Comparison, ComparisonOptions, ServoModelComparison};
 use std::path::PathBuf;
 
 /// Write a page on one servo, or on the comparison of two, with figures to zoom in
@@ -162,8 +160,8 @@ fn model_file(files: &[PathBuf]) -> Option<&PathBuf> {
 fn servo_models(a: &Servo, b: &Servo) -> Option<ServoModelComparison> {
     a.metadata.same_units(&a.name, &b.metadata, &b.name).ok()?;
     let both = a.servo_model.as_ref().zip(b.servo_model.as_ref())?;
-    let scale_sd = scale_ratio_sd([&a.metadata, &b.metadata]);
-    Some(compare_servo_models(&both.0.model, &both.1.model, scale_sd))
+    let models = [&both.0.model, &both.1.model];
+    Some(compared_servos(models, [&a.metadata, &b.metadata]))
 }
 
 /// The comparison of the two; `None` where there is none, as for a recording beside a model.

@@ -128,31 +128,42 @@ impl ModelMetadata {
         other_name: &str,
     ) -> Result<(), UnitsDiffer> {
         let (mine, theirs) = (self.units(), other.units());
-        for (what, unit, other_unit) in [
+        let both = [
             ("command", mine.input, theirs.input),
             ("position", mine.output, theirs.output),
-        ] {
-            if let (Some(unit), Some(other_unit)) = (unit, other_unit)
-                && let (Some(one), Some(another)) = (unit_meant(unit), unit_meant(other_unit))
-                && one != another
-            {
-                return Err(UnitsDiffer {
-                    what,
-                    name: name.to_owned(),
-                    unit: unit.to_owned(),
-                    other: other_name.to_owned(),
-                    other_unit: other_unit.to_owned(),
-                });
-            }
-        }
-        Ok(())
+        ];
+        let differ = both.into_iter().find_map(|(what, unit, other_unit)| {
+            let (unit, other_unit) = different(unit, other_unit)?;
+            Some(UnitsDiffer {
+                what,
+                name: name.to_owned(),
+                unit: unit.to_owned(),
+                other: other_name.to_owned(),
+                other_unit: other_unit.to_owned(),
+            })
+        });
+        differ.map_or(Ok(()), Err)
     }
+
+    /// The units of the commands of both, where these differ and those of the positions do not.
+    pub fn other_command<'u>(&'u self, other: &'u Self) -> Option<(&'u str, &'u str)> {
+        let (mine, theirs) = (self.units(), other.units());
+        different(mine.input, theirs.input)
+            .filter(|_| different(mine.output, theirs.output).is_none())
+    }
+}
+
+/// Both units, where they are known and mean different things.
+fn different<'u>(one: Option<&'u str>, other: Option<&'u str>) -> Option<(&'u str, &'u str)> {
+    let (one, other) = (one?, other?);
+    (unit_meant(one)? != unit_meant(other)?).then_some((one, other))
 }
 
 /// Two that cannot be compared.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "the {what} of {name} is in {unit}, that of {other} in {other_unit}: only data in the same units can be put together or compared, so convert one of the recordings"
+    "{}: only data in the same units can be put together or compared, so convert one of the recordings",
+    self.in_words()
 )]
 pub struct UnitsDiffer {
     what: &'static str,
@@ -160,6 +171,20 @@ pub struct UnitsDiffer {
     unit: String,
     other: String,
     other_unit: String,
+}
+
+impl UnitsDiffer {
+    /// "the command of a.json is in us, that of b.json in deg"
+    pub fn in_words(&self) -> String {
+        let Self {
+            what,
+            name,
+            unit,
+            other,
+            other_unit,
+        } = self;
+        format!("the {what} of {name} is in {unit}, that of {other} in {other_unit}")
+    }
 }
 
 /// One spelling for all of a unit; `None` for what may be no unit at all, such as the "bench" of
@@ -216,6 +241,9 @@ mod tests {
             of("µs", "deg").same_units("a", &of("usec", "°"), "b"),
             Ok(())
         );
+        let commands = |other: &ModelMetadata| degrees.other_command(other).is_some();
+        assert!(commands(&of("µs", "deg")) && !commands(&of("µs", "counts")));
+        assert!(!commands(&of("deg", "deg")));
         let sentence = degrees.same_units("a", &of("µs", "deg"), "b").unwrap_err();
         assert!(
             sentence

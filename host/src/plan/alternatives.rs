@@ -1,7 +1,7 @@
 //! All references beside each other.
 
 use super::answerable_questions;
-use super::band_width::RunsNeeded;
+use super::band_width::{RunsNeeded, shows_step};
 use super::expectation::Expectation;
 use super::needed_runs::Effort;
 use super::request::PlanRequest;
@@ -26,7 +26,7 @@ pub struct Alternative {
     /// Duration of one run, with its rest (s).
     pub run_s: f64,
     /// Half width of the whole curve's band, where it is widest (percent of the step); `None` where it
-    /// cannot be identified, or not with bounds.
+    /// cannot be identified, or not with bounds, and where these are wider than the step itself.
     pub widest_percent: Option<f64>,
     /// The same after one minute of such runs, which makes references of different length comparable.
     pub widest_percent_in_a_minute: Option<f64>,
@@ -111,8 +111,9 @@ fn alternative(
     Alternative {
         reference: request.reference.name(),
         run_s,
-        widest_percent: band.map(|b| b.widest_percent),
-        widest_percent_in_a_minute: band.and_then(|_| in_a_minute(request)),
+        widest_percent: (band.map(|b| b.widest_percent)).filter(|width| shows_step(*width)),
+        widest_percent_in_a_minute: (band.and_then(|_| in_a_minute(request)))
+            .filter(|width| shows_step(*width)),
         only_if_linear: request.relies_on_linearity(),
         needed: needed.and_then(Result::ok),
         closest: needed.and_then(Result::err),

@@ -25,6 +25,14 @@ pub struct BandWidths {
     pub without_bounds_percent: f64,
 }
 
+/// Half the width from which on a band holds no step as well: it says nothing (percent of the step).
+const WHOLE_STEP_PERCENT: f64 = 100.0;
+
+/// Whether a band of this half width still says something of a step.
+pub(super) fn shows_step(widest_percent: f64) -> bool {
+    widest_percent < WHOLE_STEP_PERCENT
+}
+
 impl BandWidths {
     pub(super) fn of(bounds: &StepBounds) -> Self {
         let (pointwise, whole) = bounds.mean_half_widths();

@@ -1,7 +1,7 @@
 //! A plan as text.
 
 use super::alternatives::Alternative;
-use super::band_width::{BandWidths, MOST_RUNS, RunsNeeded};
+use super::band_width::{BandWidths, MOST_RUNS, RunsNeeded, shows_step};
 use super::forecast::Plan;
 use crate::data::units::Units;
 use crate::presentation::summary;
@@ -110,14 +110,23 @@ const APART: f64 = 1.25;
 /// The width of the band, and the part of it that is not noise.
 fn step_band(plan: &Plan, band: &BandWidths) -> String {
     let level = summary::percent(band.level);
-    let mut text = format!(
-        "±{:.2} % of the step at its widest, ±{:.2} % on average; each point ±{:.2} % ({level} % confidence)\n",
-        band.widest_percent, band.mean_percent, band.mean_pointwise_percent
-    );
+    let mut text = match shows_step(band.widest_percent) {
+        true => format!(
+            "±{:.2} % of the step at its widest, ±{:.2} % on average; each point ±{:.2} % ({level} % confidence)\n",
+            band.widest_percent, band.mean_percent, band.mean_pointwise_percent
+        ),
+        false => format!(
+            "none: ±{:.0} % at its widest, which is more than the step itself, so that such a run does not show how the servo answers one\n",
+            band.widest_percent
+        ),
+    };
     if band.widest_of_all_percent > APART * band.widest_percent {
+        let width = match shows_step(band.widest_of_all_percent) {
+            true => format!("±{:.2} %", band.widest_of_all_percent),
+            false => "wider than the step itself".to_owned(),
+        };
         text += &format!(
-            "              ±{:.2} % in one of the simulated runs: some runs show an end of the response that others do not, and take a longer\n              settling time; --settling N of 'servoid identify' sets it\n",
-            band.widest_of_all_percent
+            "              {width} in one of the simulated runs: some runs show an end of the response that others do not, and take a longer\n              settling time; --settling N of 'servoid identify' sets it\n",
         );
     }
     if band.without_bounds_percent > 0.0 {
@@ -166,6 +175,9 @@ fn more_runs_and_metrics(plan: &Plan, band: &BandWidths) -> String {
         }
         (None, None) => String::new(),
     };
+    if !shows_step(band.widest_percent) {
+        return text;
+    }
     let level = summary::percent(band.level);
     text += &format!("\n  {:36} expected interval, {level} %\n", "");
     let metrics = plan.metrics.iter();
@@ -300,4 +312,51 @@ fn in_words(runs: u64) -> String {
 
 fn time_of(needed: &RunsNeeded) -> String {
     format!("{}, {:.0} s", in_words(needed.runs), needed.seconds)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::instrument::reference::ReferenceSpec;
+    use crate::plan::{AssumedServo, PlanRequest};
+    use servoid_protocol::PulseTrain;
+
+    #[test]
+    fn a_band_that_is_wider_than_the_step_is_none() {
+        let assumed = AssumedServo::simulated(&"linear".parse().unwrap(), PulseTrain::USUAL);
+        let request = PlanRequest {
+            reference: ReferenceSpec::default().resolve(10.0).unwrap().reference,
+            us_per_degree: 10.0,
+            runs: 1,
+            assumed: assumed.unwrap(),
+            level: 0.99,
+            wanted_percent: None,
+            servo_model: false,
+        };
+        let plan = Plan::of(&request).unwrap();
+        let of = |widest_percent: f64, widest_of_all_percent: f64| {
+            let band = plan.band.map(|band| BandWidths {
+                widest_percent,
+                widest_of_all_percent,
+                ..band
+            });
+            of_plan(&Plan {
+                band,
+                ..plan.clone()
+            })
+        };
+        let usual = of(9.0, 9.0);
+        assert!(usual.contains("±9.00 % of the step at its widest") && usual.contains("DC gain"));
+        let one = of(99.0, 479.0);
+        assert!(
+            one.contains("wider than the step itself in one of the simulated runs")
+                && !one.contains("479"),
+            "{one}"
+        );
+        let none = of(102.6, 102.6);
+        assert!(
+            none.contains("none: ±103 % at its widest") && !none.contains("DC gain"),
+            "{none}"
+        );
+    }
 }

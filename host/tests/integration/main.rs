@@ -48,5 +48,6 @@ mod terminal;
 mod trains;
 mod travel;
 mod units;
+mod validation;
 mod verdicts;
 mod wording;

@@ -362,7 +362,7 @@ fn servos_that_no_step_response_compares_are_compared_as_machines_and_that_is_sa
     let columns = ["--input", "u_deg", "--output", "y_deg", "--period", "0.01"];
     let text = run(&[&["compare", arg(&quick), arg(&slow)], &columns[..]].concat());
     assert!(
-        text.starts_with("As machines they differ, each quantity by itself at 99 %: top speed upwards 300.0 deg/s in A, 250."),
+        text.contains("\n\nAs machines they differ, each quantity by itself at 99 %: top speed upwards 300.0 deg/s in A, 250."),
         "{text}"
     );
     // What a record leaves open has no ends that nobody reads.
@@ -419,7 +419,7 @@ fn sides_with_different_times_between_samples_are_compared_as_machines_alone() {
     let text = run(&compare);
     let why = "The step responses are not compared, because one side has samples every 10 ms and the other every 20 ms.";
     assert!(
-        text.starts_with("As machines") && text.contains(why),
+        text.contains("\n\nAs machines") && text.contains(why),
         "{text}"
     );
     let document: Value =
@@ -459,4 +459,84 @@ fn a_plan_says_what_of_the_servo_model_comes_out_determined() {
     assert!(found["bounds"].is_null());
     let remedy = found["remedies"][0].as_str().unwrap();
     assert!(remedy.contains("more than two levels"), "{remedy}");
+}
+
+/// A command in µs and one in degrees move the same servo alike.
+#[test]
+fn servos_are_compared_by_the_time_of_a_stroke_whatever_the_unit_of_the_command() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = |name: &str| dir.path().join(name);
+    let (recording, degrees, pulses) = (path("a.csv"), path("deg.json"), path("us.json"));
+    let simulate = ["simulate", "-q", "--servo", "bench", "-o", arg(&recording)];
+    let mut large = STAIRS;
+    large[5] = "35";
+    run(&[&simulate[..], &large].concat());
+    let identify = ["identify", "-q", arg(&recording), "--servo-model", "-o"];
+    let named = ["--input", "pulse_us", "--output", "position_deg"];
+    run(&[&identify[..], &[arg(&degrees)]].concat());
+    run(&[&identify[..], &[arg(&pulses)], &named].concat());
+    let found: Value =
+        serde_json::from_str(&run(&["compare", arg(&degrees), arg(&pulses), "--json"])).unwrap();
+    let compared = &found["servo_model"];
+    let names: Vec<&str> = compared["quantities"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|of| of["name"].as_str().unwrap())
+        .collect();
+    assert!(
+        names.contains(&"delay") && !names.contains(&"gain"),
+        "{names:?}"
+    );
+    let times = |side: &str| {
+        let both = compared["stroke"][side].as_array().unwrap();
+        both.iter()
+            .map(|time| time.as_f64().unwrap())
+            .collect::<Vec<_>>()
+    };
+    // One recording, whose times lie 10 ms apart in no direction.
+    for (a, b) in times("a_s").into_iter().zip(times("b_s")) {
+        assert!((0.2..0.4).contains(&a) && (a - b).abs() < 0.01, "{a} {b}");
+    }
+    let text = run(&["compare", "-q", arg(&degrees), arg(&pulses)]);
+    let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    for said in [
+        "By the models a stroke of 60 degrees takes",
+        "The step responses are not compared, because the command of",
+        "A deg.json B us.json",
+        "stroke of 60 degrees downwards",
+    ] {
+        assert!(text.contains(said), "{said}: {text}");
+    }
+}
+
+/// The structure of both is that of the second, which has no bounds by itself: the first loses its own for that reason.
+#[test]
+fn bounds_that_one_side_loses_to_the_other_are_lost_for_its_reason() {
+    let dir = tempfile::tempdir().unwrap();
+    let of = |amplitude: &str, seed: &str| {
+        let file = dir.path().join(format!("{amplitude}.csv"));
+        let mut stairs = STAIRS;
+        stairs[5] = amplitude;
+        let simulate = [
+            "simulate",
+            "-q",
+            "--servo",
+            "bench",
+            "--seed",
+            seed,
+            "-o",
+            arg(&file),
+        ];
+        run(&[&simulate[..], &stairs].concat());
+        file
+    };
+    let [small, large] = [of("8", "1"), of("30", "2")];
+    let found: Value =
+        serde_json::from_str(&run(&["compare", arg(&small), arg(&large), "--json"])).unwrap();
+    assert_eq!(
+        found["withdrawn"]["reason"], "errors_not_noise",
+        "{}",
+        found["withdrawn"]
+    );
 }

@@ -104,7 +104,7 @@ fn large_strokes_have_their_top_speed_and_a_true_reason_for_what_is_left_out() {
         "{text}"
     );
     assert!(
-        text.contains("the linear model does not determine the gain"),
+        text.contains("they rest on frequencies that were left out"),
         "{text}"
     );
     assert!(!text.contains("may be zero"), "{text}");
@@ -144,4 +144,20 @@ fn a_plan_beyond_the_limits_says_so() {
         "{beyond}"
     );
     assert!(!plan("9").contains("will not run this"));
+}
+
+/// In the short holds of a sweep a servo moves so evenly that it passes for one at rest.
+#[test]
+fn a_sweep_shows_no_rests_and_no_strokes() {
+    let dir = tempfile::tempdir().unwrap();
+    let sweep = dir.path().join("sweep.csv");
+    let simulate = ["simulate", "-q", "--servo", "bench", "-o", arg(&sweep)];
+    run(&[
+        &simulate[..],
+        &["--reference", "sweep", "--amplitude", "20"],
+    ]
+    .concat());
+    let text = run(&["identify", "-q", arg(&sweep), "--limits"]);
+    assert!(text.contains("no stroke that began"), "{text}");
+    assert!(!text.contains("Hysteresis of"), "{text}");
 }

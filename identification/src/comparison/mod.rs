@@ -57,7 +57,7 @@ pub use outcome::{
 };
 pub use over_prediction::OverPrediction;
 pub use servo_models::{
-    QuantityDifference, QuantityDifferences, QuantityPair, ServoModelComparison,
+    QuantityDifference, QuantityDifferences, QuantityPair, ServoModelComparison, StrokeTimes,
     compare_servo_models,
 };
 pub use verdict::Verdict;

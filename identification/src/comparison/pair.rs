@@ -9,7 +9,7 @@ use crate::identify::{Identification, identify_runs};
 use crate::nonlinear::{DirectionModel, Limits, split_with};
 use crate::numerics::pointwise_critical;
 use crate::options::{Frequencies, NoiseOrder, Options, Settling};
-use crate::results::{Bounds, Interval, Model};
+use crate::results::{Bounds, Interval, Model, Reason};
 
 /// One side, identified.
 pub(super) struct Identified<'a> {
@@ -27,9 +27,12 @@ pub(super) struct Identified<'a> {
 }
 
 impl<'a> Identified<'a> {
+    /// `of_other` is why the other side has no bounds by itself. Its structure is the common one then, and what this side loses by it is lost for that
+    /// reason.
     fn new(
         record: &'a Record<'a>,
         alone: Identification,
+        of_other: Option<Reason>,
         options: &Options,
     ) -> Result<Self, Error> {
         let may_go_on = alone.explanation.may_go_on();
@@ -39,7 +42,8 @@ impl<'a> Identified<'a> {
             explanation,
         } = identify_runs(record, options, may_go_on)?;
         let alone = alone.model;
-        if let Bounds::Withdrawn(reason) = alone.level() {
+        let lost = model.level().withdrawn().and(of_other);
+        if let Some(reason) = alone.level().withdrawn().or(lost) {
             model.withdraw(reason);
         }
         // A record without an answer, such as one with strokes in one direction only, is no error here.
@@ -175,9 +179,10 @@ pub(super) fn identified<'a>(
         ..*options
     };
     let [alone_a, alone_b] = found;
+    let [of_a, of_b] = [&alone_a, &alone_b].map(|alone| alone.model.level().withdrawn());
     Ok((
-        Identified::new(a, alone_a, &common)?,
-        Identified::new(b, alone_b, &common)?,
+        Identified::new(a, alone_a, of_b, &common)?,
+        Identified::new(b, alone_b, of_a, &common)?,
     ))
 }
 

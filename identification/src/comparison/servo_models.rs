@@ -22,9 +22,23 @@ pub struct ServoModelComparison {
     /// The stops, where one of the two has any; left out elsewhere.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stops: Option<StopsOfBoth>,
+    /// How long a whole stroke takes; left out where that was not asked for, or where neither model says it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stroke: Option<StrokeTimes>,
     /// Intervals of both sides and of their differences; withdrawn where one side has none.
     #[serde(flatten)]
     pub bounds: Bounds<QuantityDifferences>,
+}
+
+/// How long a whole stroke takes, as both models have it, with delay, acceleration and braking.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StrokeTimes {
+    /// Its size \[output\].
+    pub size: f64,
+    /// Of the first servo, upwards and downwards \[s\]; `None` where its model does not say it.
+    pub a_s: Option<[f64; 2]>,
+    /// Of the second servo.
+    pub b_s: Option<[f64; 2]>,
 }
 
 /// The stops of both sides.
@@ -116,10 +130,50 @@ pub fn compare_servo_models(a: &ServoModel, b: &ServoModel, scale_sd: f64) -> Se
     ServoModelComparison {
         quantities: pairs.iter().filter_map(pair).collect(),
         stops: stops(a, b),
+        stroke: None,
         bounds: level(a).zip(level(b)).map(|(a, b)| QuantityDifferences {
             level: a.min(b),
             differences: differences(a.min(b)),
         }),
+    }
+}
+
+impl ServoModelComparison {
+    /// With the times of a stroke of `size` \[output\] by the two models.
+    #[must_use]
+    pub fn with_stroke(self, [a, b]: [&ServoModel; 2], size: f64) -> Self {
+        let [a_s, b_s] = [a, b].map(|model| model.stroke_times_s(size));
+        Self {
+            stroke: (a_s.or(b_s)).map(|_| StrokeTimes { size, a_s, b_s }),
+            ..self
+        }
+    }
+
+    /// Without what depends on the unit of the command, which the two sides do not share.
+    #[must_use]
+    pub fn of_the_output_alone(self) -> Self {
+        let is_of_output = |name: &str, unit: Unit| {
+            let of_command = matches!(unit, Unit::Command | Unit::OutputPerCommand);
+            !of_command && QuantityKind::named(name) != Some(QuantityKind::Offset)
+        };
+        let mut quantities = self.quantities;
+        quantities.retain(|pair| is_of_output(&pair.name, pair.unit));
+        let is_kept =
+            |found: &QuantityDifference| quantities.iter().any(|pair| pair.name == found.name);
+        let bounds = self.bounds.map(|mut bounds| {
+            bounds.differences.retain(is_kept);
+            bounds
+        });
+        Self {
+            quantities,
+            // Which commands go farther nobody can say.
+            stops: self.stops.map(|stops| StopsOfBoth {
+                differ: false,
+                ..stops
+            }),
+            bounds,
+            ..self
+        }
     }
 }
 
@@ -237,6 +291,33 @@ mod tests {
         assert!(
             text.contains(r#""stops":{"a":{},"b":{"upper":6.0},"differ":false}"#),
             "{text}"
+        );
+    }
+
+    #[test]
+    fn a_command_in_another_unit_leaves_what_is_of_the_output() {
+        let (slow, fast) = (model(0.5), model(1.0));
+        let found = compare_servo_models(&slow, &fast, 0.0)
+            .with_stroke([&slow, &fast], 4.0)
+            .of_the_output_alone();
+        let names: Vec<&str> = found.quantities.iter().map(|of| of.name.as_str()).collect();
+        assert!(names.contains(&"delay") && names.contains(&"bandwidth at small signals"));
+        assert!(
+            !names.contains(&"gain") && !names.contains(&"offset"),
+            "{names:?}"
+        );
+        if let Some(bounds) = found.bounds.valid() {
+            let of_bounds: Vec<&str> = bounds
+                .differences
+                .iter()
+                .map(|of| of.name.as_str())
+                .collect();
+            assert_eq!(of_bounds, names);
+        }
+        let stroke = found.stroke.unwrap();
+        assert!(
+            stroke.a_s.unwrap()[0] > stroke.b_s.unwrap()[0],
+            "{stroke:?}"
         );
     }
 

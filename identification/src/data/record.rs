@@ -315,10 +315,25 @@ impl<'a> Record<'a> {
 
     /// The same with all outputs, those at rest too, of the other sign.
     pub(crate) fn turned_round(&self) -> Self {
-        let turned = |run: &Run<'a>| run.with_output(run.output().iter().map(|y| -y).collect());
+        self.with_each_output(|y| -y)
+    }
+
+    /// The same with each output, those at rest too, replaced.
+    ///
+    /// ```
+    /// use servoid_identification::Record;
+    /// let record = Record::of_run(0.01, vec![0.0, 1.0], vec![5.0, 7.0])?;
+    /// let moved = record.with_each_output(|y| y - 5.0);
+    /// assert_eq!(moved.runs()[0].output(), [0.0, 2.0]);
+    /// # Ok::<(), servoid_identification::Error>(())
+    /// ```
+    #[must_use]
+    pub fn with_each_output(&self, by: impl Fn(f64) -> f64) -> Self {
+        let replaced =
+            |run: &Run<'a>| run.with_output(run.output().iter().map(|y| by(*y)).collect());
         Self {
-            runs: self.runs.iter().map(turned).collect(),
-            rest: self.rest.iter().map(turned).collect(),
+            runs: self.runs.iter().map(replaced).collect(),
+            rest: self.rest.iter().map(replaced).collect(),
             ..self.clone()
         }
     }

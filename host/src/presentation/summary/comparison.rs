@@ -9,10 +9,10 @@ use servoid_identification::comparison::{
 };
 use servoid_identification::results::{Bounds, Interval};
 
-/// A comparison, for a terminal.
+/// A comparison of the sides A and B, for a terminal.
 #[must_use]
-pub fn of_comparison(a: &str, b: &str, found: &Comparison, units: Units<'_>) -> String {
-    let mut text = format!("A  {a}\nB  {b}\n\n{}\n\n", wrapped(&found.summary, 0));
+pub fn of_comparison(found: &Comparison, units: Units<'_>) -> String {
+    let mut text = format!("{}\n\n", wrapped(&found.summary, 0));
     for (name, value) in facts_of_comparison("A", "B", found, units) {
         text += &format!("  {name:NAMES$} {}\n", wrapped(&value, NAMES + 3));
     }

@@ -24,7 +24,9 @@ pub use model_sentence::model_sentence;
 pub(crate) use servo_comparison::{how_servo_models_are_compared, servo_model_rows};
 pub use servo_comparison::{of_servo_models, sentence_on_servo_models};
 pub use servo_model::of_servo_model;
+pub(crate) use servo_sentence::LOOKS_LIKE_A_LOAD;
 pub use servo_sentence::servo_sentence;
+pub(crate) use sixty_degrees::sixty_degrees;
 pub(crate) use strokes::stroke_in_words;
 pub(crate) use what_to_record::advice_on_servo_model;
 
@@ -205,17 +207,8 @@ pub fn of_validation(
             servo.into_iter().chain(linear).collect()
         }
     };
-    let fits = linear.into_iter().chain(servo_model);
-    let fits = fits.map(|found| found.fit_percent);
-    let best = fits.fold(f64::NEG_INFINITY, f64::max);
-    let foreign = match best < 0.0 {
-        true => {
-            "\n  ! The model predicts this recording worse than its mean does.\n    Check that the servo, the columns and their units are those of the model.\n"
-        }
-        false => "",
-    };
     format!(
-        "{text}the fit of the recording that the model comes from is {own}\n{foreign}{}",
+        "{text}the fit of the recording that the model comes from is {own}\n{}",
         findings(advice)
     )
 }

@@ -5,6 +5,8 @@ use super::metrics::TableRow;
 use super::numbers::{digits_beside, four_digits, percent};
 use super::quantity_table::{scale_and_unit, under_load};
 use super::servo_model::stops_in_words;
+use super::servo_sentence::LOOKS_LIKE_A_LOAD;
+use super::sixty_degrees::{both_ways, whole_ms};
 use crate::data::units::Units;
 use servoid_identification::comparison::{QuantityPair, ServoModelComparison};
 use servoid_identification::results::{Bounds, Interval, with_unit};
@@ -21,11 +23,22 @@ pub fn sentence_on_servo_models(
     found: &ServoModelComparison,
     units: Units<'_>,
 ) -> String {
-    let sure = what_is_sure(a, b, found, units);
-    match load_of_one(a, b, found, units) {
-        Some(load) => format!("{sure} {load}"),
-        None => sure,
-    }
+    let sentences = [
+        Some(what_is_sure(a, b, found, units)),
+        load_of_one(a, b, found, units),
+        strokes_of_both(a, b, found),
+    ];
+    let sentences: Vec<String> = sentences.into_iter().flatten().collect();
+    sentences.join(" ")
+}
+
+/// How long a stroke takes, which people decide by.
+fn strokes_of_both(a: &str, b: &str, found: &ServoModelComparison) -> Option<String> {
+    let stroke = found.stroke?;
+    let [of_a, of_b] = [both_ways(stroke.a_s?), both_ways(stroke.b_s?)];
+    Some(format!(
+        "By the models a stroke of 60 degrees takes {of_a} in {a}, and {of_b} in {b}."
+    ))
 }
 
 /// That one model has a load, and the other one none that shows.
@@ -46,8 +59,12 @@ fn load_of_one(a: &str, b: &str, found: &ServoModelComparison, units: Units<'_>)
     };
     let (scale, unit) = scale_and_unit(pair.unit, units);
     let value = with_unit(four_digits(scale * value), &unit);
+    let doubt = match pair.kind() {
+        Some(QuantityKind::LoadAtMiddle) => format!("; {LOOKS_LIKE_A_LOAD}"),
+        _ => String::new(),
+    };
     Some(format!(
-        "The model of {with} has a load ({} {value}), and in that of {without} none shows.",
+        "The model of {with} has a load ({} {value}{doubt}), and in that of {without} none shows.",
         pair.name
     ))
 }
@@ -109,9 +126,23 @@ fn stops_or_none(stops: Stops, units: Units<'_>) -> String {
     stops_in_words(stops, units).unwrap_or_else(|| "no stop".to_owned())
 }
 
-/// Both servos quantity by quantity, with what is sure about their difference.
+/// Width of a column of the table \[letters\].
+const COLUMN: usize = 21;
+
+/// The letter of a side, with the name of its file where the column has room for it.
+fn head_of_side(letter: char, name: &str) -> String {
+    let file = name.rsplit(['/', '\\']).next().unwrap_or(name);
+    let both = format!("{letter}  {file}");
+    match both.chars().count() <= COLUMN {
+        true => both,
+        false => letter.to_string(),
+    }
+}
+
+/// The servos A and B of the files `names` quantity by quantity, with what is sure about their difference.
 #[must_use]
-pub fn of_servo_models(a: &str, b: &str, found: &ServoModelComparison, units: Units<'_>) -> String {
+pub fn of_servo_models(names: [&str; 2], found: &ServoModelComparison, units: Units<'_>) -> String {
+    let [a, b] = [head_of_side('A', names[0]), head_of_side('B', names[1])];
     let bounds = found.bounds.valid();
     let (difference, below) = match bounds {
         Some(bounds) => (
@@ -120,11 +151,14 @@ pub fn of_servo_models(a: &str, b: &str, found: &ServoModelComparison, units: Un
         ),
         None => ("", "no intervals".to_owned()),
     };
-    let head = format!("  {below:34} {a:>21} {b:>21} {difference:>21}");
+    let head = format!("  {below:34} {a:>COLUMN$} {b:>COLUMN$} {difference:>COLUMN$}");
     let mut text = format!("\n{}\n", head.trim_end());
     for row in servo_model_rows(found, units) {
         let line = |label: &str, cells: Vec<&str>| {
-            let cells: String = cells.iter().map(|cell| format!(" {cell:>21}")).collect();
+            let cells: String = cells
+                .iter()
+                .map(|cell| format!(" {cell:>COLUMN$}"))
+                .collect();
             format!("{}\n", format!("  {label:34}{cells}").trim_end())
         };
         let (values, intervals) = row
@@ -199,6 +233,7 @@ pub(crate) fn servo_model_rows(found: &ServoModelComparison, units: Units<'_>) -
         }
     };
     let mut rows: Vec<TableRow> = found.quantities.iter().enumerate().map(row).collect();
+    rows.extend(stroke_rows(found));
     rows.extend(found.stops.map(|stops| {
         let in_words = |of: Stops| (stops_or_none(of, units), String::new());
         let mut cells = vec![in_words(stops.a), in_words(stops.b)];
@@ -211,9 +246,38 @@ pub(crate) fn servo_model_rows(found: &ServoModelComparison, units: Units<'_>) -
     rows
 }
 
+/// How long a stroke of 60 degrees takes, each way; no interval is known of that.
+fn stroke_rows(found: &ServoModelComparison) -> Vec<TableRow> {
+    let Some(stroke) = found.stroke else {
+        return Vec::new();
+    };
+    let ms = |time_s: Option<f64>| {
+        let time = time_s.map_or("-".to_owned(), |time_s| format!("{} ms", whole_ms(time_s)));
+        (time, String::new())
+    };
+    let row = |(way, name): (usize, &str)| {
+        let of = |times: Option<[f64; 2]>| times.and_then(|both| both.get(way).copied());
+        let (a_s, b_s) = (of(stroke.a_s), of(stroke.b_s));
+        let mut cells = vec![ms(a_s), ms(b_s)];
+        if found.bounds.valid().is_some() {
+            let apart = a_s.zip(b_s).map(|(a_s, b_s)| b_s - a_s);
+            cells.push(apart.map_or_else(Default::default, |apart| ms(Some(apart))));
+        }
+        TableRow {
+            label: format!("stroke of 60 degrees {name}"),
+            cells,
+        }
+    };
+    [(0, "upwards"), (1, "downwards")]
+        .into_iter()
+        .map(row)
+        .collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use servoid_identification::comparison::StrokeTimes;
     use servoid_identification::results::Reason;
     use servoid_identification::servo_model::Unit;
 
@@ -226,6 +290,11 @@ mod tests {
                 b,
             }],
             stops: None,
+            stroke: Some(StrokeTimes {
+                size: 60.0,
+                a_s: Some([0.239, 0.171]),
+                b_s: b.map(|_| [0.2, 0.2001]),
+            }),
             bounds: Bounds::Withdrawn(Reason::ErrorsNotNoise),
         };
         let units = Units {
@@ -240,10 +309,12 @@ mod tests {
         let loaded = sentence(None, Some(0.2042));
         assert!(
             loaded.ends_with(
-                "The model of B has a load (load at the middle 0.2042 deg), and in that of A none shows."
+                "The model of B has a load (load at the middle 0.2042 deg; a drive that is weaker to one side looks the same), and in that of A none \
+                 shows. By the models a stroke of 60 degrees takes 239 ms upwards and 171 ms downwards in A, and 200 ms in B."
             ),
             "{loaded}"
         );
+        assert!(!sentence(Some(0.3), None).contains("a stroke of 60"));
         assert!(sentence(Some(0.3), None).contains("The model of A has a load"));
         for both in [sentence(Some(0.3), Some(0.2)), sentence(None, None)] {
             assert!(!both.contains("has a load"), "{both}");

@@ -87,7 +87,7 @@ fn what_is_known(
         never_reached.and_then(|_| moved_at(model, units)),
         below_any_limit(model, units),
         resting_error(model, units),
-        load(model).map(str::to_owned),
+        load(model),
         delay(model),
     ];
     parts.into_iter().flatten().collect()
@@ -265,20 +265,23 @@ fn resting_error(model: &ServoModel, units: Units<'_>) -> Option<String> {
     })
 }
 
+/// What has the motion of a constant load as well.
+pub(crate) const LOOKS_LIKE_A_LOAD: &str = "a drive that is weaker to one side looks the same";
+
 /// The load, where the record shows that there is one: unequal drives may make the same motion.
-fn load(model: &ServoModel) -> Option<&'static str> {
+fn load(model: &ServoModel) -> Option<String> {
     let (kind, words) = match model.terms.load {
         LoadKind::None => return None,
         LoadKind::Constant => (
             QuantityKind::LoadAtMiddle,
-            "works as if against a constant load (a drive that is weaker to one side looks the same)",
+            format!("works as if against a constant load ({LOOKS_LIKE_A_LOAD})"),
         ),
         LoadKind::Pendulum | LoadKind::TiltedPendulum => {
-            (QuantityKind::LoadOfLevelArm, "carries a weight")
+            (QuantityKind::LoadOfLevelArm, "carries a weight".to_owned())
         }
         LoadKind::Air => (
             QuantityKind::LoadAtMiddle,
-            "works against a load that stiffens to one side",
+            "works against a load that stiffens to one side".to_owned(),
         ),
     };
     let is_shown = |load: &&Quantity| {

@@ -23,7 +23,7 @@ pub(super) fn turn_time_s(speed: f64, units: Units<'_>) -> Option<f64> {
 }
 
 /// 60 degrees in units of the output, where that is an angle.
-fn sixty_degrees(units: Units<'_>) -> Option<f64> {
+pub(crate) fn sixty_degrees(units: Units<'_>) -> Option<f64> {
     match units.output? {
         "deg" | "°" | "degree" | "degrees" => Some(60.0),
         "rad" => Some(60f64.to_radians()),
@@ -34,17 +34,30 @@ fn sixty_degrees(units: Units<'_>) -> Option<f64> {
 /// The times of a stroke of 60 degrees up and down in whole milliseconds, where the model can say it.
 pub(super) fn stroke_of_60_degrees_ms(model: &ServoModel, units: Units<'_>) -> Option<[String; 2]> {
     let times_s = model.stroke_times_s(sixty_degrees(units)?)?;
-    Some(times_s.map(|time_s| format!("{:.0}", 1e3 * time_s)))
+    Some(times_s.map(whole_ms))
+}
+
+/// A time in whole milliseconds.
+pub(super) fn whole_ms(time_s: f64) -> String {
+    format!("{:.0}", 1e3 * time_s)
+}
+
+/// "239 ms upwards and 171 ms downwards"
+pub(super) fn both_ways([up_s, down_s]: [f64; 2]) -> String {
+    let [up, down] = [up_s, down_s].map(whole_ms);
+    match up == down {
+        true => format!("{up} ms"),
+        false => format!("{up} ms upwards and {down} ms downwards"),
+    }
 }
 
 /// How long a whole stroke of 60 degrees takes, which people ask first.
 pub(super) fn whole_stroke(model: &ServoModel, units: Units<'_>) -> Option<String> {
-    let [up, down] = stroke_of_60_degrees_ms(model, units)?;
-    let times = match up == down {
-        true => format!("{up} ms"),
-        false => format!("{up} ms upwards and {down} ms downwards"),
-    };
-    let recorded = 2.0 * model.commands?.amplitude() * model.parameters(0).gain.abs();
+    let times = both_ways(model.stroke_times_s(sixty_degrees(units)?)?);
+    let (commands, servo) = (model.commands?, model.parameters(0));
+    let [least, most] = servo.range();
+    let [low, high] = [commands.least, commands.largest].map(|end| end.max(least).min(most));
+    let recorded = (high - low) * servo.gain.abs();
     let beyond = (recorded < sixty_degrees(units)?).then(|| {
         format!(
             " It is simulated: the recording has strokes of up to {} only.",

@@ -4,7 +4,7 @@ use super::evidence::{Evidence, two_digits};
 use crate::diagnostics::rise_at_end;
 use crate::numerics::four_digits;
 use crate::options::Frequencies;
-use crate::results::{Advice, Bounds, Check, Reason, SelectedBy};
+use crate::results::{Advice, Bounds, Check, Reason, SelectedBy, Withheld};
 use crate::selection::{Choice, hidden_end};
 use crate::thresholds::{DETECTION, HIDDEN_TAIL, MARGIN, SLOW_END_SIGNIFICANCE, STILL_RISING};
 
@@ -228,6 +228,10 @@ pub(super) fn responds(evidence: &Evidence<'_>) -> Option<Advice> {
     ))
 }
 
+/// What frequencies that were left out for prediction are good for.
+const FOR_DETAIL: &str =
+    "Nothing needs to be done for prediction; ask for more frequencies to look at detail.";
+
 pub(super) fn truncated(evidence: &Evidence<'_>) -> Option<Advice> {
     let model = evidence.model;
     let structure = &model.structure;
@@ -240,6 +244,7 @@ pub(super) fn truncated(evidence: &Evidence<'_>) -> Option<Advice> {
     let misfit = evidence.misfit();
     // The choice for prediction leaves out what does not help it, whether the input has it or not.
     let by_prediction = misfit.is_some_and(|misfit| misfit.unexcited_above_hz.is_none());
+    let misses_metrics = model.metrics.withheld == Some(Withheld::FrequenciesLeftOut);
     let reach = |which: &str| {
         format!(
             "The {} frequencies{which} reach up to {highest:.1} Hz only",
@@ -247,10 +252,12 @@ pub(super) fn truncated(evidence: &Evidence<'_>) -> Option<Advice> {
         )
     };
     let (finding, remedy) = match evidence.options.frequencies {
-        Frequencies::Auto if by_prediction => (
-            reach(" that predict best"),
-            "Nothing needs to be done for prediction; ask for more frequencies to look at detail.",
+        Frequencies::Auto if by_prediction && misses_metrics => (
+            reach(" that predict best")
+                + ", so delay, rise time, overshoot and the other metrics are left out: nothing bounds what the others change in the step response",
+            FOR_DETAIL,
         ),
+        Frequencies::Auto if by_prediction => (reach(" that predict best"), FOR_DETAIL),
         Frequencies::Auto => (
             match highest > 0.0 {
                 true => format!(

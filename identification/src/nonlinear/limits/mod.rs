@@ -15,6 +15,7 @@ mod time_to_rest;
 use serde::{Deserialize, Serialize};
 
 use crate::data::{EXACTLY, Record, Run, holds, strokes};
+use crate::diagnostics::followed_after;
 use crate::results::Model;
 use crate::thresholds::MARGIN;
 use time_to_rest::time_to_rest;
@@ -102,12 +103,15 @@ fn is_described(model: &Model) -> bool {
     model.linear && model.level().valid().is_some()
 }
 
-/// Samples that the response takes to settle. N is longer by a margin, and says nothing of a servo that the model does not describe.
+/// Samples that the response takes to settle. N is longer by a margin, and says nothing of a servo that the model does not describe. A servo that
+/// has not followed the command is not at rest: in the short holds of a sweep it moves so evenly that it passes for that.
 fn settling(record: &Record, model: &Model) -> usize {
     let of_model = (model.structure.settling_samples as f64 / MARGIN).ceil() as usize;
     match is_described(model) {
         true => of_model,
-        false => time_to_rest(record).map_or(of_model, |seen| seen.min(of_model)),
+        false => time_to_rest(record).map_or(of_model, |seen| {
+            seen.max(followed_after(&model.step.value)).min(of_model)
+        }),
     }
 }
 

@@ -126,6 +126,20 @@ pub struct Metrics {
     pub bounds: Bounds<MetricBounds>,
 }
 
+/// Why a gain may be zero whose interval allows `left_out` for frequencies that were left out: they alone are no doubt about the gain, but about
+/// all that is read off the step response.
+fn why_unknown(gain: Interval, left_out: f64) -> Withheld {
+    let by_noise = Interval {
+        lower: gain.lower.map(|lower| lower + left_out),
+        upper: gain.upper.map(|upper| upper - left_out),
+        ..gain
+    };
+    match by_noise.contains(0.0) {
+        true => Withheld::GainMayBeZero,
+        false => Withheld::FrequenciesLeftOut,
+    }
+}
+
 impl Metrics {
     /// Why some are left out, in a few words; `None` where none are.
     #[must_use]
@@ -155,7 +169,8 @@ impl Metrics {
         let dc_gain = Interval::new(step[last], pointwise.lower[last], pointwise.upper[last]);
         // Everything else is relative to a gain, and there is none if it may be zero.
         if dc_gain.contains(0.0) {
-            return Self::withheld(dc_gain, Withheld::GainMayBeZero, bounds);
+            let left_out = measured.step_bounds.truncation_bias;
+            return Self::withheld(dc_gain, why_unknown(dc_gain, left_out), bounds);
         }
         let spread = SampleSpread::new(measured);
         let of_step = StepMetrics::new(measured, &spread);
@@ -339,6 +354,15 @@ fn quarter_turn_within(response: &FrequencyResponse, seconds: f64) -> [Option<f6
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_gain_that_frequencies_left_out_alone_leave_open_is_not_doubted() {
+        let gain = Interval::new(0.094, -0.001, 0.189);
+        assert_eq!(why_unknown(gain, 0.094), Withheld::FrequenciesLeftOut);
+        assert_eq!(why_unknown(gain, 0.0), Withheld::GainMayBeZero);
+        let noisy = Interval::new(0.094, -0.1, 0.288);
+        assert_eq!(why_unknown(noisy, 0.094), Withheld::GainMayBeZero);
+    }
 
     /// A delay of 10 ms and a lag of 20 ms: -90 degrees where ω 0.01 + atan(ω 0.02) is a quarter turn.
     #[test]

@@ -176,6 +176,10 @@ impl ServoExport<'_> {
                 open.join(", ")
             );
         }
+        let load = (self.model.quantity(QuantityKind::LoadAtMiddle)).filter(|load| load.determined);
+        if load.is_some() {
+            text += &format!(" Beside a load, {}.", summary::LOOKS_LIKE_A_LOAD);
+        }
         if let (1.., Some(name)) = (self.controller, self.options.controller) {
             text += &format!(
                 " All that is for the first controller; this file has the controller {name}, which differs in stiffness alone."
@@ -291,7 +295,7 @@ impl ServoExport<'_> {
         let unit = self.metadata.units().output;
         let short = unit.map(|unit| format!(" {unit}")).unwrap_or_default();
         let unit = of_column(unit, "position");
-        let stroke = trial.largest_stroke() * self.parameters.gain.abs();
+        let stroke = trial.largest_travel(&self.parameters);
         format!(
             "{} {unit}, {} % of its largest stroke ({}{short})",
             difference_text(difference),
@@ -301,7 +305,7 @@ impl ServoExport<'_> {
     }
 
     fn percent_of_stroke(&self, difference: f64, trial: &Trial) -> String {
-        let stroke = trial.largest_stroke() * self.parameters.gain.abs();
+        let stroke = trial.largest_travel(&self.parameters);
         four_digits(100.0 * difference / stroke)
     }
 

@@ -150,6 +150,17 @@ impl Trial {
         });
         strokes.fold(0.0, f64::max)
     }
+
+    /// The largest stroke of the position: a stop cuts off what is beyond it.
+    pub(super) fn largest_travel(&self, servo: &ServoParameters) -> f64 {
+        let [least, most] = servo.range();
+        let within = |level: &f64| level.max(least).min(most);
+        let strokes = self.levels.windows(2).filter_map(|pair| match pair {
+            [from, to] => Some((within(to) - within(from)).abs()),
+            _ => None,
+        });
+        strokes.fold(0.0, f64::max) * servo.gain.abs()
+    }
 }
 
 /// The position at the beginning of each step of `step_s` with these commands, from rest under the first, by servoid's integrator with steps of a
@@ -258,6 +269,33 @@ fn short(value: f64, size: f64, digits: i32, whole: fn(f64) -> f64) -> f64 {
 mod tests {
     use super::*;
     use servoid_dynamics::{Friction, Load, Stops};
+
+    #[test]
+    fn a_stop_cuts_strokes_of_the_position() {
+        let trial = Trial {
+            step_s: 0.01,
+            levels: vec![0.0, 10.0, -10.0, 4.0],
+            steps_per_level: 10,
+            steps_of_broken_off: 2,
+        };
+        let travel = |gain: f64, lower: Option<f64>, upper: Option<f64>| {
+            trial.largest_travel(&ServoParameters {
+                delay_s: 0.0,
+                stiffness: 900.0,
+                damping: 60.0,
+                gain,
+                offset: 0.0,
+                limit: None,
+                dead_band: None,
+                friction: None,
+                load: Load::None,
+                stops: Stops { lower, upper },
+            })
+        };
+        assert_eq!(travel(2.0, None, None), 40.0);
+        assert_eq!(travel(2.0, None, Some(12.0)), 32.0);
+        assert_eq!(travel(-2.0, Some(-4.0), Some(12.0)), 16.0);
+    }
 
     #[test]
     fn friction_and_dead_band_hold_what_they_say() {

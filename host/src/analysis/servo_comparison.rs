@@ -1,0 +1,25 @@
+//! Two servos as machines beside each other, as far as their units allow.
+
+use super::scale_errors;
+use crate::data::model_metadata::ModelMetadata;
+use crate::presentation::summary::sixty_degrees;
+use servoid_identification::comparison::{ServoModelComparison, compare_servo_models};
+use servoid_identification::servo_model::ServoModel;
+
+/// Compares two servo models whose positions have one unit. Where their commands do not, only what is of the position and of the time is compared.
+#[must_use]
+pub fn compared_servos(
+    models: [&ServoModel; 2],
+    sides: [&ModelMetadata; 2],
+) -> ServoModelComparison {
+    let [a, b] = models;
+    let found = compare_servo_models(a, b, scale_errors::ratio_sd(sides));
+    let found = match sixty_degrees(sides[0].units()) {
+        Some(size) => found.with_stroke(models, size),
+        None => found,
+    };
+    match sides[0].other_command(sides[1]) {
+        Some(_) => found.of_the_output_alone(),
+        None => found,
+    }
+}

@@ -1,0 +1,153 @@
+//! A model against recordings that differ from its own by one thing.
+
+use crate::support::{arg, json, run};
+use std::path::{Path, PathBuf};
+
+/// Strokes that the bench servo follows, each held until it rests.
+const STAIRS: [&str; 10] = [
+    "--reference",
+    "stairs",
+    "--levels",
+    "5",
+    "--amplitude",
+    "8",
+    "--hold",
+    "0.3",
+    "--length",
+    "6",
+];
+
+/// Another recording of the servo as a table of another program, with `change` made to time, command and position.
+fn changed(recording: &Path, table: &Path, change: impl Fn([f64; 3]) -> [f64; 3]) {
+    let text = std::fs::read_to_string(recording).unwrap();
+    let rows = text
+        .lines()
+        .filter(|line| line.starts_with(|c: char| c.is_ascii_digit()));
+    let row = |line: &str| {
+        let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        let [time, command, position] = change([cells[1], cells[2], cells[3]]);
+        format!("{time:.6},{command:.6},{position:.6}\n")
+    };
+    let rows: String = rows.map(row).collect();
+    std::fs::write(table, format!("t_s,command,position_deg\n{rows}")).unwrap();
+}
+
+/// A model of the bench servo, and another recording of it.
+fn model_and_other(dir: &Path) -> [PathBuf; 2] {
+    let [own, other, model] = ["own.csv", "other.csv", "model.json"].map(|name| dir.join(name));
+    for (file, seed) in [(&own, "1"), (&other, "2")] {
+        let simulate = ["simulate", "-q", "--servo", "bench", "--seed", seed];
+        run(&[&simulate[..], &["-o", arg(file)], &STAIRS].concat());
+    }
+    run(&[
+        "identify",
+        "-q",
+        arg(&own),
+        "--servo-model",
+        "-o",
+        arg(&model),
+    ]);
+    [model, other]
+}
+
+/// What validation says of the recording with this change, in one line.
+fn said(
+    dir: &Path,
+    [model, other]: &[PathBuf; 2],
+    change: impl Fn([f64; 3]) -> [f64; 3],
+) -> String {
+    let table = dir.join("table.csv");
+    changed(other, &table, change);
+    let named = "--input command --output position_deg --time t_s".split(' ');
+    let args = ["validate", "-q", arg(model), arg(&table)];
+    let args: Vec<&str> = args.into_iter().chain(named).collect();
+    run(&args).split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// The servo model begins where the recording does. From there it moves first, which an offset does not explain.
+#[test]
+fn a_zero_that_moved_by_any_angle_is_an_offset() {
+    let dir = tempfile::tempdir().unwrap();
+    let files = model_and_other(dir.path());
+    for moved in [1.0, 7.0, -20.0] {
+        let said = said(dir.path(), &files, |[t, u, y]| [t, u, y + moved]);
+        let (_, servo) = said.split_once("! The servo model does not hold").unwrap();
+        let (_, offset) = servo.split_once("It is an offset of ").expect(servo);
+        let (offset, left) = offset
+            .split_once(" deg, without which the error is ")
+            .unwrap();
+        let number = |text: &str| text.split(' ').next().unwrap().parse::<f64>().unwrap();
+        // The noise of the recording is 0.05 deg, and what is left is as large whatever the angle.
+        assert!((number(offset) - moved).abs() < 0.05, "{moved}: {said}");
+        assert!(number(left) < 0.07, "{moved}: {said}");
+    }
+}
+
+#[test]
+fn milliseconds_under_a_name_in_seconds_come_before_all_that_follows_from_them() {
+    let dir = tempfile::tempdir().unwrap();
+    let files = model_and_other(dir.path());
+    let said = said(dir.path(), &files, |[t, u, y]| [1e3 * t, u, y]);
+    assert!(
+        said.contains("State it in seconds: --period 0.002 if it is 2 ms."),
+        "{said}"
+    );
+    for consequence in ["Nothing needs to be done", "does not hold here"] {
+        assert!(!said.contains(consequence), "{said}");
+    }
+}
+
+#[test]
+fn commands_in_another_unit_show_by_their_range() {
+    let dir = tempfile::tempdir().unwrap();
+    let files = model_and_other(dir.path());
+    let said = said(dir.path(), &files, |[t, u, y]| [t, 57.29578 * u, y]);
+    assert!(
+        said.contains(
+            "The command of the model is in deg and went from -8.000 to 8.000; that of this recording has no unit and goes from -458.4 to 458.4."
+        ),
+        "{said}"
+    );
+    assert!(!said.contains("the motion is not"), "{said}");
+    assert_eq!(said.matches("worse than its mean does").count(), 1);
+}
+
+#[test]
+fn a_position_that_was_written_from_another_start_is_later_than_any_servo() {
+    let dir = tempfile::tempdir().unwrap();
+    let [recording, table] = ["a.csv", "late.csv"].map(|name| dir.path().join(name));
+    let simulate = ["simulate", "-q", "--servo", "linear", "-o", arg(&recording)];
+    let stairs = ["--reference", "stairs", "--length", "20", "--hold", "1.5"];
+    run(&[&simulate[..], &stairs].concat());
+    let samples_late = 200;
+    changed(&recording, &table, |row| row);
+    let text = std::fs::read_to_string(&table).unwrap();
+    let rows: Vec<Vec<&str>> = text
+        .lines()
+        .skip(1)
+        .map(|l| l.split(',').collect())
+        .collect();
+    let late = |k: usize| rows[k.saturating_sub(samples_late)][2];
+    let moved: String = (0..rows.len())
+        .map(|k| format!("{},{},{}\n", rows[k][0], rows[k][1], late(k)))
+        .collect();
+    for (name, table_text, is_late) in [
+        ("on_time", text.clone(), false),
+        ("late", format!("t_s,command,position_deg\n{moved}"), true),
+    ] {
+        let table = dir.path().join(format!("{name}.csv"));
+        let out = dir.path().join(format!("{name}.json"));
+        std::fs::write(&table, table_text).unwrap();
+        let named = "--input command --output position_deg --time t_s".split(' ');
+        let args = ["identify", "-q", arg(&table), "-o", arg(&out)];
+        let args: Vec<&str> = args.into_iter().chain(named).collect();
+        let said = run(&args).split_whitespace().collect::<Vec<_>>().join(" ");
+        assert_eq!(
+            said.contains("and no servo waits as long. Make sure that the columns of command and position begin at the same moment"),
+            is_late,
+            "{said}"
+        );
+        let checks = json(&out)["advice"].to_string();
+        assert_eq!(checks.contains("\"duration\""), is_late, "{checks}");
+    }
+}
