@@ -4,8 +4,9 @@
 //! cargo run --release -p servoid-benches --example changing_servos -- 100
 //! ```
 //!
-//! The number is that of recordings for each line; a second one is the first seed.
+//! The number is that of recordings for each line. Those of the first line have the seeds 0, 1, ..., of the second 1 000 000, ...
 
+use servoid_test_support::arguments;
 use servoid_test_support::changing_servos::{Changes, ChangingServo, Kind};
 use servoid_test_support::metrics_coverage::NAMES;
 use servoid_test_support::plants::Noise;
@@ -75,30 +76,20 @@ fn lines() -> Vec<ChangingServo> {
 }
 
 fn main() {
-    let mut numbers = std::env::args()
-        .skip(1)
-        .filter_map(|word| word.parse().ok());
-    let records: u64 = numbers.next().unwrap_or(100);
-    let seed: u64 = numbers.next().unwrap_or(0);
+    let records = arguments::count(100) as u64;
     println!(
-        "| servo | noise | runs | changes | claimed % | mean % | whole % | half width, point / whole | magnitude % | phase % | {} % |",
+        "| servo | noise | runs | scatter | claimed % | mean % | whole % | half width, point / whole | magnitude % | phase % | {} % |",
         NAMES.join(" % | ")
     );
     println!(
         "|---|---|---|---|---|---|---|---|---|---|{}",
         "---|".repeat(NAMES.len())
     );
-    for line in lines() {
+    for (line, seed) in lines().iter().zip((0..).step_by(1_000_000)) {
         let found = line.measure(records, seed);
         let percent = |share: f64| format!("{:.1}", 100.0 * share);
-        let figures = found.figures.map(percent).join(" | ");
         println!(
-            "| {:?} | {} {:?} | {} | {:?} | {} | {:.2} | {} | {:.4} / {:.4} | {} | {} | {figures} |",
-            line.kind,
-            line.scale,
-            line.noise,
-            line.runs,
-            line.changes,
+            "{line} {} | {:.2} | {} | {:.4} / {:.4} | {} | {} | {} |",
             percent(found.claimed),
             100.0 * found.mean,
             percent(found.whole),
@@ -106,6 +97,7 @@ fn main() {
             found.half_widths.1,
             percent(found.magnitude),
             percent(found.phase),
+            found.figures.map(percent).join(" | "),
         );
     }
 }

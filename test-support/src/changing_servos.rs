@@ -174,6 +174,42 @@ impl ChangingServo {
     }
 }
 
+/// Its first columns in the table.
+impl std::fmt::Display for ChangingServo {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.kind {
+            Kind::Second(omega, zeta) => write!(f, "| {omega} rad/s, damping {zeta}")?,
+            Kind::Lagged(omega, zeta, lag_s) => write!(
+                f,
+                "| {omega} rad/s, damping {zeta}, a lag of {} ms",
+                1e3 * lag_s
+            )?,
+            Kind::First(lag_s) => write!(f, "| a lag of {} ms", 1e3 * lag_s)?,
+        }
+        let Changes {
+            gain,
+            delay_ms,
+            frequency,
+            damping,
+        } = self.changes;
+        let changes = [
+            (gain, format!("gain {} %", 100.0 * gain)),
+            (delay_ms, format!("delay {delay_ms} ms")),
+            (frequency, format!("frequency {} %", 100.0 * frequency)),
+            (damping, format!("damping {damping}")),
+        ];
+        let changes: Vec<String> = (changes.into_iter())
+            .filter_map(|(sd, words)| (sd > 0.0).then_some(words))
+            .collect();
+        let changes = match changes.is_empty() {
+            true => "none".to_owned(),
+            false => changes.join(", "),
+        };
+        let (noise, scale) = (self.noise, self.scale);
+        write!(f, " | {scale} x {noise:?} | {} | {changes} |", self.runs)
+    }
+}
+
 /// Samples after which the mean response does not move any more.
 const LONG: usize = 600;
 
