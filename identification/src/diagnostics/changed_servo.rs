@@ -73,3 +73,58 @@ fn differences(step: &[f64]) -> Vec<f64> {
     let before = std::iter::once(&0.0).chain(step);
     step.iter().zip(before).map(|(g, b)| g - b).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numerics::dot;
+
+    /// Of a second-order servo behind 13.3 ms, sampled each 5 ms, and its final value.
+    fn step(zeta: f64, omega: f64) -> Vec<f64> {
+        let damped = omega * (1.0f64 - zeta * zeta).sqrt();
+        let at = |m: usize| {
+            let t = (m as f64 * 0.005 - 0.0133).max(0.0);
+            let (sin, cos) = (damped * t).sin_cos();
+            1.0 - (-zeta * omega * t).exp() * (cos + zeta * omega / damped * sin)
+        };
+        (0..60).map(at).chain([1.0]).collect()
+    }
+
+    /// The share of `values` that no combination of `columns` has.
+    fn left(values: &[f64], columns: &[Vec<f64>]) -> f64 {
+        let mut rest = values.to_vec();
+        let mut before: Vec<Vec<f64>> = Vec::new();
+        for column in columns {
+            let mut own = column.clone();
+            for of in before.iter().map(Vec::as_slice) {
+                take(&mut own, of);
+            }
+            take(&mut rest, &own);
+            before.push(own);
+        }
+        (dot(&rest, &rest) / dot(values, values)).sqrt()
+    }
+
+    fn take(from: &mut [f64], of: &[f64]) {
+        let share = dot(from, of) / dot(of, of);
+        from.iter_mut().zip(of).for_each(|(x, y)| *x -= share * y);
+    }
+
+    #[test]
+    fn natural_frequency_and_damping_change_what_gain_delay_spring_and_damping_do() {
+        let base = step(0.6, 50.0);
+        let slope = |m: usize| match (1..base.len() - 2).contains(&m) {
+            true => base[m + 1] - base[m - 1],
+            false => 0.0,
+        };
+        let gain_and_delay = [base.clone(), (0..base.len()).map(slope).collect()];
+        let dynamics = of_dynamics(&differences(&base)).map(|impulse| running_sum(&impulse));
+        let all = [gain_and_delay.clone(), dynamics].concat();
+        for changed in [step(0.61, 50.0), step(0.6, 51.0)] {
+            let change: Vec<f64> = changed.iter().zip(&base).map(|(c, b)| c - b).collect();
+            // A change of two per cent has a curvature of that order, too.
+            assert!(left(&change, &all) < 0.03, "{}", left(&change, &all));
+            assert!(left(&change, &gain_and_delay) > 0.4);
+        }
+    }
+}

@@ -36,9 +36,11 @@ impl RunEquations {
         let mut normal = Mat::<f64>::zeros(size, size);
         let mut right = vec![0.0; size];
         let mut rows = 0;
+        let mut row = vec![gain; size];
         for k in order..run.len() {
-            let of_columns = columns.iter().map(|column| filtered(k, &|k| column[k]));
-            let row: Vec<f64> = of_columns.chain([gain]).collect();
+            for (x, column) in row.iter_mut().zip(columns) {
+                *x = filtered(k, &|k| column[k]);
+            }
             let error = filtered(k, &|k| run.output()[k] - simulated[k]);
             if (row.iter().sum::<f64>() + error).is_nan() {
                 continue;
