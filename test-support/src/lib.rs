@@ -8,6 +8,7 @@
 //! - [`hard_lines`]: recordings with glitches, tails, jitter, hum and runs that differ, for [`coverage`].
 //! - [`drawn_lines`]: such recordings whose numbers are drawn.
 //! - [`scattering_runs`]: several runs of one servo that differ, or do not.
+//! - [`changing_servos`]: several runs of servos whose dynamics change.
 //! - [`loggers`]: recordings of one servo by loggers with faults of time.
 //! - [`compared_ends`]: comparisons of servos whose responses have slow ends.
 //! - [`servo_means`]: comparisons of servos whose runs scatter.
@@ -23,6 +24,7 @@
 pub mod arguments;
 #[cfg(feature = "rig")]
 pub mod bad_line;
+pub mod changing_servos;
 pub mod closed_loop;
 pub mod compared_ends;
 pub mod coverage;

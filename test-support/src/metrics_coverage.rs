@@ -89,7 +89,8 @@ pub fn run(case: &Case, runs: u64, seed: u64) -> [Coverage; 8] {
     })
 }
 
-fn in_order(metrics: &Metrics) -> [Interval; 8] {
+/// The metrics as [`NAMES`] has them.
+pub(crate) fn in_order(metrics: &Metrics) -> [Interval; 8] {
     [
         metrics.dc_gain,
         metrics.delay_s,

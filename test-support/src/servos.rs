@@ -8,7 +8,7 @@ use rand_distr::{Distribution, StandardNormal};
 /// Time between samples \[s\].
 pub const PERIOD: f64 = 0.002;
 
-/// K e^{-Ls} with two or three poles, answered exactly at any time.
+/// K e^{-Ls} with one to three poles, answered exactly at any time.
 #[derive(Debug, Clone)]
 pub struct Linear {
     pub gain: f64,
@@ -38,6 +38,15 @@ impl Linear {
             gain,
             delay_s,
             poles: vec![pole(1.0), pole(-1.0)],
+        }
+    }
+
+    /// K e^{-Ls} / (1 + Ts).
+    pub fn first_order(gain: f64, delay_s: f64, lag_s: f64) -> Self {
+        Self {
+            gain,
+            delay_s,
+            poles: vec![c64::new(-1.0 / lag_s, 0.0)],
         }
     }
 
@@ -80,51 +89,56 @@ impl Linear {
 
     /// The exact figures, by bisection on the formula.
     pub fn figures(&self) -> Figures {
-        let relative = |t: f64| self.step(t) / self.gain;
-        let grid = 1e-5;
-        let at = |k: usize| relative(k as f64 * grid);
-        const COUNT: usize = 100_000; // One second.
-        let first = |level: f64| {
-            let k = (0..COUNT).find(|&k| at(k) >= level).unwrap();
-            bisect(
-                |t| relative(t) - level,
-                (k - 1) as f64 * grid,
-                k as f64 * grid,
-            )
-        };
-        let top = (0..COUNT).map(at).fold(1.0, f64::max);
-        let settled = (0..COUNT).rfind(|&k| (at(k) - 1.0).abs() > 0.02).unwrap();
-        let edge = 1.0 + 0.02 * (at(settled) - 1.0).signum();
-        let settling_s = bisect(
-            |t| relative(t) - edge,
-            settled as f64 * grid,
-            (settled + 1) as f64 * grid,
-        );
-        let fall = |w: f64| self.response(w).norm() / self.gain - 0.5f64.sqrt();
-        let turn = |w: f64| {
-            // Continued from rest in small steps.
-            (1..=1000).fold(0.0, |phase: f64, k| {
-                let next = self.response(w * f64::from(k) / 1000.0).arg();
-                next - std::f64::consts::TAU * ((next - phase) / std::f64::consts::TAU).round()
-            }) + std::f64::consts::FRAC_PI_2
-        };
-        let falls = (1..2000)
-            .find(|&k| fall(f64::from(k)) < 0.0)
-            .map(f64::from)
-            .unwrap();
-        let turns = (1..2000)
-            .find(|&k| turn(f64::from(k)) < 0.0)
-            .map(f64::from)
-            .unwrap();
-        Figures {
-            delay_s: first(0.05),
-            t50_s: first(0.5),
-            rise_s: first(0.9) - first(0.1),
-            overshoot_percent: 100.0 * (top - 1.0),
-            settling_s,
-            bandwidth_rad_s: bisect(fall, falls - 1.0, falls),
-            phase_minus_90_rad_s: bisect(turn, turns - 1.0, turns),
-        }
+        figures_of(|t| self.step(t), |omega| self.response(omega), self.gain)
+    }
+}
+
+/// The figures of a response to a step and its frequency response, with this gain.
+pub fn figures_of(step: impl Fn(f64) -> f64, response: impl Fn(f64) -> c64, gain: f64) -> Figures {
+    let relative = |t: f64| step(t) / gain;
+    let grid = 1e-5;
+    let at = |k: usize| relative(k as f64 * grid);
+    const COUNT: usize = 100_000; // One second.
+    let first = |level: f64| {
+        let k = (0..COUNT).find(|&k| at(k) >= level).unwrap();
+        bisect(
+            |t| relative(t) - level,
+            (k - 1) as f64 * grid,
+            k as f64 * grid,
+        )
+    };
+    let top = (0..COUNT).map(at).fold(1.0, f64::max);
+    let settled = (0..COUNT).rfind(|&k| (at(k) - 1.0).abs() > 0.02).unwrap();
+    let edge = 1.0 + 0.02 * (at(settled) - 1.0).signum();
+    let settling_s = bisect(
+        |t| relative(t) - edge,
+        settled as f64 * grid,
+        (settled + 1) as f64 * grid,
+    );
+    let fall = |w: f64| response(w).norm() / gain - 0.5f64.sqrt();
+    let turn = |w: f64| {
+        // Continued from rest in small steps.
+        (1..=1000).fold(0.0, |phase: f64, k| {
+            let next = response(w * f64::from(k) / 1000.0).arg();
+            next - std::f64::consts::TAU * ((next - phase) / std::f64::consts::TAU).round()
+        }) + std::f64::consts::FRAC_PI_2
+    };
+    let falls = (1..2000)
+        .find(|&k| fall(f64::from(k)) < 0.0)
+        .map(f64::from)
+        .unwrap();
+    let turns = (1..2000)
+        .find(|&k| turn(f64::from(k)) < 0.0)
+        .map(f64::from)
+        .unwrap();
+    Figures {
+        delay_s: first(0.05),
+        t50_s: first(0.5),
+        rise_s: first(0.9) - first(0.1),
+        overshoot_percent: 100.0 * (top - 1.0),
+        settling_s,
+        bandwidth_rad_s: bisect(fall, falls - 1.0, falls),
+        phase_minus_90_rad_s: bisect(turn, turns - 1.0, turns),
     }
 }
 

@@ -1,7 +1,6 @@
 //! The response that comes later, in the coordinates of a fit.
 
 use crate::estimation::GlsFit;
-use crate::numerics::times;
 
 /// The change of the response for a delay of one sample, and half of what this changes from one sample to the next, in the coordinates of
 /// the fit.
@@ -13,10 +12,7 @@ pub(super) fn slope_and_bend(fit: &GlsFit) -> [Vec<f64>; 2] {
         let values: Vec<f64> = samples
             .map(|k| of(at(k.wrapping_sub(1)), at(k), at(k + 1)))
             .collect();
-        match fit.coordinates.impulse_map() {
-            None => values,
-            Some(_) => times(&fit.coordinates.basis.analysis_map(), &values),
-        }
+        fit.coordinates.of_impulse(&values)
     };
     [
         each(&|before, _, after| (before - after) / 2.0),

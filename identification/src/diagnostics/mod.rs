@@ -3,6 +3,7 @@
 mod advice;
 mod answer_scatter;
 mod arrival;
+mod changed_servo;
 mod clustered_errors;
 mod common_offset;
 mod correlogram;
@@ -33,6 +34,7 @@ mod part_means;
 mod prior_outcome;
 mod residual_tests;
 mod rise_at_end;
+mod run_equations;
 mod run_offsets;
 mod run_scatter;
 mod run_trends;

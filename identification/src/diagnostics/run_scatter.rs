@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::data::Run;
-use crate::estimation::noise_filter;
+use crate::diagnostics::run_equations::RunEquations;
 use crate::numerics::{
     backward_solve, chi_square_upper_tail, cholesky, dot, forward_solve, inverse_of_lower,
     normal_upper_quantile, student_critical,
@@ -167,37 +167,14 @@ impl Estimated {
     /// `None` for a run that is too short or does not move.
     fn new(model: &Model, run: &Run, number: usize) -> Option<Self> {
         let simulated = model.simulate(run);
-        let order = model.noise.ar.len();
-        let d = noise_filter(&model.noise.ar);
-        let filtered = |k: usize, value: &dyn Fn(usize) -> f64| -> f64 {
-            d.iter().enumerate().map(|(i, d)| d * value(k - i)).sum()
+        let moved = simulated.iter().map(|y| y - model.offset).collect();
+        let around = |k: usize| (1..run.len().saturating_sub(1)).contains(&k);
+        let slope = |k: usize| match around(k) {
+            true => (simulated[k - 1] - simulated[k + 1]) / 2.0,
+            false => f64::NAN,
         };
-        let gain: f64 = d.iter().sum();
-        let mut normal = Mat::<f64>::zeros(QUANTITIES, QUANTITIES);
-        let mut right = [0.0; QUANTITIES];
-        let mut rows = 0;
-        for k in order + 1..run.len().saturating_sub(1) {
-            let row = [
-                filtered(k, &|k| simulated[k] - model.offset),
-                filtered(k, &|k| (simulated[k - 1] - simulated[k + 1]) / 2.0),
-                gain,
-            ];
-            let error = filtered(k, &|k| run.output()[k] - simulated[k]);
-            if (row.iter().sum::<f64>() + error).is_nan() {
-                continue;
-            }
-            rows += 1;
-            for i in 0..QUANTITIES {
-                right[i] += row[i] * error;
-                for j in 0..QUANTITIES {
-                    normal[(i, j)] += row[i] * row[j];
-                }
-            }
-        }
-        // Fewer than ten rows a quantity do not characterise a run.
-        if rows < 10 * QUANTITIES {
-            return None;
-        }
+        let columns = [moved, (0..run.len()).map(slope).collect()];
+        let RunEquations { normal, right } = RunEquations::of(model, run, &simulated, &columns)?;
         let scale: Vec<f64> = (0..QUANTITIES)
             .map(|i| normal[(i, i)].sqrt().recip())
             .collect();

@@ -83,8 +83,8 @@ pub struct EstimatedPart {
 pub struct RunSpread {
     /// Directions of the coordinates and the offset, one in each column, of which each has one standard deviation of ε.
     pub directions: Mat<f64>,
-    /// Quantities that scatter, each along one or more of these.
-    pub quantities: usize,
+    /// The same, of the quantities that scatter, as if they did so independently.
+    pub quantities: Mat<f64>,
     /// Degrees of freedom: runs less one.
     pub degrees: f64,
 }

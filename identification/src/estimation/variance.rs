@@ -12,9 +12,9 @@
 
 use faer::Mat;
 
+use crate::estimation::GlsFit;
 use crate::estimation::least_squares::RowInformation;
 use crate::estimation::noise_model::noise_filter;
-use crate::estimation::{GlsFit, RunSpread};
 use crate::numerics::{add_combination, dot, student_critical};
 
 /// Standard deviations of linear functions of the response: points of a step response, or real and
@@ -35,7 +35,7 @@ pub struct CurveVariance {
 /// together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunPart {
-    /// Standard deviation of each.
+    /// Standard deviation of each, or what it would be if the quantities that scatter did so independently, where that is more.
     pub sd: Vec<f64>,
     /// Standard deviation of each from the noise.
     pub noise_sd: Vec<f64>,
@@ -43,8 +43,6 @@ pub struct RunPart {
     pub noise_correlation: Vec<f64>,
     /// Degrees of freedom: runs less one.
     pub degrees: f64,
-    /// Number of quantities that scatter.
-    pub quantities: usize,
 }
 
 impl CurveVariance {
@@ -114,9 +112,11 @@ impl CurveVariance {
                 of_runs: None,
             };
         };
-        let along = along_directions(spread, &functions);
+        let along = along_directions(&spread.directions, &functions);
         let of_runs = |i: usize, k: usize| dot(along.col_as_slice(i), along.col_as_slice(k));
         let runs: Vec<f64> = (0..f).map(|i| of_runs(i, i)).collect();
+        let quantities = along_directions(&spread.quantities, &functions);
+        let at_most = |i: usize| runs[i].max(quantities.col(i).squared_norm_l2());
         let sum = |i: usize| variance[i] + runs[i];
         Self {
             sd: (0..f).map(|i| sd(sum(i))).collect(),
@@ -127,11 +127,10 @@ impl CurveVariance {
                 |i| (sum(i - 1) * sum(i)).sqrt(),
             ),
             of_runs: Some(RunPart {
-                sd: runs.iter().copied().map(sd).collect(),
+                sd: (0..f).map(|i| sd(at_most(i))).collect(),
                 noise_sd,
                 noise_correlation,
                 degrees: spread.degrees,
-                quantities: spread.quantities,
             }),
         }
     }
@@ -179,8 +178,8 @@ impl CurveVariance {
 }
 
 /// Each function along each direction in which runs differ: directions x functions.
-fn along_directions(runs: &RunSpread, functions: &Mat<f64>) -> Mat<f64> {
-    let directions = runs.directions.as_ref();
+fn along_directions(directions: &Mat<f64>, functions: &Mat<f64>) -> Mat<f64> {
+    let directions = directions.as_ref();
     directions.subrows(0, functions.nrows()).transpose() * functions
 }
 

@@ -13,6 +13,7 @@ use crate::diagnostics::{
     simulated, test_linearity,
 };
 use crate::error::Error;
+use crate::results::Model;
 
 /// What gates look at, and pass on.
 pub(super) struct Fitted {
@@ -115,13 +116,17 @@ impl Fitted {
         self
     }
 
-    /// Adds the scatter between runs to the covariance, where it is beyond chance; whether it is.
-    pub(super) fn add_scatter(&mut self, task: &Task<'_>, runs: Option<&RunComparison>) -> bool {
-        let period = self.candidate.moments.sample_period_s();
+    /// Adds to the covariance how `runs` differ, which are those of `model`; whether they are enough to say.
+    pub(super) fn add_scatter(
+        &mut self,
+        task: &Task<'_>,
+        model: &Model,
+        (runs, compared): (&[Run<'_>], Option<&RunComparison>),
+    ) -> bool {
         let fit = &mut self.estimate.fit;
         task.of_servo
             && self.misfit.is_none()
-            && runs.is_some_and(|runs| allow_for_scatter(runs, period, fit))
+            && compared.is_some_and(|compared| allow_for_scatter(model, runs, compared, fit))
     }
 }
 

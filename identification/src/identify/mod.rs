@@ -187,10 +187,12 @@ impl<'a> Response<'a> {
         let fitted = gates::pass(task, first)?.with_honest_covariance(task);
         let mut fitted = allowing_for_slow_end(task, prior::under_prior(task, fitted));
         let mut described = Described::new(task, &fitted);
-        let runs = task.record.and_then(|record| {
-            RunComparison::of(&described.model, &task.disturbances.with_offsets(record))
-        });
-        if fitted.add_scatter(task, runs.as_ref()) {
+        let with_offsets = task
+            .record
+            .map_or_else(Vec::new, |record| task.disturbances.with_offsets(record));
+        let runs = RunComparison::of(&described.model, &with_offsets);
+        let differ = (with_offsets.as_slice(), runs.as_ref());
+        if fitted.add_scatter(task, &described.model, differ) {
             described = Described::new(task, &fitted);
         }
         Ok(Self {

@@ -110,6 +110,9 @@ impl StepResponse {
     }
 }
 
+/// Ways in which runs scatter independently, each of which may miss: how far the servo goes, and how.
+const WAYS_OF_RUNS: f64 = 2.0;
+
 impl StepBounds {
     /// Draws both bands around `value`.
     ///
@@ -143,9 +146,8 @@ impl StepBounds {
         };
         let (lower, upper) = bounds(half_widths(spread.critical(pointwise_critical(level))));
         let pointwise = PointwiseBand { lower, upper };
-        // What differs from run to run moves all points together, by a few quantities: Bonferroni's correction is for these.
-        let quantities = spread.of_runs.as_ref().map_or(1, |runs| runs.quantities);
-        let of_runs = pointwise_critical(1.0 - (1.0 - level) / quantities as f64);
+        // What differs from run to run moves all points together: Bonferroni's correction is for its ways.
+        let of_runs = pointwise_critical(1.0 - (1.0 - level) / WAYS_OF_RUNS);
         let (lower, upper) = bounds(half_widths(
             spread.critical_of_parts(critical_value, of_runs),
         ));

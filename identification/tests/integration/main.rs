@@ -1,6 +1,7 @@
 //! Servos with exactly known answers, and recordings of real ones: whether estimates, bounds, verdicts and
 //! findings hold for them.
 
+mod changing_servos;
 mod clocks;
 mod closed_loop;
 mod coarse_sampling;

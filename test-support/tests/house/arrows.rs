@@ -181,6 +181,7 @@ pub const ROOMS: [(&str, &[&str]); 11] = [
             "scattering_runs",
             "figures_coverage",
             "metrics_coverage",
+            "changing_servos",
             "servo_means",
             "hello",
             "bad_line",

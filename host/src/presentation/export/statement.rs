@@ -196,7 +196,7 @@ impl Export<'_> {
             format!(" {bias} of their half width is a bound of what {hidden_by} may hide.")
         });
         format!(
-            "Bounds: level {} %. The step response has bounds that hold for each single point and, named simultaneous, for the whole curve; the frequency response for each single frequency. They are those of a linear servo: noise is in them, saturation and what changes from run to run are not.{}",
+            "Bounds: level {} %. The step response has bounds that hold for each single point and, named simultaneous, for the whole curve; the frequency response for each single frequency. They are those of a linear servo: noise is in them and, from three runs on, what changes from run to run; saturation is not.{}",
             summary::percent(bounds.level),
             biases.collect::<String>(),
         )

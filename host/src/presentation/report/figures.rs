@@ -4,6 +4,7 @@ use super::content::{Page, Part};
 use super::text::escape;
 use crate::presentation::plots::{self, Figure, MOST_RUNS, PaperFigure, PaperFigureKind};
 use crate::presentation::summary;
+use servoid_identification::thresholds::RUNS_FOR_MEAN;
 
 /// A figure, and a sentence or two below it.
 pub(super) struct Shown {
@@ -92,8 +93,11 @@ fn diagnostics(part: &Part<'_>, place: &str) -> Vec<Shown> {
         shown.push(Shown::new(
             plots::run_scatter(&name, &title, runs, part.runs, level, subject.units.output),
             match level {
+                Some(_) if runs.runs.len() < RUNS_FOR_MEAN => {
+                    "Runs that lie farther apart than noise allows show what changes from run to run: supply, friction, clocks. The bounds of the model do not contain it; that takes three runs."
+                }
                 Some(_) => {
-                    "Runs that lie farther apart than noise allows show what changes from run to run: supply, friction, clocks. The bounds of the model do not contain it; the p-value of a comparison does."
+                    "Runs that lie farther apart than noise allows show what changes from run to run: supply, friction, clocks. The bounds of the model contain it."
                 }
                 None => {
                     "Differences between the runs. The part of noise in them is not known, because the model has no bounds."

@@ -45,6 +45,14 @@ impl Coordinates {
         }
     }
 
+    /// The coordinates of an impulse response, as far as the bank has it.
+    pub fn of_impulse(&self, impulse: &[f64]) -> Vec<f64> {
+        match &self.map {
+            Some(_) => times(&self.basis.analysis_map(), impulse),
+            None => impulse.to_vec(),
+        }
+    }
+
     /// From coordinates to step response: N x n.
     pub fn step_map(&self) -> Mat<f64> {
         match self.map {
