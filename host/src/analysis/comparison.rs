@@ -98,7 +98,7 @@ fn are_comparable([a, b]: [&ModelMetadata; 2]) -> bool {
 #[derive(Debug, thiserror::Error)]
 #[error(
     "{}, and step responses are compared sample by sample: record both at one rate of pulses ('servoid init --pulse-rate'), or both with \
-     the same time between rows; or compare the servos as machines, whose models are continuous in time: recordings with \
+     the same time between rows, which --period states where the columns of time are not that exact; or compare the servos as machines, whose models are continuous in time: recordings with \
      'servoid compare --servo-model', models as 'servoid identify --servo-model' writes them",
     self.in_words()
 )]

@@ -4,7 +4,7 @@ use super::angle_units::{advice_on_gain, advice_on_travel};
 use super::command_edges::{CommandEdges, command_edges};
 use super::duration_in_words::in_words;
 use super::sample_period::unlikely_period;
-use super::travel;
+use super::{no_step, short_of_command, travel};
 use crate::data::dataset::Dataset;
 use crate::data::dataset::suggested_columns::quoted;
 use crate::data::sensor_preset::is_of_data_sheet;
@@ -34,6 +34,7 @@ pub fn identified(data: &Dataset, name: &str, options: &Options) -> Result<Ident
     let mixed = advice_on_gain(&found.model, data.about.units());
     let mixed = mixed.into_iter().chain(advice_on_travel(data));
     let off = travel::advice(data, &found.model);
+    let off = off.or_else(|| short_of_command::advice(data, &found.model));
     name_planned_command(data, &mut found.model.advice);
     found
         .model
@@ -63,6 +64,7 @@ pub fn identified(data: &Dataset, name: &str, options: &Options) -> Result<Ident
     };
     let of_data = in_frames
         .into_iter()
+        .chain(no_step::advice(data, &found.model))
         .chain(against_command(data, &found.model));
     let of_data: Vec<Advice> = of_data.chain(rough_scale(data, &found.model)).collect();
     found.model.advice.extend(of_data);

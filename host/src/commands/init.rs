@@ -270,7 +270,9 @@ fn ask_port(asker: &Asker, talk: Talk) -> Result<Option<String>> {
     talk.say(ports::summary(&found));
     let mut items: Vec<String> = found.iter().map(ports::PortProbe::item).collect();
     let simulated = "sim:bench";
-    items.push(format!("{simulated}: no hardware, a simulated servo"));
+    items.push(format!(
+        "{simulated}: no hardware, a simulated servo of 10 µs per degree and an RTY sensor of 120 degrees"
+    ));
     items.push("another port, to be typed".into());
     items.push("not known yet".into());
     // Enter takes a rig that has answered. A silent port has to be chosen on purpose.

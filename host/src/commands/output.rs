@@ -96,9 +96,19 @@ pub(super) fn sides_are_open(command: &str, files: &[PathBuf]) -> String {
     };
     let count = files.len();
     let named = if count == 1 { "file" } else { "files" };
+    let of_one_servo = match command {
+        "report" => format!(
+            "\n\nWhere all are runs of one servo, they are one side:\n\n  servoid report --a {} -o REPORT.html",
+            typed.join(" ")
+        ),
+        _ => format!(
+            "\n\nWhere all are runs of one servo, there is nothing to compare, and one model of them is\n\n  servoid identify {}",
+            typed.join(" ")
+        ),
+    };
     format!(
         "{count} {named} without --a and --b: which are runs of one side, and which of the other? Name them, such as\n\n  \
-         servoid {command} --a {} --b {of_b}",
+         servoid {command} --a {} --b {of_b}{of_one_servo}",
         of_a.join(" ")
     )
 }
@@ -120,7 +130,7 @@ pub(super) struct Talk {
     /// Print the result as one JSON object
     #[arg(long)]
     pub json: bool,
-    /// Print the result and errors only
+    /// Print the result and errors only: not how files were read, nor what else is said beside the result
     #[arg(long, short)]
     pub quiet: bool,
 }

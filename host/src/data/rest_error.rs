@@ -9,9 +9,14 @@
 //!
 //! With m the middle of the commands, the servo rests c - m from its command there. Under two levels every stroke upwards ends at the same command, and g and f are one.
 //!
+//! Where the columns have different units, one cannot be subtracted from the other; where a unit is not known, they may have, and then the rests
+//! have to lie about their commands: with a gain near 1, and off by less than the travel.
+//!
 //! Rests at a stop are left out: the stop holds them off their commands. Where rests change along the recording by half as much as they are off,
 //! that is a drift of the sensor, which says nothing about its zero.
 
+use super::model_metadata::unit_meant;
+use super::units::Units;
 use servoid_identification::column::{mean, span};
 use servoid_identification::diagnostics::stops_of_rests;
 use servoid_identification::results::{Advice, Check};
@@ -26,6 +31,8 @@ const RESTS: usize = 4;
 const MATTERS: f64 = 0.01;
 /// A slope of the rests over their commands from which on both columns are one angle.
 const ONE_ANGLE: std::ops::RangeInclusive<f64> = 0.8..=1.25;
+/// The same where a unit is not known: 4096 counts for 360 degrees of 10 µs are a slope of 1.14, and no angle.
+const ONE_UNKNOWN_ANGLE: std::ops::RangeInclusive<f64> = 0.95..=1.05;
 /// Standard deviations of the mean beyond which it is not chance.
 const BEYOND_CHANCE: f64 = 4.0;
 
@@ -34,22 +41,30 @@ const PARTS: usize = 8;
 const RESTS_OF_PART: usize = 4;
 
 /// A rest under a held command.
-struct CommandedRest {
-    command: f64,
-    position: f64,
+pub(crate) struct CommandedRest {
+    pub(crate) command: f64,
+    pub(crate) position: f64,
     upwards: bool,
 }
 
-/// Advice where the servo rests off its command by more than its friction explains.
-pub(super) fn advice(record: &Record, unit: Option<&str>) -> Option<Advice> {
+/// All rests of a record; none where it has no position.
+pub(crate) fn rests_of(record: &Record) -> Vec<CommandedRest> {
     let hold = (SHORTEST_S / record.sample_period_s()).ceil() as usize;
     let hold = hold.max(SHORTEST_SAMPLES);
+    let runs = record.runs();
+    let travel = span(runs.iter().flat_map(Run::output).copied()).unwrap_or_default();
+    let of_run = |run| rests(run, hold, MATTERS * travel);
+    runs.iter().flat_map(of_run).collect()
+}
+
+/// Advice where the servo rests off its command by more than its friction explains.
+pub(super) fn advice(record: &Record, units: Units<'_>) -> Option<Advice> {
+    let is_known = match [units.input, units.output].map(|unit| unit.and_then(unit_meant)) {
+        [Some(input), Some(output)] if input != output => return None,
+        [input, output] => input.is_some() && output.is_some(),
+    };
     let travel = span(record.runs().iter().flat_map(Run::output).copied())?;
-    let mut all: Vec<CommandedRest> = record
-        .runs()
-        .iter()
-        .flat_map(|run| rests(run, hold, MATTERS * travel))
-        .collect();
+    let mut all = rests_of(record);
     let stops = stops_of_rests(record);
     let is_at_stop = |rest: &CommandedRest| {
         let mut ways = stops.iter().map(|stop| (rest.position - stop).abs());
@@ -61,14 +76,18 @@ pub(super) fn advice(record: &Record, unit: Option<&str>) -> Option<Advice> {
         return None;
     }
     let line = Line::through(&all)?;
-    if !ONE_ANGLE.contains(&line.slope) {
+    let may_be_one = match is_known {
+        true => ONE_ANGLE.contains(&line.slope),
+        false => ONE_UNKNOWN_ANGLE.contains(&line.slope) && line.off.abs() < travel,
+    };
+    if !may_be_one {
         return None;
     }
     let (off, least) = (line.off, MATTERS * travel);
     let beside = line.friction.unwrap_or(line.direction);
     let chance = BEYOND_CHANCE * line.off_sd;
     let is_off = off.abs() > beside.max(least).max(chance).max(2.0 * line.drift());
-    let unit = unit.map_or_else(String::new, |unit| format!(" {unit}"));
+    let unit = (units.output).map_or_else(String::new, |unit| format!(" {unit}"));
     let friction = line.friction.map_or(String::new(), |friction| {
         format!(
             "; what changes with the direction of the stroke, as friction does, is {friction:.2}{unit} to each side"
@@ -199,6 +218,11 @@ fn product(a: &[f64], b: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
+    const DEGREES: Units<'static> = Units {
+        input: Some("deg"),
+        output: Some("deg"),
+    };
+
     /// A servo that rests `off` its command and is held back by `friction`, under steps of this travel to each side.
     fn record(off: f64, friction: f64) -> Record<'static> {
         let command = |k: usize| {
@@ -223,12 +247,12 @@ mod tests {
 
     #[test]
     fn an_offset_is_distinguished_from_friction() {
-        let found = advice(&record(3.0, 1.0), Some("deg")).unwrap();
+        let found = advice(&record(3.0, 1.0), DEGREES).unwrap();
         assert!((found.value - 3.05).abs() < 0.1, "{}", found.value);
         assert!((found.threshold - 1.0).abs() < 0.1, "{}", found.threshold);
         assert!(found.finding.contains("rests +3.0"), "{}", found.finding);
-        assert_eq!(advice(&record(1.0, 0.0), None), None);
-        assert_eq!(advice(&record(3.0, 4.0), None), None);
+        assert_eq!(advice(&record(1.0, 0.0), DEGREES), None);
+        assert_eq!(advice(&record(3.0, 4.0), DEGREES), None);
         assert!(!found.finding.contains("friction"), "{}", found.finding);
     }
 
@@ -244,14 +268,14 @@ mod tests {
             }
             Record::of_run(0.02, input, output).unwrap()
         };
-        assert!(advice(&drifting(0.0), None).is_some());
-        assert!(advice(&drifting(1.0), None).is_some());
+        assert!(advice(&drifting(0.0), DEGREES).is_some());
+        assert!(advice(&drifting(1.0), DEGREES).is_some());
         // It begins at the command and ends ten off.
         let from_zero = drifting(10.0);
         let run = &from_zero.runs()[0];
         let output: Vec<f64> = run.output().iter().map(|y| y - 3.0).collect();
         let from_zero = Record::of_run(0.02, run.input().to_vec(), output).unwrap();
-        assert_eq!(advice(&from_zero, None), None);
+        assert_eq!(advice(&from_zero, DEGREES), None);
     }
 
     /// Levels at random, of a servo without friction or offset that stops at 12 of 20.
@@ -268,7 +292,28 @@ mod tests {
         };
         let output: Vec<f64> = (0..3000).map(output).collect();
         let record = Record::of_run(0.02, input.clone(), output).unwrap();
-        assert_eq!(advice(&record, None), None);
+        assert_eq!(advice(&record, DEGREES), None);
+    }
+
+    #[test]
+    fn nothing_is_subtracted_from_another_unit() {
+        let of = |input, output| Units { input, output };
+        let us = |output| of(Some("us"), output);
+        // Counts of 10 µs for a degree, about another middle.
+        let (still, unknown) = (record(3.0, 1.0), Units::default());
+        let counts = |gain: f64, middle: f64| {
+            let run = &still.runs()[0];
+            let output: Vec<f64> = run.output().iter().map(|y| gain * y + middle).collect();
+            Record::of_run(0.02, run.input().to_vec(), output).unwrap()
+        };
+        assert_eq!(advice(&counts(1.08, 60.0), us(None)), None);
+        for units in [us(None), us(Some("counts")), unknown] {
+            assert_eq!(advice(&counts(1.138, -1602.0), units), None, "{units:?}");
+            assert_eq!(advice(&counts(1.0, -1602.0), units), None, "{units:?}");
+        }
+        assert!(advice(&still, of(Some("deg"), Some("°"))).is_some());
+        assert!(advice(&still, unknown).is_some());
+        assert_eq!(advice(&still, us(Some("deg"))), None);
     }
 
     /// Five levels, each reached from below and from above, of a servo with this gain and friction that rests 2 off.
@@ -286,7 +331,7 @@ mod tests {
         });
         let output: Vec<f64> = output.collect();
         let record = Record::of_run(0.02, input.clone(), output).unwrap();
-        advice(&record, Some("deg")).unwrap()
+        advice(&record, DEGREES).unwrap()
     }
 
     #[test]

@@ -342,6 +342,11 @@ mod at_a_terminal {
         });
         session.press("\r");
         assert!(session.end().success(), "{}", session.seen());
+        assert!(
+            session.seen().contains("--pairs=-80="),
+            "{}",
+            session.seen()
+        );
         assert_eq!(before, std::fs::read_to_string(&rig).unwrap());
     }
 

@@ -103,6 +103,90 @@ fn a_finding_on_a_file_is_printed_once() {
     );
 }
 
+/// Rows of a servo of first order under steps of random levels, as a logger writes them in whole milliseconds: `rest` is where it comes to rest
+/// under a command, and the noise is that of `seed`.
+fn logged(seed: u32, rest: fn(f64) -> f64) -> String {
+    let mut y = 0.0;
+    let row = |k: u32| {
+        let mixed = (k / 60).wrapping_mul(2_654_435_761).wrapping_add(seed) >> 7;
+        let command = [-25.0, -12.0, 0.0, 10.0, 20.0, 30.0][mixed as usize % 6];
+        y += 0.15 * (rest(command) - y);
+        let noise = f64::from((k + seed) * 7919 % 101) / 500.0 - 0.1;
+        let stamp = 10 * k + (k * 7919 + seed) % 3;
+        format!("{stamp},{command},{:.3}\n", y + noise)
+    };
+    let rows: String = (0..3000 + seed).map(row).collect();
+    format!("time_ms,u_deg,y_deg\n{rows}")
+}
+
+const IN_DEGREES: [&str; 4] = ["--input", "u_deg", "--output", "y_deg"];
+
+#[test]
+fn two_files_of_one_logger_have_one_period() {
+    let dir = tempfile::tempdir().unwrap();
+    let [a, b] = [17, 940].map(|seed| {
+        let path = dir.path().join(format!("{seed}.csv"));
+        std::fs::write(&path, logged(seed, |command| command)).unwrap();
+        arg(&path).to_owned()
+    });
+    let found = run(&[&["compare", "-q", &a, &b][..], &IN_DEGREES].concat());
+    assert!(found.contains("  verdict  "), "{found}");
+    let both = run(&[&["identify", "-q", &a, &b][..], &IN_DEGREES].concat());
+    assert!(both.contains(", every 10 ms"), "{both}");
+}
+
+#[test]
+fn a_servo_that_falls_short_of_its_commands_is_said_to() {
+    let dir = tempfile::tempdir().unwrap();
+    let said = |name: &str, rest: fn(f64) -> f64| {
+        let path = dir.path().join(name);
+        std::fs::write(&path, logged(5, rest)).unwrap();
+        run(&[&["identify", "-q", arg(&path)][..], &IN_DEGREES].concat())
+    };
+    // A spring.
+    let loaded = said("loaded.csv", |command| 0.76 * command);
+    let sentence = "Commanded +30 deg the servo comes to rest at 22.8 deg, and commanded -25 deg at -19.0 deg.";
+    let first = loaded.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(first.contains(sentence), "{loaded}");
+    assert!(
+        first.find(sentence) < first.find("DC gain"),
+        "it is no first line: {loaded}"
+    );
+    for (name, rest) in [
+        ("free.csv", (|command| command) as fn(f64) -> f64),
+        ("off.csv", |command| command - 3.0),
+    ] {
+        let free = said(name, rest);
+        assert!(!free.contains("Commanded +30"), "{name}: {free}");
+    }
+}
+
+/// A stick: the command is at no time a step, and the servo answers like one of first order.
+#[test]
+fn a_recording_without_steps_says_for_which_steps_it_stands() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut states = [0.0; 3];
+    let row = |k: u32| {
+        let noise = |k: u32| f64::from(k.wrapping_mul(2_654_435_761) >> 8) / 8_388_608.0 - 1.0;
+        states[0] += 0.1 * (60.0 * noise(k / 2) - states[0]);
+        states[1] += 0.1 * (states[0] - states[1]);
+        let command = (10.0 * states[1]).round() / 10.0;
+        states[2] += 0.15 * (command - states[2]);
+        let off = 0.05 * noise(k + 77_777);
+        format!("{},{command},{:.3}\n", 10 * k, states[2] + off)
+    };
+    let rows: String = (0..4000).map(row).collect();
+    let path = dir.path().join("stick.csv");
+    std::fs::write(&path, format!("time_ms,u_deg,y_deg\n{rows}")).unwrap();
+    let said = run(&[&["identify", "-q", arg(&path)][..], &IN_DEGREES].concat());
+    let words = "This recording is not one of steps: within the rise time of ";
+    assert!(said.contains(words), "{said}");
+    let steps = dir.path().join("steps.csv");
+    std::fs::write(&steps, logged(5, |command| command)).unwrap();
+    let said = run(&[&["identify", "-q", arg(&steps)][..], &IN_DEGREES].concat());
+    assert!(!said.contains("is not one of steps"), "{said}");
+}
+
 #[test]
 fn what_other_programs_write_is_read_and_said() {
     let dir = tempfile::tempdir().unwrap();

@@ -60,6 +60,28 @@ fn a_partial_recording_has_its_exit_code_behind_a_blocked_terminal_too() {
     assert!(matches!(recording.completeness, Completeness::Partial(_)));
 }
 
+/// Ctrl-C comes early in the rest before the reference, or a little later on a loaded machine: the next command is one that works.
+#[test]
+fn a_run_that_ends_before_its_reference_has_no_next_command() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("x.csv");
+    let port = ["capture", "--port", "sim:bench?realtime", "-o", arg(&file)];
+    let mut session = Session::begin_on("dumb", &port);
+    session.wait_for("no rows came", |_| length(&file) > 500);
+    session.press("\x03");
+    assert_eq!(session.end().code(), Some(3));
+    let asked = servoid(&["identify", arg(&file)]).output().unwrap();
+    let said = String::from_utf8(asked.stderr).unwrap();
+    let seen = session.seen();
+    match said.contains("end before the reference begins") {
+        true => assert!(
+            seen.contains("nothing to identify") && !seen.contains("next:"),
+            "{seen}"
+        ),
+        false => assert!(seen.contains("next: servoid identify"), "{seen}"),
+    }
+}
+
 /// The line breaks before the run, in it, and in the second of two runs.
 #[test]
 fn what_a_broken_line_leaves_decides_the_exit_code() {

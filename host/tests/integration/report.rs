@@ -143,3 +143,17 @@ fn a_stranger_gets_to_the_report_by_what_the_program_says() {
     );
     assert!(dir.path().join("mine.html").is_file());
 }
+
+#[test]
+fn three_runs_of_one_servo_are_said_to_be_one_side() {
+    let said = refusal(&["report", "a.csv", "b.csv", "c.csv", "-o", "x.html"]);
+    assert!(
+        said.contains("servoid report --a a.csv b.csv c.csv -o"),
+        "{said}"
+    );
+    let said = refusal(&["compare", "a.csv", "b.csv", "c.csv"]);
+    assert!(
+        said.contains("servoid identify a.csv b.csv c.csv"),
+        "{said}"
+    );
+}

@@ -108,6 +108,14 @@ fn large_strokes_have_their_top_speed_and_a_true_reason_for_what_is_left_out() {
         "{text}"
     );
     assert!(!text.contains("may be zero"), "{text}");
+    assert!(
+        text.contains("which the servo did not reach in this recording"),
+        "{text}"
+    );
+    let page = dir.path().join("large.html");
+    run(&["report", "-q", arg(&large), "-o", arg(&page)]);
+    let page = std::fs::read_to_string(&page).unwrap();
+    assert!(page.contains("extrapolated; "));
 }
 
 #[test]

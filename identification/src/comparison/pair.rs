@@ -186,9 +186,12 @@ pub(super) fn identified<'a>(
     ))
 }
 
+/// Periods that differ by this part of them are one: two crystals of 50 ppm differ by as much, a response moves by as little of its time, and
+/// another rate differs far more.
+const SAME_PERIOD: f64 = 1e-4;
+
 pub(super) fn same_period(expected: f64, found: f64) -> Result<(), Error> {
-    // Clocks of one rig agree far better, and another rate differs far more.
-    if ((found - expected) / expected).abs() > 1e-6 {
+    if ((found - expected) / expected).abs() > SAME_PERIOD {
         return Err(Error::PeriodMismatch { expected, found });
     }
     Ok(())

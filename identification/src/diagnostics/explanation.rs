@@ -205,6 +205,7 @@ impl Explanation {
         let scatter = self.hold_scatter.as_ref().map(HoldScatter::in_words);
         let varying = uneven.into_iter().chain(scatter);
         sentences.extend(varying.map(|found| found + allowed_for));
+        sentences.extend(left_out_in_words(&self.taken_out, period));
         sentences.extend(self.prior.as_ref().map(PriorOutcome::in_words));
         if let Some(errors) = &self.model_errors {
             sentences.push(match errors.candidates.len() {
@@ -237,6 +238,36 @@ impl Explanation {
             .min_by(|a, b| a.1.total_cmp(&b.1))
             .map(|(bank, _)| bank)
     }
+}
+
+/// Places that are written out: of more, nobody looks at each.
+const MOST_PLACES: usize = 100;
+
+/// Where samples were left out, all places; `None` where none were.
+fn left_out_in_words(taken_out: &[TakenOut], period: f64) -> Option<String> {
+    let several = taken_out.iter().any(|found| found.run > 1);
+    let place = |found: &TakenOut| {
+        let seconds = |sample: usize| format!("{:.3}", sample as f64 * period);
+        let begin = seconds(found.sample);
+        let stretch = match found.samples {
+            1 => format!("{begin} s"),
+            samples => format!("{begin} to {} s", seconds(found.sample + samples - 1)),
+        };
+        match several {
+            true => format!("{stretch} of run {}", found.run),
+            false => stretch,
+        }
+    };
+    let places: Vec<String> = taken_out.iter().take(MOST_PLACES).map(place).collect();
+    let more = match taken_out.len() - places.len() {
+        0 => String::new(),
+        more => format!(", and at {more} places more"),
+    };
+    let samples: usize = taken_out.iter().map(|found| found.samples).sum();
+    (samples > 0).then(|| {
+        let are = if samples == 1 { "sample" } else { "samples" };
+        format!("Left out: {samples} {are}, at {}{more}.", places.join(", "))
+    })
 }
 
 fn choice_in_words(choice: &Choice, period: f64) -> String {
@@ -272,7 +303,37 @@ fn choice_in_words(choice: &Choice, period: f64) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::{TakenOut, left_out_in_words};
     use crate::{Options, Record, identify_explained};
+
+    #[test]
+    fn all_places_of_what_was_left_out_are_named() {
+        let at = |run: usize, sample: usize, samples: usize| TakenOut {
+            run,
+            sample,
+            samples,
+            spike: samples == 1,
+        };
+        assert_eq!(left_out_in_words(&[], 0.01), None);
+        let few = [
+            at(1, 662, 1),
+            at(1, 856, 1),
+            at(1, 2291, 1),
+            at(1, 5724, 13),
+        ];
+        let words = "Left out: 16 samples, at 6.620 s, 8.560 s, 22.910 s, 57.240 to 57.360 s.";
+        assert_eq!(left_out_in_words(&few, 0.01).as_deref(), Some(words));
+        let many: Vec<TakenOut> = (0..130).map(|k| at(2, k, 1)).collect();
+        let words = left_out_in_words(&many, 1.0).unwrap();
+        assert!(
+            words.starts_with("Left out: 130 samples, at 0.000 s of run 2,"),
+            "{words}"
+        );
+        assert!(
+            words.ends_with("99.000 s of run 2, and at 30 places more."),
+            "{words}"
+        );
+    }
 
     #[test]
     fn every_decision_has_its_sentence() {

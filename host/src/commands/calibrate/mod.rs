@@ -148,6 +148,11 @@ impl Calibrate {
                     .inspect_err(|_| print_remark(&text))?;
                 self.output.talk.say(format_args!("rig file: {}", path.display()));
             }
+            None if asked => {
+                // Reading them took minutes.
+                print_remark(protractor::so_far(&measured.readings));
+                print_remark("nothing was written, because the answer was no");
+            }
             None => self.output.talk.say("nothing was written: add --update to write into the rig file, or -o RIG.toml for another one"),
         }
         // At the terminal it was printed before the question.

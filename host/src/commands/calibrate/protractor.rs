@@ -94,7 +94,13 @@ fn angle(text: &str) -> Result<Option<f64>, String> {
     if text == LEAVE_OUT {
         return Ok(None);
     }
-    let number = text.replace(',', ".").parse::<f64>().ok();
+    let number = text.to_lowercase();
+    let units = ["degrees", "degree", "deg", "°"];
+    let number = units
+        .iter()
+        .find_map(|unit| number.strip_suffix(unit))
+        .unwrap_or(&number);
+    let number = number.trim_end().replace(',', ".").parse::<f64>().ok();
     number
         .filter(|angle| (-360.0..=360.0).contains(angle))
         .map(Some)
@@ -103,4 +109,26 @@ fn angle(text: &str) -> Result<Option<f64>, String> {
                 "a number of degrees from -360 to 360 is needed, such as -20.5, or {LEAVE_OUT:?}"
             )
         })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::angle;
+
+    #[test]
+    fn an_angle_may_have_its_unit() {
+        for (text, expected) in [
+            ("-10", -10.0),
+            ("-10°", -10.0),
+            ("-22 deg", -22.0),
+            ("20,5 °", 20.5),
+            ("3 Degrees", 3.0),
+        ] {
+            assert_eq!(angle(text), Ok(Some(expected)), "{text}");
+        }
+        assert_eq!(angle("skip"), Ok(None));
+        for wrong in ["", "deg", "10 rad", "400", "10 deg deg"] {
+            assert!(angle(wrong).is_err(), "{wrong}");
+        }
+    }
 }

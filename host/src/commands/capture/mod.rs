@@ -13,6 +13,7 @@ use super::output::{Output, Talk, check_apart, typed_path};
 use super::partial_recording::PartialRecording;
 use super::reference_args::ReferenceArgs;
 use super::rig_args::{Rig, RigArgs};
+use crate::data::dataset::{DatasetOptions, load};
 use crate::data::numbered_path::with_suffix;
 use crate::data::recording::Ending;
 use crate::data::{FAR_FROM_COMMAND_DEG, hardly_moved};
@@ -175,12 +176,16 @@ fn report(
     }
     let advice = until_band.and_then(|band| band.advice(ends.len()));
     text.extend(advice.map(|advice| advice + "\n"));
-    let names: Vec<String> = results.iter().map(|run| typed_path(run.file)).collect();
+    let usable = results.iter().filter(|run| has_reference(run));
+    let names: Vec<String> = usable.map(|run| typed_path(run.file)).collect();
     let model = typed_path(&out.with_extension("json"));
-    text += &talk.next(format_args!(
-        "servoid identify {} -o {model}",
-        names.join(" ")
-    ));
+    text += &match &names[..] {
+        [] => NO_REFERENCE.to_owned(),
+        some => talk.next(format_args!(
+            "servoid identify {} -o {model}",
+            some.join(" ")
+        )),
+    };
     let result = match (files.len(), results.first()) {
         (1, Some(result)) => talk.result(text, result),
         _ => talk.result(text, &serde_json::json!({ "runs": results })),
@@ -190,6 +195,15 @@ fn report(
         true => Ok(result),
         false => Err(PartialRecording::asked_for(result).into()),
     }
+}
+
+/// Said where no run has a sample of its reference.
+const NO_REFERENCE: &str =
+    "nothing to identify: the run ended before its reference began; capture it again\n";
+
+/// Whether there is anything to identify in a recording: one that was cut short may end before its reference begins.
+fn has_reference(run: &CaptureResult<'_>) -> bool {
+    run.complete || load(&[run.file.to_owned()], &DatasetOptions::default()).is_ok()
 }
 
 /// The warning of a servo that has hardly moved. The recording is kept: it may show why.

@@ -290,6 +290,9 @@ const LONGEST_STEP_S: f64 = 0.5;
 /// Scatter of time stamps that is worth a remark \[steps\].
 const SCATTER: f64 = 0.02;
 
+/// Part of a step that is nothing beside it.
+const ROUNDED: f64 = 1e-3;
+
 /// How far apart rows are, and how that is known.
 struct Spacing {
     period_s: f64,
@@ -344,11 +347,16 @@ impl Spacing {
         if time.scatter() > SCATTER {
             uncertain_s = period_s * time.half_spread();
             remark += &format!(
-                "; its time stamps scatter by {:.0} % of that, and the rows are taken as evenly spaced; where commands are even and rows \
-                 late, times from the edge come out up to {} too short, and their intervals allow for that",
-                100.0 * time.scatter(),
-                time_column::shown(uncertain_s)
+                "; its time stamps scatter by {:.0} % of that, and the rows are taken as evenly spaced",
+                100.0 * time.scatter()
             );
+            // All of the scatter may be that of the writing.
+            if uncertain_s > ROUNDED * period_s {
+                remark += &format!(
+                    "; where commands are even and rows late, times from the edge come out up to {} too short, and their intervals allow for that",
+                    time_column::shown(uncertain_s)
+                );
+            }
         }
         Ok(Self {
             period_s,

@@ -114,7 +114,7 @@ fn together<'a>(all: Loaded<'a>, names: &str) -> Result<Dataset<'a>, DatasetErro
         fingerprint::advice_on_repeats(&record),
         uncalibrated.then(|| seams::advice(&record)).flatten(),
         uncalibrated
-            .then(|| rest_error::advice(&record, about.output_unit.as_deref()))
+            .then(|| rest_error::advice(&record, about.units()))
             .flatten(),
     ];
     // Identification has advice on it; validation and comparison only have this.

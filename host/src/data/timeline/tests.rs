@@ -4,6 +4,23 @@ fn even(count: u32) -> Vec<f64> {
     (0..count).map(|k| 0.02 * f64::from(k)).collect()
 }
 
+/// Whole milliseconds of rows that come up to a few milliseconds late: of the same logger, other runs are of other lengths.
+#[test]
+fn the_step_has_no_digits_that_the_stamps_do_not_have() {
+    let stamps = |rows: u32, step: f64, seed: u32| -> Vec<f64> {
+        let late = |k: u32| 2.5 * f64::from((k * 7919 + seed) % 101) / 101.0;
+        let stamp = |k: u32| (step * f64::from(k) + late(k)).floor();
+        (0..rows).map(stamp).collect()
+    };
+    for (rows, seed) in [(6000, 3), (4511, 20), (1207, 57)] {
+        let column = TimeColumn::new(stamps(rows, 10.0, seed)).unwrap();
+        assert_eq!(column.step(), 10.0, "{rows}");
+    }
+    // A clock that is off by more than the stamps leave open keeps its step, to what they tell.
+    let off = TimeColumn::new(stamps(60_000, 10.013, 3)).unwrap().step();
+    assert!((off - 10.013).abs() < 3e-4, "{off}");
+}
+
 #[test]
 fn a_gap_keeps_its_place_and_a_jump_back_is_another_run() {
     let mut times = even(100);

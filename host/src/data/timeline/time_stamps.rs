@@ -50,6 +50,12 @@ const SCATTER: f64 = 0.2;
 /// Distance from two steps at which a stamp still makes up for one before it that was repeated \[steps\].
 const LATE: f64 = 0.5;
 
+/// Standard deviations of the scatter by which the difference of two stamps may be off: three of a difference, which has √2 of those of each.
+const SCATTER_OF_ENDS: f64 = 4.0;
+
+/// A part of a step by which no result shows that it is rounded: a hundredth of a percent of all times.
+const FINEST: f64 = 1e-4;
+
 /// How fast the even time follows the stamps, of the distance at each row: slow against the scatter,
 /// fast enough for a clock that drifts.
 const FOLLOW: f64 = 0.05;
@@ -141,10 +147,19 @@ impl TimeColumn {
         wholes >= MOST * all && singles >= (1.0 - GAPS.0) * all && !straight
     }
 
-    /// The usual step, freed of the rounding noise that differences of written times carry: 0.02
-    /// comes back as 0.020000000000003126.
+    /// The usual step, as the roundest number that the stamps allow: two files of one logger have one step, and the rounding of written times
+    /// is no digit of it. 0.02 comes back as 0.020000000000003126 from differences, and 10 as 9.999833 from 6000 stamps of whole numbers.
     pub fn step(&self) -> f64 {
-        format!("{:.6e}", self.step).parse().unwrap_or(self.step)
+        let known_to = self.known_to().min(FINEST * self.step);
+        roundest(self.step, known_to)
+            .or_else(|| format!("{:.6e}", self.step).parse().ok())
+            .unwrap_or(self.step)
+    }
+
+    /// How far the usual step may be from the true one: what the first and the last stamp are rounded by, and how far both scatter, over all steps.
+    fn known_to(&self) -> f64 {
+        let steps = self.times.len().saturating_sub(1).max(1) as f64;
+        (self.written_to() + SCATTER_OF_ENDS * self.scatter * self.step) / steps
     }
 
     /// How far the times lie from even ones, root of the mean square \[steps\].
@@ -214,6 +229,13 @@ impl TimeColumn {
         *ahead = (place - samples) * (1.0 - FOLLOW);
         Step::Samples(samples as usize)
     }
+}
+
+/// The number with the fewest digits that is so near to a positive one; `None` where it needs more than seven.
+fn roundest(number: f64, within: f64) -> Option<f64> {
+    let with_digits = |digits: usize| format!("{number:.digits$e}").parse::<f64>().ok();
+    let mut found = (0..7).filter_map(with_digits);
+    found.find(|found| (found - number).abs() <= within)
 }
 
 /// From each time to the next.

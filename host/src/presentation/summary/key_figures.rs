@@ -5,6 +5,7 @@ use super::headline::stroke_in_words;
 use super::metrics::{self, MetricEntry, NONE};
 use super::numbers::{four_digits, percent, with_bounds};
 use super::quantity_table::{QuantityRow, quantity_rows, scale_and_unit};
+use super::servo_sentence::has_unreached_top_speeds;
 use super::sixty_degrees::{per_60_degrees, stroke_of_60_degrees_ms};
 use super::what_to_record::shown_by;
 use crate::data::units::Units;
@@ -105,6 +106,7 @@ pub(crate) fn of_machine(model: &ServoModel, units: Units<'_>) -> Vec<KeyFigure>
     let (determined, open): (Vec<_>, Vec<_>) = known.partition(|(found, _)| found.determined);
     let figure = |(quantity, row): &&(&Quantity, QuantityRow)| {
         let turn = per_60_degrees(quantity, units);
+        let extrapolated = is_top_speed(quantity) && has_unreached_top_speeds(model);
         let below = match (row.interval.is_empty(), turn) {
             (_, _) if !quantity.determined => {
                 let shown_by = quantity.kind().and_then(shown_by);
@@ -115,6 +117,10 @@ pub(crate) fn of_machine(model: &ServoModel, units: Units<'_>) -> Vec<KeyFigure>
             (true, Some(turn)) => turn,
             (false, None) => row.interval.clone(),
             (false, Some(turn)) => format!("{}; {turn}", row.interval),
+        };
+        let below = match extrapolated {
+            true => format!("extrapolated; {below}"),
+            false => below,
         };
         KeyFigure {
             label: match same_both_ways {
@@ -127,14 +133,10 @@ pub(crate) fn of_machine(model: &ServoModel, units: Units<'_>) -> Vec<KeyFigure>
     };
     let fit = fit_figure(format!("{:.1} %", model.fit.held_out_percent));
     let mut all: Vec<KeyFigure> = determined.iter().map(figure).collect();
-    let is_speed = |found: &&(&Quantity, QuantityRow)| {
-        let kind = found.0.kind();
-        matches!(
-            kind,
-            Some(QuantityKind::TopSpeedUpwards | QuantityKind::TopSpeedDownwards)
-        )
-    };
-    let behind_speeds = determined.iter().copied().take_while(is_speed).count();
+    let speeds = determined
+        .iter()
+        .take_while(|(found, _)| is_top_speed(found));
+    let behind_speeds = speeds.count();
     if let Some(stroke) = whole_stroke(model, units) {
         all.insert(behind_speeds, stroke);
     }
@@ -143,6 +145,14 @@ pub(crate) fn of_machine(model: &ServoModel, units: Units<'_>) -> Vec<KeyFigure>
     all.extend(open.iter().map(figure));
     all.truncate(KEY_FIGURES);
     all
+}
+
+fn is_top_speed(quantity: &Quantity) -> bool {
+    let kind = quantity.kind();
+    matches!(
+        kind,
+        Some(QuantityKind::TopSpeedUpwards | QuantityKind::TopSpeedDownwards)
+    )
 }
 
 /// The whole stroke of 60 degrees, beside the speed in it.

@@ -65,6 +65,9 @@ pub(crate) fn digits(value: f64, count: usize) -> String {
 /// Digits of the width of an interval that are shown: what is smaller says nothing.
 const OF_WIDTH: usize = 3;
 
+/// Digits beyond which nothing of a servo is known, however narrow an interval.
+const MOST_DIGITS: usize = 6;
+
 /// A number with so many digits, or as many as distinguish it from the ends of its interval of this `width`, which is by half as many of the
 /// width; none is small beside that.
 pub(super) fn digits_beside(value: f64, count: usize, width: Option<f64>) -> String {
@@ -82,7 +85,8 @@ pub(super) fn digits_beside(value: f64, count: usize, width: Option<f64>) -> Str
     if !POWERS.contains(&power) && decimals(power, count) <= enough {
         return format!("{value:.0$e}", count - 1);
     }
-    let decimals = (decimals(power, count).max(fewest).min(enough)).clamp(0, 9) as usize;
+    let most = enough.min(decimals(power, MOST_DIGITS));
+    let decimals = (decimals(power, count).max(fewest).min(most)).clamp(0, 9) as usize;
     // A small number of either sign may round to 0.
     let text = format!("{value:.decimals$}");
     let is_zero = text.chars().all(|letter| "-0.".contains(letter));
@@ -118,6 +122,8 @@ mod tests {
         let shown = |width| [12.639, 12.641, 12.643].map(|value| digits_beside(value, 4, width));
         assert_eq!(shown(None), ["12.64", "12.64", "12.64"]);
         assert_eq!(shown(Some(0.004)), ["12.6390", "12.6410", "12.6430"]);
+        assert_eq!(shown(Some(1e-8)), ["12.6390", "12.6410", "12.6430"]);
+        assert_eq!(digits_beside(333.132_839_653, 3, Some(1e-8)), "333.133");
         assert_eq!(shown(Some(0.4)), ["12.64", "12.64", "12.64"]);
         assert_eq!(shown(Some(40.0)), ["12.6", "12.6", "12.6"]);
         assert_eq!(shown(Some(0.0)), ["12.64", "12.64", "12.64"]);

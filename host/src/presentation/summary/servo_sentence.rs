@@ -184,6 +184,11 @@ fn limited_to(
 /// A servo above this part of its top speed is at it: it comes near without end, and means over 20 ms are some percent below their peak.
 const AT_TOP_SPEED: f64 = 0.9;
 
+/// Whether the model has top speeds that the servo stayed below in all of the recording, so that they are extrapolated.
+pub(super) fn has_unreached_top_speeds(model: &ServoModel) -> bool {
+    top_speeds(model).is_some_and(|speeds| is_never_reached(model, &speeds))
+}
+
 /// Whether the servo stayed below its top speeds in all of the recording.
 fn is_never_reached(model: &ServoModel, speeds: &[&Quantity; 2]) -> bool {
     let below = |reached: f64, top: &Quantity| reached < AT_TOP_SPEED * top.value;
@@ -202,8 +207,8 @@ fn upwards(model: &ServoModel) -> &'static str {
 
 /// "331 deg/s (0.181 s/60°)", of a speed and its figure.
 fn speed_in_words(model: &ServoModel, (speed, figure): (f64, String), units: Units<'_>) -> String {
-    let unit = with_space(units.output);
-    format!("{figure}{unit}/s{}", turn(model, speed, units))
+    let unit = units.output.unwrap_or("units");
+    format!("{figure} {unit}/s{}", turn(model, speed, units))
 }
 
 /// What kind of servo it is, without figures.

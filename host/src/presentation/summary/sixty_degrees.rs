@@ -1,6 +1,7 @@
 //! How fast a servo turns by 60 degrees, as data sheets state it.
 
 use super::numbers::digits;
+use super::servo_sentence::has_unreached_top_speeds;
 use crate::data::units::Units;
 use servoid_identification::results::with_unit;
 use servoid_identification::servo_model::{Quantity, ServoModel, Unit};
@@ -64,8 +65,13 @@ pub(super) fn whole_stroke(model: &ServoModel, units: Units<'_>) -> Option<Strin
             with_unit(digits(recorded, 3), units.output.unwrap_or_default())
         )
     });
+    let unreached = match has_unreached_top_speeds(model) {
+        true => ", which the servo did not reach in this recording, so that it is extrapolated",
+        false => "",
+    };
     Some(format!(
-        "A stroke of 60 degrees takes {times}, with delay, acceleration and braking: from the change of the command until the servo stays within 2 % of the stroke from its end.{}",
+        "A stroke of 60 degrees takes {times}, with delay, acceleration and braking: from the change of the command until the servo stays within 2 % of the stroke from its end.{} \
+         Data sheets leave that out: hold their time for 60 degrees against the one at top speed{unreached}.",
         beyond.unwrap_or_default()
     ))
 }

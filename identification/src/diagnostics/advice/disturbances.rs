@@ -9,6 +9,9 @@ use crate::thresholds::ABOVE_NEIGHBOURS;
 /// Places that are named; the explanation has all.
 const NAMED: usize = 3;
 
+/// Samples in a row of which glitches are seldom made.
+const LASTING: usize = 3;
+
 pub(super) fn outliers(evidence: &Evidence<'_>) -> Option<Advice> {
     let taken_out = &evidence.explanation.taken_out;
     let count: usize = taken_out.iter().map(|found| found.samples).sum();
@@ -35,6 +38,16 @@ pub(super) fn outliers(evidence: &Evidence<'_>) -> Option<Advice> {
         1 => ("was", "it is"),
         _ => ("were", "they are"),
     };
+    let lasting = taken_out.iter().filter(|found| !found.spike);
+    let longest = lasting.map(|found| found.samples).max();
+    let motion = longest.filter(|samples| *samples >= LASTING).map(|samples| {
+        format!(
+            " One lasts for {samples} samples, as glitches seldom do: where the servo was fast there, it may have met a limit of its speed, which a \
+             linear model lacks and a servo model looks for."
+        )
+    });
+    let remedy =
+        "Look at these places (the explanation has all) for glitches of the sensor or its wiring.";
     Some(Advice::new(
         Check::Outliers,
         format!(
@@ -45,7 +58,7 @@ pub(super) fn outliers(evidence: &Evidence<'_>) -> Option<Advice> {
         ),
         count as f64,
         0.0,
-        "Look at these places (the explanation has all) for glitches of the sensor or its wiring.",
+        remedy.to_owned() + &motion.unwrap_or_default(),
     ))
 }
 
