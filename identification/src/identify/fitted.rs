@@ -9,8 +9,8 @@ use crate::data::{Record, Run};
 use crate::diagnostics::{
     EstimatedEnd, Feedback, HoldScatter, Linearity, Misfit, PriorOutcome, RunComparison,
     SlowColumns, SlowEnd, UnevenNoise, against_standstill, allow_for_hold_scatter,
-    allow_for_run_offsets, allow_for_run_trends, allow_for_scatter, allow_for_uneven_noise,
-    simulated, test_linearity,
+    allow_for_rounded_commands, allow_for_run_offsets, allow_for_run_trends, allow_for_scatter,
+    allow_for_uneven_noise, simulated, test_linearity,
 };
 use crate::error::Error;
 
@@ -96,6 +96,7 @@ impl Fitted {
         if outliers.count() > 0 {
             fit.spread_further(outliers.variance_ratio(), None);
         }
+        allow_for_rounded_commands(record, fit);
         self.hold_scatter = allow_for_hold_scatter(&runs, &information.moments, fit);
         let levels = &task.disturbances.levels;
         if !levels.is_empty() {
