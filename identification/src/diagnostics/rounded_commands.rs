@@ -3,12 +3,15 @@
 //! A column of commands in steps of δ differs from what the servo got by e. The regressors are the column's, so that
 //!
 //! ```text
-//! E θ̂ - θ = -b,     b = A^-1 S θ,     S_ij = sum_k E D e(k-i) D e(k-j),
+//! E θ̂ - θ = -b,     b = A^-1 S θ = (A - S)^-1 S E θ̂,     S_ij = sum_k E D e(k-i) D e(k-j),
 //! ```
 //!
 //! as by any errors in variables (W. A. Fuller, *Measurement Error Models*, 1987). No record tells such a column from one of commands that are on a
 //! grid, where the error is none. So b is no correction: it is one standard deviation of the estimate, along itself. Runs whose commands are
 //! [stated to be exact](Run::with_exact_input) have no such error.
+//!
+//! Under a smooth command, rounding may be most of what excites the high frequencies. There the estimate is next to 0 whatever the servo does, and no
+//! number of it says by how much it is off.
 //!
 //! While a command moves by d steps, its rounding error goes through a sawtooth, whose
 //!
@@ -19,14 +22,14 @@
 //! any phase of the sawtooth being as likely (B. Widrow and I. Kollár, *Quantization Noise*, 2008); of commands that are more than a step apart it is 0. A slow
 //! motion is known between the middles of stretches that are a step apart.
 //!
-//! A command that is held has one error for as long. What this does to a level is [not the bias of a regressor](super::level_scatter).
+//! A command that is held until it goes elsewhere has one error for as long. What this does to a level is [not the bias of a regressor](super::level_scatter).
 
 use faer::Mat;
 
-use crate::data::{HELD, Record, Run, common_step};
+use crate::data::{Record, Run, common_step};
 use crate::estimation::{GlsFit, noise_filter};
 use crate::numerics::{dot, times};
-use crate::thresholds::ROUNDED_RANGE;
+use crate::thresholds::{ROUNDED_EXCITATION, ROUNDED_RANGE};
 
 /// Lags at which errors are compared. What they have in common farther apart is that of a level.
 const LAGS: usize = 16;
@@ -34,42 +37,95 @@ const LAGS: usize = 16;
 /// Samples that are looked at.
 const EXAMINED: usize = 1 << 16;
 
-/// Adds to the covariance of `fit`, which is of `record`, what rounding of the commands may have made of the response.
-pub(crate) fn allow_for_rounded_commands(record: &Record, fit: &mut GlsFit) {
+/// Of the sum that b is. Each is at most [`ROUNDED_EXCITATION`] of the one before, and what is left after them next to nothing.
+const TERMS: usize = 24;
+
+/// Adds to the covariance of `fit`, which is of `record`, what rounding of the commands may have made of the response. The step of the commands, where
+/// what excites the response may be their rounding: nothing then says how far the estimate is off.
+pub(crate) fn allow_for_rounded_commands(record: &Record, fit: &mut GlsFit) -> Option<f64> {
     let runs = record.runs().iter().filter(|run| !run.has_exact_input());
     let runs: Vec<&Run> = runs.collect();
-    let Some(step) = step_of_commands(&runs) else {
-        return;
+    let step = step_of_commands(&runs)?;
+    let Some(bias) = bias(&Scatter::of(&RoundingErrors::of(&runs, step), fit), fit) else {
+        return Some(step);
     };
-    let by_lag = score(&RoundingErrors::of(&runs, step), fit);
-    let by_coordinate = fit.coordinates.compress(by_lag);
-    let mut score: Vec<f64> = by_coordinate.col(0).iter().copied().collect();
-    // Rounding moves no mean.
-    score.push(0.0);
-    let bias = times(&fit.solution.inverse, &score);
     let covariance = Mat::from_fn(bias.len(), bias.len(), |i, j| {
         bias[i] * bias[j] / fit.variance
     });
     fit.spread_further(1.0, Some(covariance));
+    None
 }
 
-/// S θ, lag by lag. Errors one step ahead that are smaller than rounding makes them show less of it.
-fn score(errors: &RoundingErrors, fit: &GlsFit) -> Mat<f64> {
-    let impulse = fit.impulse();
-    let lags = impulse.len();
-    let d = noise_filter(&fit.ar);
-    let of_filter = |lag: usize| d.iter().zip(d.iter().skip(lag)).map(|(a, b)| a * b).sum();
-    let of_filter: Vec<f64> = (0..d.len()).map(of_filter).collect();
-    let filtered = both_sides(&errors.near, &of_filter);
-    let answer = |i: usize| {
-        let near = i.saturating_sub(filtered.len() - 1)..lags.min(i + filtered.len());
-        near.map(|j| filtered[i.abs_diff(j)] * impulse[j]).sum()
+/// b in the coordinates of `fit`, and 0 for the offset, since rounding moves no mean: the sum of all (A^-1 S)^k θ̂. `None` where errors make
+/// much of a direction of A, as the size of one term beside the one before shows, which approaches the largest eigenvalue of A^-1 S from below.
+fn bias(scatter: &Scatter, fit: &GlsFit) -> Option<Vec<f64>> {
+    let next = |of: &[f64]| {
+        let mut score = scatter.times(of, fit);
+        score.push(0.0);
+        let mut moved = times(&fit.solution.inverse, &score);
+        moved.pop();
+        moved
     };
-    let answers: Vec<f64> = (0..lags).map(answer).collect();
-    let gain = impulse.iter().sum::<f64>() * d.iter().sum::<f64>();
-    let squares = dot(&answers, &impulse) + errors.far * gain * gain;
-    let share = (fit.variance * errors.samples / squares).min(1.0);
-    Mat::from_fn(lags, 1, |i, _| share * answers[i])
+    let mut term = next(fit.solution.response());
+    let mut sum = term.clone();
+    for _ in 0..TERMS {
+        let score = scatter.times(&term, fit);
+        let (before, following) = (dot(&score, &term), next(&term));
+        if dot(&score, &following) > ROUNDED_EXCITATION * before {
+            return None;
+        }
+        for (sum, following) in sum.iter_mut().zip(&following) {
+            *sum += following;
+        }
+        term = following;
+    }
+    sum.push(0.0);
+    Some(sum)
+}
+
+/// S, of errors behind D at lags that are as far apart as a place in `filtered`.
+struct Scatter {
+    filtered: Vec<f64>,
+    /// Errors one step ahead that are smaller than rounding makes them show less of it.
+    share: f64,
+}
+
+impl Scatter {
+    fn of(errors: &RoundingErrors, fit: &GlsFit) -> Self {
+        let d = noise_filter(&fit.ar);
+        let of_filter = |lag: usize| d.iter().zip(d.iter().skip(lag)).map(|(a, b)| a * b).sum();
+        let of_filter: Vec<f64> = (0..d.len()).map(of_filter).collect();
+        let mut found = Self {
+            filtered: both_sides(&errors.near, &of_filter),
+            share: 1.0,
+        };
+        let impulse = fit.impulse();
+        let gain = impulse.iter().sum::<f64>() * d.iter().sum::<f64>();
+        let squares = dot(&found.by_lag(&impulse), &impulse) + errors.far * gain * gain;
+        found.share = (fit.variance * errors.samples / squares).min(1.0);
+        found
+    }
+
+    /// S times a vector of the coordinates of `fit`.
+    fn times(&self, coordinates: &[f64], fit: &GlsFit) -> Vec<f64> {
+        let by_lag = self.by_lag(&fit.coordinates.impulse(coordinates));
+        let by_lag = Mat::from_fn(by_lag.len(), 1, |i, _| by_lag[i]);
+        let compressed = fit.coordinates.compress(by_lag);
+        compressed.col(0).iter().copied().collect()
+    }
+
+    /// S times an impulse response.
+    fn by_lag(&self, impulse: &[f64]) -> Vec<f64> {
+        let (lags, reach) = (impulse.len(), self.filtered.len());
+        let at = |i: usize| {
+            let near = i.saturating_sub(reach - 1)..lags.min(i + reach);
+            let sum: f64 = near
+                .map(|j| self.filtered[i.abs_diff(j)] * impulse[j])
+                .sum();
+            self.share * sum
+        };
+        (0..lags).map(at).collect()
+    }
 }
 
 /// δ of the commands of `runs` \[input\]; `None` where they are on no grid, or on one that is too coarse to be one of rounding.
@@ -122,8 +178,7 @@ impl RoundingErrors {
     }
 }
 
-/// The commands of the first samples of `run` in steps, on straight lines between the middles of stretches that are a step apart, unless
-/// they are held.
+/// The commands of the first samples of `run` in steps, on straight lines between the middles of stretches that are a step apart.
 fn motion(run: &Run, step: f64) -> Vec<f64> {
     let first = run.input().iter().take(EXAMINED);
     let input: Vec<f64> = first.map(|u| u / step).collect();
@@ -133,11 +188,7 @@ fn motion(run: &Run, step: f64) -> Vec<f64> {
         let half = stretch.len() as f64 / 2.0;
         // Steps for each sample, from the middle of the stretch to that of its neighbour.
         let slope = |other: Option<&&[f64]>| {
-            let moves = |other: &&&[f64]| {
-                let is_held = stretch.len().max(other.len()) >= HELD;
-                !is_held && (other[0] - stretch[0]).abs() < 1.5
-            };
-            let near = other.filter(moves);
+            let near = other.filter(|other| (other[0] - stretch[0]).abs() < 1.5);
             near.map_or(0.0, |other| {
                 (other[0] - stretch[0]) / (half + other.len() as f64 / 2.0)
             })
