@@ -37,11 +37,11 @@ pub const OF_ROUNDING: f64 = 1.0 / 6.0;
 /// "Commands that were rounded in motion".
 pub const ROUNDED_RANGE: f64 = 0.05;
 
-/// Share that rounding of commands may have in what excites any part of the response.
+/// Share that rounding of commands may have in what excites the part of the response that it changes.
 ///
 /// Protects: sweeps whose column was rounded, from bounds at frequencies that only the rounding has. Evidence: the table of "Commands that were
 /// rounded in motion".
-pub const ROUNDED_EXCITATION: f64 = 0.5;
+pub const ROUNDED_EXCITATION: f64 = 0.9;
 
 // What is in a record beside the servo and its noise.
 

@@ -1,8 +1,10 @@
-//! Commands of a stick that were rounded where they were written, while the servo got them as they were.
+//! Commands of a stick and of a sweep that were rounded where they were written, while the servo got them as they were.
 
 use rand::RngExt;
-use servoid_identification::{Options, Record, identify};
+use servoid_identification::results::{Check, Model, Reason};
+use servoid_identification::{Options, Record, Run, identify};
 use servoid_test_support::plants::{normal, random};
+use std::f64::consts::TAU;
 
 const PERIOD_S: f64 = 0.01;
 const SAMPLES: usize = 3000;
@@ -30,6 +32,21 @@ fn stick(seed: u64) -> Vec<f64> {
     (0..SAMPLES).map(next).collect()
 }
 
+/// A sweep of ±10 from 0.2 to 6 Hz.
+fn sweep() -> Vec<f64> {
+    let duration = SAMPLES as f64 * PERIOD_S;
+    let at = |k: usize| {
+        let time = k as f64 * PERIOD_S;
+        10.0 * (TAU * (0.2 * time + 5.8 * time * time / 2.0 / duration)).sin()
+    };
+    (0..SAMPLES).map(at).collect()
+}
+
+/// As they are written.
+fn rounded(commands: &[f64]) -> Vec<f64> {
+    commands.iter().map(|u| (u / STEP).round() * STEP).collect()
+}
+
 /// The servo's angle at each sample.
 fn motion(commands: &[f64]) -> Vec<f64> {
     let share = 1.0 - (-PERIOD_S / LAG_S).exp();
@@ -42,16 +59,29 @@ fn motion(commands: &[f64]) -> Vec<f64> {
     commands.iter().map(next).collect()
 }
 
-/// Whether the whole step response is inside its band.
-fn holds(seed: u64) -> bool {
-    let commands = stick(seed);
+/// The run of a servo that was sent `sent`, with `written` in its column.
+fn run(sent: &[f64], written: Vec<f64>, seed: u64) -> Run<'static> {
     let mut random = random(1000 + seed);
-    let output: Vec<f64> = (motion(&commands).iter())
+    let output: Vec<f64> = (motion(sent).iter())
         .map(|angle| angle + NOISE * normal(&mut random))
         .collect();
-    let written: Vec<f64> = commands.iter().map(|u| (u / STEP).round() * STEP).collect();
-    let record = Record::of_run(PERIOD_S, written, output).unwrap();
-    let model = identify(&record, &Options::default()).unwrap();
+    Run::new(written, output).unwrap()
+}
+
+fn model(runs: Vec<Run<'static>>) -> Model {
+    identify(&Record::new(PERIOD_S, runs).unwrap(), &Options::default()).unwrap()
+}
+
+/// Half width of the whole curve's band, on average.
+fn width(model: &Model) -> f64 {
+    let (_, whole) = model.step.bounds.valid().unwrap().mean_half_widths();
+    whole
+}
+
+/// Whether the whole step response is inside its band.
+fn holds(seed: u64) -> bool {
+    let sent = stick(seed);
+    let model = model(vec![run(&sent, rounded(&sent), seed)]);
     let Some(bounds) = model.step.bounds.valid() else {
         return true;
     };
@@ -66,4 +96,49 @@ fn holds(seed: u64) -> bool {
 fn bounds_hold_where_the_commands_of_a_stick_were_rounded() {
     let missed = (0..20).filter(|seed| !holds(*seed)).count();
     assert!(missed <= 2, "{missed} missed");
+}
+
+/// What excites the high frequencies is then the rounding, which the servo did not get.
+#[test]
+fn a_sweep_that_was_rounded_has_no_level_as_one_that_was_not() {
+    let sent = sweep();
+    for written in [sent.clone(), rounded(&sent)] {
+        let model = model(vec![run(&sent, written, 1)]);
+        assert_eq!(model.step.bounds.withdrawn(), Some(Reason::InputUnexcited));
+    }
+    let model = model(vec![run(&sent, rounded(&sent), 1)]);
+    let said = model.advice.iter().find(|of| of.check == Check::Excitation);
+    let said = said.unwrap();
+    assert!(said.finding.contains("in steps of 0.30"), "{said:?}");
+    assert!(said.remedy.contains("all their digits"), "{said:?}");
+}
+
+/// A grid costs its bounds where it may be one of rounding: not where it is stated to be exact, nor beside a column without a grid.
+#[test]
+fn commands_that_are_exact_cost_no_width() {
+    let grid = rounded(&stick(3));
+    // Off any grid, by next to nothing.
+    let off = |(k, u): (usize, &f64)| u + 1e-5 * (k as f64 * 0.618_034).fract();
+    let off: Vec<f64> = grid.iter().enumerate().map(off).collect();
+    let once = |written: &[f64]| run(&grid, written.to_vec(), 3);
+    let exact = width(&model(vec![once(&grid).with_exact_input()]));
+    let without = width(&model(vec![once(&off)]));
+    let unknown = width(&model(vec![once(&grid)]));
+    assert!((exact / without - 1.0).abs() < 1e-3, "{exact} {without}");
+    assert!(unknown > 1.2 * exact, "{unknown} {exact}");
+}
+
+/// Where one of two runs is exact, half of the rounding is left.
+#[test]
+fn each_run_states_whether_its_commands_are_exact() {
+    let grid = rounded(&stick(4));
+    let first = || run(&grid, grid.clone(), 4);
+    let second = || run(&grid, grid.clone(), 5);
+    let both = width(&model(vec![
+        first().with_exact_input(),
+        second().with_exact_input(),
+    ]));
+    let one = width(&model(vec![first().with_exact_input(), second()]));
+    let none = width(&model(vec![first(), second()]));
+    assert!(both < one && one < none, "{both} {one} {none}");
 }
