@@ -38,7 +38,8 @@ def identify(
     ----------
     u, y : array_like, or lists of them
         Command and measured motion, evenly sampled; NaN or masked where a sample is missing. Several runs of the same servo are
-        lists of arrays; runs are never joined end to end. Without ``y``, ``u`` is a :class:`Recording`, or what :func:`read`
+        lists of arrays; runs are never joined end to end. A moving command in even steps may have been rounded, and the bounds allow
+        for that: give it with all its digits. Without ``y``, ``u`` is a :class:`Recording`, or what :func:`read`
         takes: a path, a list of paths, or a table of pandas.
     period : float
         Time between samples (s).

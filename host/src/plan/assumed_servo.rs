@@ -3,7 +3,7 @@
 use crate::data::model_file::{ModelFile, ModelFileError, is_model};
 use crate::instrument::simulated_servo::{self, SimulatedServoError};
 use servoid_identification::results::{Model, Noise};
-use servoid_identification::{Error, Options, Record, identify};
+use servoid_identification::{Error, Options, Record, Run, identify};
 use servoid_protocol::reference::Staircase;
 use servoid_protocol::{PulseTrain, PulseWidth};
 use servoid_simulator::{OptionsError, SimulationOptions, simulate_train};
@@ -68,7 +68,8 @@ impl AssumedServo {
             input.extend(angles.iter().map(|_| degrees(offset)));
             output.extend(angles);
         }
-        let record = Record::of_run(train.sample_s(), &input, &output)?
+        let run = Run::new(input, output)?.with_exact_input();
+        let record = Record::new(train.sample_s(), vec![run])?
             .with_sample_phase(options.sample_phase_s(train));
         Ok(Self {
             name: format!("the simulated servo '{name}'"),

@@ -88,7 +88,7 @@ fn thinned(record: &Record, every: usize) -> Result<Record<'static>, Error> {
     let runs: Result<Vec<Run>, Error> = record
         .runs()
         .iter()
-        .map(|run| Run::new(thin(run.input()), thin(run.output())))
+        .map(|run| Run::new(thin(run.input()), thin(run.output())).map(Run::with_exact_input))
         .collect();
     let thinned = Record::new(record.sample_period_s() * every as f64, runs?)?;
     Ok(thinned.with_sample_phase(record.sample_phase_s()))

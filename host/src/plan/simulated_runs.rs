@@ -39,7 +39,7 @@ pub(super) fn simulated(request: &PlanRequest, seed: u64) -> Result<Record<'stat
                 }
                 None => of_model(&request.assumed.model, &input, &mut random),
             };
-            Run::new(input.clone(), output)
+            Run::new(input.clone(), output).map(Run::with_exact_input)
         })
         .collect();
     let assumed = &request.assumed;

@@ -16,6 +16,6 @@ pub(crate) use holds::{
 };
 pub use moments::{MomentStream, Moments};
 pub use quantisation::Quantisation;
-pub(crate) use quantisation::sensor_step;
+pub(crate) use quantisation::{common_step, sensor_step};
 pub use record::{Record, Run};
 pub use timing::Timing;

@@ -68,33 +68,36 @@ impl Quantisation {
 
 /// The step that the output is rounded to, if many samples equal the previous one.
 pub(crate) fn sensor_step(record: &Record) -> Option<f64> {
-    let differences = || {
-        let runs = record.runs().iter();
-        runs.flat_map(|run| {
-            run.output()
-                .windows(2)
-                .map(|pair| (pair[1] - pair[0]).abs())
-        })
+    let runs = record.runs().iter();
+    let differences: Vec<f64> = runs
+        .flat_map(|run| run.output().windows(2).map(|pair| pair[1] - pair[0]))
         .take(EXAMINED)
         .filter(|difference| !difference.is_nan())
-    };
-    let largest = differences().fold(0.0, f64::max);
-    let moved = |difference: &f64| *difference > ARITHMETIC * largest;
-    let (count, still) = differences().fold((0usize, 0usize), |(count, still), difference| {
-        (count + 1, still + usize::from(!moved(&difference)))
-    });
-    if (still as f64) < REPEATED * count as f64 {
-        return None;
+        .collect();
+    let still = differences.len() - moved(&differences).count();
+    match still as f64 >= REPEATED * differences.len() as f64 {
+        true => common_step(&differences),
+        false => None,
     }
-    let step = differences().filter(moved).fold(f64::INFINITY, f64::min);
+}
+
+/// The step of which `differences` are whole multiples; `None` where there is none.
+pub(crate) fn common_step(differences: &[f64]) -> Option<f64> {
+    let step = moved(differences).fold(f64::INFINITY, f64::min);
     let small = || {
-        differences()
-            .filter(moved)
+        moved(differences)
             .map(|difference| difference / step)
             .filter(|steps| *steps < MULTIPLES)
     };
     let on_grid = small().filter(|steps| (steps - steps.round()).abs() < MULTIPLE_WITHIN);
     (step.is_finite() && on_grid.count() as f64 >= ON_GRID * small().count() as f64).then_some(step)
+}
+
+/// The sizes of those of `differences` that are no rounding of arithmetic.
+fn moved(differences: &[f64]) -> impl Iterator<Item = f64> {
+    let sizes = || differences.iter().map(|difference| difference.abs());
+    let least = ARITHMETIC * sizes().fold(0.0, f64::max);
+    sizes().filter(move |size| *size > least)
 }
 
 impl Quantisation {

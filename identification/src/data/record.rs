@@ -28,6 +28,7 @@ pub struct Run<'a> {
     output: Cow<'a, [f64]>,
     at_rest: Option<f64>,
     label: Option<f64>,
+    has_exact_input: bool,
 }
 
 impl<'a> Run<'a> {
@@ -61,6 +62,7 @@ impl<'a> Run<'a> {
             output,
             at_rest: None,
             label: None,
+            has_exact_input: false,
         })
     }
 
@@ -73,6 +75,22 @@ impl<'a> Run<'a> {
     pub fn with_input_at_rest(mut self, input: f64) -> Self {
         self.at_rest = Some(input);
         self
+    }
+
+    /// States that the servo got the input as it is here, to the last digit: pulses that were counted, or what a simulation was given.
+    ///
+    /// Without this statement an input in even steps may have been rounded where it was written, and the bounds allow for that. An input
+    /// that is on no grid needs no statement.
+    #[must_use]
+    pub fn with_exact_input(mut self) -> Self {
+        self.has_exact_input = true;
+        self
+    }
+
+    /// Whether the input is stated to be what the servo got.
+    #[must_use]
+    pub fn has_exact_input(&self) -> bool {
+        self.has_exact_input
     }
 
     /// States what the run is called where it comes from, such as its number in a column of runs: findings name it so.
@@ -96,6 +114,7 @@ impl<'a> Run<'a> {
             output: output.into(),
             at_rest: self.at_rest,
             label: self.label,
+            has_exact_input: self.has_exact_input,
         }
     }
 
@@ -106,6 +125,7 @@ impl<'a> Run<'a> {
             output: self.output.clone(),
             at_rest: self.at_rest.map(&by),
             label: self.label,
+            has_exact_input: self.has_exact_input,
         }
     }
 
@@ -116,6 +136,7 @@ impl<'a> Run<'a> {
             output: Cow::Borrowed(&self.output),
             at_rest: self.at_rest,
             label: self.label,
+            has_exact_input: self.has_exact_input,
         }
     }
 
@@ -127,6 +148,7 @@ impl<'a> Run<'a> {
             output: self.output.into_owned().into(),
             at_rest: self.at_rest,
             label: self.label,
+            has_exact_input: self.has_exact_input,
         }
     }
 
@@ -165,6 +187,7 @@ impl<'a> Run<'a> {
         Run {
             at_rest: self.at_rest.filter(|_| range.start == 0),
             label: self.label,
+            has_exact_input: self.has_exact_input,
             input: Cow::Borrowed(&self.input[range.clone()]),
             output: Cow::Borrowed(&self.output[range]),
         }

@@ -47,6 +47,7 @@ pub(super) fn validity(
         lags_are_mixed: (fitted.feedback).is_some_and(|found| {
             found.mixes_lags() && (found.smooth || plan.selected_by == SelectedBy::Auto)
         }),
+        excited_by_rounding: fitted.excited_by_rounding,
         gain: estimate.fit.theta()[0],
         step: &responses.step_values,
         truncation_bias: allowances.step.truncation,

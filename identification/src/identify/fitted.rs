@@ -9,8 +9,8 @@ use crate::data::{Record, Run};
 use crate::diagnostics::{
     EstimatedEnd, Feedback, HoldScatter, Linearity, Misfit, PriorOutcome, RunComparison,
     SlowColumns, SlowEnd, UnevenNoise, against_standstill, allow_for_hold_scatter,
-    allow_for_run_offsets, allow_for_run_trends, allow_for_scatter, allow_for_uneven_noise,
-    simulated, test_linearity,
+    allow_for_rounded_commands, allow_for_run_offsets, allow_for_run_trends, allow_for_scatter,
+    allow_for_uneven_noise, simulated, test_linearity,
 };
 use crate::error::Error;
 use crate::results::Model;
@@ -40,6 +40,8 @@ pub(super) struct Fitted {
     pub(super) uneven: Option<UnevenNoise>,
     /// By how much holds differ, where they do; the covariance of the estimate allows for it.
     pub(super) hold_scatter: Option<HoldScatter>,
+    /// The step of commands whose rounding may be what excites the response, where that may be so.
+    pub(super) excited_by_rounding: Option<f64>,
     /// What became of the stable prior, where it was asked for.
     pub(super) prior: Option<PriorOutcome>,
 }
@@ -79,6 +81,7 @@ impl Fitted {
             feedback: None,
             uneven: None,
             hold_scatter: None,
+            excited_by_rounding: None,
             prior: None,
         }
     }
@@ -97,6 +100,7 @@ impl Fitted {
         if outliers.count() > 0 {
             fit.spread_further(outliers.variance_ratio(), None);
         }
+        self.excited_by_rounding = allow_for_rounded_commands(record, fit);
         self.hold_scatter = allow_for_hold_scatter(&runs, &information.moments, fit);
         let levels = &task.disturbances.levels;
         if !levels.is_empty() {

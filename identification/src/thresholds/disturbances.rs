@@ -31,6 +31,18 @@ pub const DITHERED: f64 = 0.577;
 /// at a few levels of rest need not be uniform; see [`DITHERED`].
 pub const OF_ROUNDING: f64 = 1.0 / 6.0;
 
+/// Largest step of commands in motion, as a share of their range, that may be one of rounding.
+///
+/// Protects: pseudo-random commands of a few levels, which are exact, from an allowance of several times their bounds. Evidence: the
+/// tests of rounded commands.
+pub const ROUNDED_RANGE: f64 = 0.05;
+
+/// Share that rounding of commands may have in what excites the part of the response that it changes.
+///
+/// Protects: sweeps whose column was rounded, from bounds at frequencies that only the rounding has. Evidence: the tests of
+/// rounded commands.
+pub const ROUNDED_EXCITATION: f64 = 0.9;
+
 // What is in a record beside the servo and its noise.
 
 /// Standard deviations one step ahead beyond which a sample is taken out.

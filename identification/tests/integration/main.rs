@@ -17,6 +17,7 @@ mod metrics;
 mod poor_records;
 mod prior;
 mod real_data;
+mod rounded_commands;
 mod run_gains;
 mod scattering_holds;
 mod servo_model;

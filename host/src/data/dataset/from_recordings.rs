@@ -69,7 +69,8 @@ pub(super) fn from_recording(
     }
     Ok(Loaded {
         controllers: Vec::new(),
-        runs: vec![run(input, output, options.at_rest)?],
+        // The pulses themselves are in the file, in whole microseconds.
+        runs: vec![run(input, output, options.at_rest)?.with_exact_input()],
         rest,
         period_s: header.sample_period_s,
         phase_s: delay.phase_s,

@@ -143,3 +143,23 @@ fn a_column_that_seems_to_name_controllers_is_pointed_at_until_it_is_used() {
     };
     assert!(!remarks(&used).contains("--controller"));
 }
+
+/// The pulses are in a recording of servoid; what other programs write may have been rounded.
+#[test]
+fn commands_of_recordings_of_servoid_alone_are_exact() {
+    let dir = tempfile::tempdir().unwrap();
+    let is_exact = |path: PathBuf, options: &DatasetOptions| {
+        let set = load(&[path], options).unwrap();
+        set.record.runs().iter().all(Run::has_exact_input)
+    };
+    let table = write(dir.path(), "a.csv", "u,y\n0,1\n1,2\n0,1\n1,3\n");
+    let options = DatasetOptions {
+        period_s: Some(0.02),
+        ..named()
+    };
+    assert!(!is_exact(table, &options));
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data");
+    for format in ["recording-format-1.csv", "recording-format-4.csv"] {
+        assert!(is_exact(data.join(format), &DatasetOptions::default()));
+    }
+}

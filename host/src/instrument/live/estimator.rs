@@ -101,7 +101,7 @@ impl Estimator {
         }
     }
 
-    /// Adds consecutive samples of the run, NaN where one is missing.
+    /// Adds consecutive samples of the run, NaN where one is missing. The input is what the servo got, and not rounded.
     ///
     /// # Panics
     /// When the slices differ in length.
@@ -157,8 +157,9 @@ impl Estimator {
             (runs, _) => runs.as_deref().unwrap_or_default(),
         };
         let runs = all.iter().filter(|(u, _)| !u.is_empty());
-        let runs: Result<Vec<Run>, Error> =
-            runs.map(|(u, y)| Run::new(u.clone(), y.clone())).collect();
+        let runs: Result<Vec<Run>, Error> = runs
+            .map(|(u, y)| Run::new(u.clone(), y.clone()).map(Run::with_exact_input))
+            .collect();
         let record = Record::new(self.period_s, runs?)?;
         let model = identify(&record, &self.options)?;
         let settling = model.structure.settling_samples;

@@ -38,6 +38,9 @@ fn lacking(unexcited_hz: f64, highest_hz: f64) -> (String, String) {
 pub(super) fn excitation(evidence: &Evidence<'_>) -> Option<Advice> {
     let unexcited = evidence.validity.unexcited_above_hz?;
     let highest = evidence.nyquist_hz();
+    if let Some(step) = evidence.validity.excited_by_rounding {
+        return Some(rounding_alone(step, unexcited, highest));
+    }
     let (frequencies, remedy) = lacking(unexcited, highest);
     Some(Advice::new(
         Check::Excitation,
@@ -49,6 +52,23 @@ pub(super) fn excitation(evidence: &Evidence<'_>) -> Option<Advice> {
         highest,
         remedy,
     ))
+}
+
+/// That commands in steps of `step` may have been finer, and then excite nothing above `power_up_to_hz`.
+fn rounding_alone(step: f64, power_up_to_hz: f64, highest_hz: f64) -> Advice {
+    Advice::new(
+        Check::Excitation,
+        format!(
+            "No bounds can be given, because the commands are in steps of {step:.2}, and what power they have above {power_up_to_hz:.1} Hz may be \
+             their rounding alone: where the servo got finer commands, it got none of that."
+        ),
+        power_up_to_hz,
+        highest_hz,
+        format!(
+            "Write the commands as they are sent, with all their digits. {}",
+            sharper(highest_hz)
+        ),
+    )
 }
 
 /// An output that moves before the input. A record that a linear servo describes down to its noise needs no such question.
