@@ -16,7 +16,7 @@ fn the_step_has_no_digits_that_the_stamps_do_not_have() {
         let column = TimeColumn::new(stamps(rows, 10.0, seed)).unwrap();
         assert_eq!(column.step(), 10.0, "{rows}");
     }
-    // A clock that is off by more than the stamps leave open keeps its step, to what they tell.
+    // A clock that is off by more than the stamps leave open keeps its step, to what they show.
     let off = TimeColumn::new(stamps(60_000, 10.013, 3)).unwrap().step();
     assert!((off - 10.013).abs() < 3e-4, "{off}");
 }

@@ -15,6 +15,7 @@ mod servo_model;
 mod servo_sentence;
 mod sixty_degrees;
 mod strokes;
+mod top_speeds;
 mod what_to_record;
 
 pub use beyond_linear::{of_flight_model, of_limits};

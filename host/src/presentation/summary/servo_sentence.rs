@@ -3,6 +3,7 @@
 use super::layout::listed_words;
 use super::numbers::{digits, four_digits};
 use super::sixty_degrees::{seconds_per_60_degrees, turn_time_s};
+use super::top_speeds::{determined, is_never_reached, top_speeds};
 use crate::data::units::Units;
 use servoid_identification::results::{Bounds, Model, Reason};
 use servoid_identification::servo_model::{
@@ -148,20 +149,6 @@ fn agreed<'q>(model: &ServoModel, speeds: [&'q Quantity; 2]) -> Option<[&'q Quan
     all.into_iter().all(of).then_some(speeds)
 }
 
-/// The quantity of this kind, where the record determines it.
-fn determined(model: &ServoModel, kind: QuantityKind) -> Option<&Quantity> {
-    model.quantity(kind).filter(|found| found.determined)
-}
-
-fn top_speeds(model: &ServoModel) -> Option<[&Quantity; 2]> {
-    let [up, down] = [
-        QuantityKind::TopSpeedUpwards,
-        QuantityKind::TopSpeedDownwards,
-    ]
-    .map(|kind| determined(model, kind));
-    Some([up?, down?])
-}
-
 /// "is limited to 331 deg/s (0.181 s/60°)", where the record determines that, with so many digits.
 fn limited_to(
     model: &ServoModel,
@@ -179,22 +166,6 @@ fn limited_to(
         true => format!("never reached its top speed of {limits}"),
         false => format!("is limited to {limits}"),
     })
-}
-
-/// A servo above this part of its top speed is at it: it comes near without end, and means over 20 ms are some percent below their peak.
-const AT_TOP_SPEED: f64 = 0.9;
-
-/// Whether the model has top speeds that the servo stayed below in all of the recording, so that they are extrapolated.
-pub(super) fn has_unreached_top_speeds(model: &ServoModel) -> bool {
-    top_speeds(model).is_some_and(|speeds| is_never_reached(model, &speeds))
-}
-
-/// Whether the servo stayed below its top speeds in all of the recording.
-fn is_never_reached(model: &ServoModel, speeds: &[&Quantity; 2]) -> bool {
-    let below = |reached: f64, top: &Quantity| reached < AT_TOP_SPEED * top.value;
-    let [up, down] = speeds;
-    (model.reached)
-        .is_some_and(|reached| below(reached.upwards, up) && below(reached.downwards, down))
 }
 
 /// Upwards, and what that is where the position goes against the command.

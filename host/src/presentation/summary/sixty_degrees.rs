@@ -1,7 +1,7 @@
 //! How fast a servo turns by 60 degrees, as data sheets state it.
 
 use super::numbers::digits;
-use super::servo_sentence::has_unreached_top_speeds;
+use super::top_speeds::has_unreached_top_speeds;
 use crate::data::units::Units;
 use servoid_identification::results::with_unit;
 use servoid_identification::servo_model::{Quantity, ServoModel, Unit};
