@@ -6,8 +6,8 @@
 //! E θ̂ - θ = -b,     b = A^-1 S θ = (A - S)^-1 S E θ̂,     S_ij = sum_k E D e(k-i) D e(k-j),
 //! ```
 //!
-//! as by any errors in variables (W. A. Fuller, *Measurement Error Models*, 1987). No record distinguishes such a column from one of commands that are on a
-//! grid, where the error is none. So b is no correction: it is one standard deviation of the estimate, along itself. Runs whose commands are
+//! as by any errors in variables (W. A. Fuller, *Measurement Error Models*, 1987). In no record such a column looks different from one of commands that
+//! are on a grid, where the error is none. So b is no correction: it is one standard deviation of the estimate, along itself. Runs whose commands are
 //! [stated to be exact](Run::with_exact_input) have no such error.
 //!
 //! Under a smooth command, rounding may be most of what excites the high frequencies. There the estimate is next to 0 whatever the servo does, and no
@@ -47,10 +47,8 @@ pub(crate) fn allow_for_rounded_commands(record: &Record, fit: &mut GlsFit) -> O
     let runs = record.runs().iter().filter(|run| !run.has_exact_input());
     let runs: Vec<&Run> = runs.collect();
     let step = step_of_commands(&runs)?;
-    let Some(bias) = bias(
-        &RoundingMoments::of(&RoundingErrors::of(&runs, step), fit),
-        fit,
-    ) else {
+    let moments = RoundingMoments::of(&RoundingErrors::of(&runs, step), fit);
+    let Some(bias) = bias(&moments, fit) else {
         return Some(step);
     };
     let covariance = Mat::from_fn(bias.len(), bias.len(), |i, j| {
@@ -62,16 +60,17 @@ pub(crate) fn allow_for_rounded_commands(record: &Record, fit: &mut GlsFit) -> O
 
 /// b in the coordinates of `fit`, and 0 for the offset, since rounding moves no mean: the first of the terms (A^-1 S)^k θ̂, k from 1, of its sum. `None`
 /// where rounding is nearly all of A along the first of them.
-fn bias(scatter: &RoundingMoments, fit: &GlsFit) -> Option<Vec<f64>> {
+fn bias(moments: &RoundingMoments, fit: &GlsFit) -> Option<Vec<f64>> {
     let next = |score: &[f64]| {
         let mut moved = times(&fit.solution.inverse, &[score, &[0.0]].concat());
         moved.pop();
         moved
     };
-    let first = next(&scatter.times(fit.solution.response(), fit));
-    let score = scatter.times(&first, fit);
+    let first = next(&moments.times(fit.solution.response(), fit));
+    let score = moments.times(&first, fit);
     let mut term = next(&score);
-    if dot(&score, &term) > ROUNDED_EXCITATION * dot(&score, &first) {
+    // Cut at some lag, S may have small negative eigenvalues.
+    if dot(&score, &term) > ROUNDED_EXCITATION * dot(&score, &first).abs() {
         return None;
     }
     let mut sum = first;
@@ -79,7 +78,7 @@ fn bias(scatter: &RoundingMoments, fit: &GlsFit) -> Option<Vec<f64>> {
         for (sum, term) in sum.iter_mut().zip(&term) {
             *sum += term;
         }
-        term = next(&scatter.times(&term, fit));
+        term = next(&moments.times(&term, fit));
     }
     sum.push(0.0);
     Some(sum)
