@@ -464,7 +464,7 @@ mod tests {
 
     /// Five strokes in one order, under equal holds behind pulses: each has its own times, as those of a servo that is not linear.
     #[test]
-    fn strokes_that_repeat_themselves_are_told_from_others() {
+    fn strokes_that_repeat_themselves_are_distinguished_from_others() {
         let different = |model_of: fn(u32) -> f64| {
             let (mut input, mut output) = (Vec::new(), Vec::new());
             let (mut angle, mut in_force, mut part) = (0.0, 0.0, 0u32);

@@ -9,7 +9,7 @@
 //!
 //! so for each T the first harmonic of the times of the answers gives a first t0, and the w that explains the times best has to explain
 //! nearly all of them. Commands at rows show such a w as one of other frequencies, too, whose waits are shorter or longer: the times
-//! themselves tell which.
+//! themselves show which.
 //!
 //! Under equal holds too many frequencies are alike for the length to be known. What each command waited for is known nevertheless.
 
@@ -47,7 +47,7 @@ const CHANCE: f64 = 1e-4;
 /// Share of the times between commands that may be the same where the length of the frame is known.
 const MOST_EQUAL: f64 = 0.3;
 
-/// Part of a frame before and after a pulse in which a time of an answer tells with which pulse it came, and not the clock of the pulses.
+/// Part of a frame before and after a pulse in which a time of an answer shows with which pulse it came, and not the clock of the pulses.
 const BESIDE_PULSE: f64 = 0.15;
 
 /// Regular pulses that commands wait for.
