@@ -24,7 +24,7 @@ impl ExportedServo {
     /// # Errors
     /// The motion has no end, so there is no difference.
     pub(super) fn new(text: String, difference: Difference) -> Result<Self, ExportError> {
-        match difference.largest.is_finite() {
+        match difference.root_mean_square.is_finite() {
             true => Ok(Self {
                 text,
                 trial: difference.trial,
