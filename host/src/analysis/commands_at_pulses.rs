@@ -16,7 +16,7 @@ pub(super) struct RunInFrames {
 
 impl RunInFrames {
     /// The run with its commands at their pulses.
-    fn at_pulses(&self, record: &Record<'_>) -> Option<Run<'static>> {
+    fn at_pulses<'r>(&self, record: &Record<'r>) -> Option<Run<'r>> {
         let period_s = record.sample_period_s();
         let wait_rows = |row: usize| {
             let at_s = row as f64 * period_s;
@@ -50,7 +50,7 @@ pub(super) fn is_linear_at_pulses(
 }
 
 /// The `run`, with a change of the command at each row taking effect so many rows later as `wait_rows` says.
-fn at_pulses(run: &Run<'_>, wait_rows: impl Fn(usize) -> f64) -> Option<Run<'static>> {
+fn at_pulses<'r>(run: &Run<'r>, wait_rows: impl Fn(usize) -> f64) -> Option<Run<'r>> {
     let mut input = run.input().to_vec();
     let pairs = run.input().iter().zip(run.input().iter().skip(1));
     for (row, (before, after)) in (1..).zip(pairs) {
@@ -67,14 +67,7 @@ fn at_pulses(run: &Run<'_>, wait_rows: impl Fn(usize) -> f64) -> Option<Run<'sta
             wait -= 1.0;
         }
     }
-    let mut moved = Run::new(input, run.output().to_vec()).ok()?;
-    if let Some(at_rest) = run.input_at_rest() {
-        moved = moved.with_input_at_rest(at_rest);
-    }
-    if let Some(label) = run.label() {
-        moved = moved.with_label(label);
-    }
-    Some(moved)
+    run.with_input(input).ok()
 }
 
 #[cfg(test)]

@@ -106,6 +106,19 @@ impl<'a> Run<'a> {
         self.label
     }
 
+    /// The run with another input \[input\], all else as it was.
+    ///
+    /// # Errors
+    /// As of [`Run::new`].
+    pub fn with_input(&self, input: Vec<f64>) -> Result<Self, Error> {
+        Ok(Self {
+            at_rest: self.at_rest,
+            label: self.label,
+            has_exact_input: self.has_exact_input,
+            ..Self::new(input, self.output.clone())?
+        })
+    }
+
     /// The run with another output of the same length.
     pub(crate) fn with_output(&self, output: Vec<f64>) -> Self {
         debug_assert_eq!(output.len(), self.output.len());
