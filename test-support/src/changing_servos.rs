@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use servoid_identification::results::Model;
 use servoid_identification::{Options, Record, Run, identify};
 
-use crate::metrics_coverage::in_order;
+use crate::metrics_coverage::{exact_in_order, in_order};
 use crate::plants::{Noise, normal, random};
 use crate::servos::{Linear, figures_of};
 
@@ -40,6 +40,13 @@ pub struct Changes {
     /// Of the natural frequency, as a share of it.
     pub frequency: f64,
     pub damping: f64,
+}
+
+impl Changes {
+    /// Gain, delay, frequency, damping.
+    fn in_order(self) -> [f64; 4] {
+        [self.gain, self.delay_ms, self.frequency, self.damping]
+    }
 }
 
 /// One line of the table.
@@ -73,12 +80,7 @@ pub struct Held {
 impl ChangingServo {
     /// The servo with changes of so many standard deviations: gain, delay, frequency, damping.
     fn servo(&self, z: [f64; 4]) -> Linear {
-        let Changes {
-            gain,
-            delay_ms,
-            frequency,
-            damping,
-        } = self.changes;
+        let [gain, delay_ms, frequency, damping] = self.changes.in_order();
         let gain = 0.97 * (1.0 + gain * z[0]);
         let delay_s = 0.0133 + 1e-3 * delay_ms * z[1];
         let faster = 1.0 + frequency * z[2];
@@ -94,13 +96,7 @@ impl ChangingServo {
 
     /// Servos with weights whose mean is that of all: the rule of Gauss and Hermite with three points for each change.
     fn population(&self) -> Vec<(f64, Linear)> {
-        let Changes {
-            gain,
-            delay_ms,
-            frequency,
-            damping,
-        } = self.changes;
-        let changes = [gain, delay_ms, frequency, damping];
+        let changes = self.changes.in_order();
         let mut points = vec![(1.0, [0.0; 4])];
         for (i, _) in changes.iter().enumerate().filter(|(_, sd)| **sd > 0.0) {
             let three = |(weight, z): (f64, [f64; 4])| {
@@ -186,12 +182,7 @@ impl std::fmt::Display for ChangingServo {
             )?,
             Kind::First(lag_s) => write!(f, "| a lag of {} ms", 1e3 * lag_s)?,
         }
-        let Changes {
-            gain,
-            delay_ms,
-            frequency,
-            damping,
-        } = self.changes;
+        let [gain, delay_ms, frequency, damping] = self.changes.in_order();
         let changes = [
             (gain, format!("gain {} %", 100.0 * gain)),
             (delay_ms, format!("delay {delay_ms} ms")),
@@ -240,16 +231,7 @@ impl Truth {
         let figures = figures_of(mean, response, gain);
         Self {
             step: (0..LONG).map(|m| mean(m as f64 * PERIOD)).collect(),
-            figures: [
-                gain,
-                figures.delay_s,
-                figures.t50_s,
-                figures.rise_s,
-                figures.overshoot_percent,
-                figures.settling_s,
-                figures.bandwidth_rad_s,
-                figures.phase_minus_90_rad_s,
-            ],
+            figures: exact_in_order(gain, &figures),
         }
     }
 

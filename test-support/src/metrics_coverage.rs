@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use servoid_identification::results::{Interval, Metrics};
 use servoid_identification::{Options, Record, Settling, identify};
 
-use crate::servos::{Linear, PERIOD, measured, staircase};
+use crate::servos::{Figures, Linear, PERIOD, measured, staircase};
 
 /// The figures of the table, in its order.
 pub const NAMES: [&str; 8] = [
@@ -47,17 +47,7 @@ pub struct Coverage {
 pub fn run(case: &Case, runs: u64, seed: u64) -> [Coverage; 8] {
     let input = staircase();
     let clean = case.servo.respond(&input, -5.0, case.sample_phase_s);
-    let figures = case.servo.figures();
-    let exact = [
-        case.servo.gain,
-        figures.delay_s,
-        figures.t50_s,
-        figures.rise_s,
-        figures.overshoot_percent,
-        figures.settling_s,
-        figures.bandwidth_rad_s,
-        figures.phase_minus_90_rad_s,
-    ];
+    let exact = exact_in_order(case.servo.gain, &case.servo.figures());
     let found: Vec<[Interval; 8]> = (0..runs)
         .into_par_iter()
         .map(|k| {
@@ -87,6 +77,20 @@ pub fn run(case: &Case, runs: u64, seed: u64) -> [Coverage; 8] {
             bias: mean(&|interval| interval.value.map_or(0.0, |value| value - exact[i])),
         }
     })
+}
+
+/// The exact figures, as [`NAMES`] has them.
+pub(crate) fn exact_in_order(gain: f64, figures: &Figures) -> [f64; 8] {
+    [
+        gain,
+        figures.delay_s,
+        figures.t50_s,
+        figures.rise_s,
+        figures.overshoot_percent,
+        figures.settling_s,
+        figures.bandwidth_rad_s,
+        figures.phase_minus_90_rad_s,
+    ]
 }
 
 /// The metrics as [`NAMES`] has them.

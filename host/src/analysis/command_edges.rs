@@ -426,28 +426,26 @@ mod tests {
         advice.any(|item| item.finding.contains(words))
     }
 
-    #[test]
-    fn a_servo_behind_pulses_is_linear_and_its_frame_is_named() {
-        let model = behind_pulses(|stroke| 20 + stroke % 21, [f64::INFINITY; 2]);
+    /// That the servo is linear with bounds, and its advice has these words.
+    fn require_linear(model: &Model, words: &str) {
         assert!(
             model.linear && model.bounds.valid().is_some(),
             "{:?}",
             model.advice
         );
-        let named = advised(&model, "pulse of a frame of 23.7 ms");
-        assert!(named, "{:?}", model.advice);
+        assert!(advised(model, words), "{:?}", model.advice);
+    }
+
+    #[test]
+    fn a_servo_behind_pulses_is_linear_and_its_frame_is_named() {
+        let model = behind_pulses(|stroke| 20 + stroke % 21, [f64::INFINITY; 2]);
+        require_linear(&model, "pulse of a frame of 23.7 ms");
     }
 
     #[test]
     fn under_equal_holds_it_is_linear_too_and_no_exact_frame_is_named() {
         let model = behind_pulses(|_| 20, [f64::INFINITY; 2]);
-        assert!(
-            model.linear && model.bounds.valid().is_some(),
-            "{:?}",
-            model.advice
-        );
-        let named = advised(&model, "equal holds do not show it exactly");
-        assert!(named, "{:?}", model.advice);
+        require_linear(&model, "equal holds do not show it exactly");
     }
 
     /// The longest strokes are up to 330 a second, of which 100 or 150 are left: both ways, or up alone.

@@ -1,23 +1,9 @@
 //! What a servo model is used for: to be simulated, reported, compared and planned with.
 
 use crate::report::embedded;
-use crate::support::{arg, data, json, refusal, run, withdraw};
+use crate::support::{SHORT_STAIRS, arg, data, json, modelled, refusal, run, withdraw};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
-
-/// A short recording of levels that are held until the servo rests, with strokes of one to four levels.
-const STAIRS: [&str; 10] = [
-    "--reference",
-    "stairs",
-    "--levels",
-    "5",
-    "--amplitude",
-    "8",
-    "--hold",
-    "0.3",
-    "--length",
-    "6",
-];
 
 /// A drive with a limit is later in larger strokes, which is no delay of the recording.
 #[test]
@@ -33,22 +19,6 @@ fn a_servo_that_is_not_linear_is_not_called_late() {
         said.contains("The linear model does not hold here") && !said.contains("It is a delay"),
         "{said}"
     );
-}
-
-/// A recording of a simulated servo, and its model with a servo model.
-fn modelled(dir: &Path, name: &str, servo: &str, reference: &[&str]) -> PathBuf {
-    let [file, model] = ["csv", "json"].map(|ending| dir.join(format!("{name}.{ending}")));
-    let simulate = ["simulate", "-q", "--servo", servo, "-o", arg(&file)];
-    run(&[&simulate[..], reference].concat());
-    run(&[
-        "identify",
-        "-q",
-        arg(&file),
-        "--servo-model",
-        "-o",
-        arg(&model),
-    ]);
-    model
 }
 
 /// Some of the rows of a recording as a table of another program.
@@ -71,7 +41,7 @@ fn a_recording_without_the_column_of_runs_of_the_model_is_one_run() {
     let path = |name: &str| dir.path().join(name);
     let recording = path("a.csv");
     let simulate = ["simulate", "-q", "--servo", "bench", "-o", arg(&recording)];
-    run(&[&simulate[..], &STAIRS].concat());
+    run(&[&simulate[..], &SHORT_STAIRS].concat());
     table(&recording, &path("plain.csv"), |_| true);
     let plain = std::fs::read_to_string(path("plain.csv")).unwrap();
     let with_run: String = plain
@@ -117,12 +87,12 @@ fn quantities(model: &Value) -> Vec<(String, f64, Value)> {
 #[test]
 fn a_simulated_model_is_found_again() {
     let dir = tempfile::tempdir().unwrap();
-    let first = modelled(dir.path(), "first", "bench", &STAIRS);
+    let first = modelled(dir.path(), "first", "bench", &SHORT_STAIRS);
     let again = modelled(
         dir.path(),
         "again",
         arg(&first),
-        &[&STAIRS[..], &["--seed", "2"]].concat(),
+        &[&SHORT_STAIRS[..], &["--seed", "2"]].concat(),
     );
     // Too short for the linear model, and of another sample period.
     let (short, seldom) = (dir.path().join("short.csv"), dir.path().join("seldom.csv"));
@@ -299,7 +269,7 @@ fn a_report_begins_with_the_servo_and_shows_a_stretch_that_it_has_not_seen() {
 #[test]
 fn servo_models_are_compared_where_both_have_one() {
     let dir = tempfile::tempdir().unwrap();
-    let model = |name: &str, servo: &str| modelled(dir.path(), name, servo, &STAIRS);
+    let model = |name: &str, servo: &str| modelled(dir.path(), name, servo, &SHORT_STAIRS);
     let (early, late) = (
         model("early", "linear?delay-ms=10"),
         model("late", "linear?delay-ms=20"),
@@ -439,12 +409,12 @@ fn sides_with_different_times_between_samples_are_compared_as_machines_alone() {
 #[ignore = "ten seconds: cargo test -p servoid --test integration -- --ignored a_plan_says_what_of"]
 fn a_plan_says_what_of_the_servo_model_comes_out_determined() {
     let dir = tempfile::tempdir().unwrap();
-    let model = modelled(dir.path(), "servo", "bench", &STAIRS);
+    let model = modelled(dir.path(), "servo", "bench", &SHORT_STAIRS);
     let plan = |further: &[&str]| -> Value {
         let printed = run(&[&["plan", "--servo", arg(&model), "--json"], further].concat());
         serde_json::from_str(&printed).unwrap()
     };
-    let stairs = plan(&STAIRS);
+    let stairs = plan(&SHORT_STAIRS);
     let found = &stairs["servo_model"];
     assert!(stairs["servo"].as_str().unwrap().ends_with("servo.json"));
     assert_eq!(found["bounds"], 0.99);
@@ -468,7 +438,7 @@ fn servos_are_compared_by_the_time_of_a_stroke_whatever_the_unit_of_the_command(
     let path = |name: &str| dir.path().join(name);
     let (recording, degrees, pulses) = (path("a.csv"), path("deg.json"), path("us.json"));
     let simulate = ["simulate", "-q", "--servo", "bench", "-o", arg(&recording)];
-    let mut large = STAIRS;
+    let mut large = SHORT_STAIRS;
     large[5] = "35";
     run(&[&simulate[..], &large].concat());
     let identify = ["identify", "-q", arg(&recording), "--servo-model", "-o"];
@@ -516,7 +486,7 @@ fn bounds_that_one_side_loses_to_the_other_are_lost_for_its_reason() {
     let dir = tempfile::tempdir().unwrap();
     let of = |amplitude: &str, seed: &str| {
         let file = dir.path().join(format!("{amplitude}.csv"));
-        let mut stairs = STAIRS;
+        let mut stairs = SHORT_STAIRS;
         stairs[5] = amplitude;
         let simulate = [
             "simulate",

@@ -41,6 +41,36 @@ pub fn refusal(args: &[&str]) -> String {
     errors
 }
 
+/// A short recording of levels that are held until the servo rests, with strokes of one to four levels.
+pub const SHORT_STAIRS: [&str; 10] = [
+    "--reference",
+    "stairs",
+    "--levels",
+    "5",
+    "--amplitude",
+    "8",
+    "--hold",
+    "0.3",
+    "--length",
+    "6",
+];
+
+/// A recording of a simulated servo, and its model with a servo model.
+pub fn modelled(dir: &Path, name: &str, servo: &str, reference: &[&str]) -> PathBuf {
+    let [file, model] = ["csv", "json"].map(|ending| dir.join(format!("{name}.{ending}")));
+    let simulate = ["simulate", "-q", "--servo", servo, "-o", arg(&file)];
+    run(&[&simulate[..], reference].concat());
+    run(&[
+        "identify",
+        "-q",
+        arg(&file),
+        "--servo-model",
+        "-o",
+        arg(&model),
+    ]);
+    model
+}
+
 /// A recording that came with the tests.
 pub fn data(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))

@@ -1,21 +1,7 @@
 //! A model against recordings that differ from its own by one thing.
 
-use crate::support::{arg, json, run};
+use crate::support::{SHORT_STAIRS, arg, json, modelled, run};
 use std::path::{Path, PathBuf};
-
-/// Strokes that the bench servo follows, each held until it rests.
-const STAIRS: [&str; 10] = [
-    "--reference",
-    "stairs",
-    "--levels",
-    "5",
-    "--amplitude",
-    "8",
-    "--hold",
-    "0.3",
-    "--length",
-    "6",
-];
 
 /// Another recording of the servo as a table of another program, with `change` made to time, command and position.
 fn changed(recording: &Path, table: &Path, change: impl Fn([f64; 3]) -> [f64; 3]) {
@@ -34,19 +20,11 @@ fn changed(recording: &Path, table: &Path, change: impl Fn([f64; 3]) -> [f64; 3]
 
 /// A model of the bench servo, and another recording of it.
 fn model_and_other(dir: &Path) -> [PathBuf; 2] {
-    let [own, other, model] = ["own.csv", "other.csv", "model.json"].map(|name| dir.join(name));
-    for (file, seed) in [(&own, "1"), (&other, "2")] {
-        let simulate = ["simulate", "-q", "--servo", "bench", "--seed", seed];
-        run(&[&simulate[..], &["-o", arg(file)], &STAIRS].concat());
-    }
-    run(&[
-        "identify",
-        "-q",
-        arg(&own),
-        "--servo-model",
-        "-o",
-        arg(&model),
-    ]);
+    let of_seed = |seed: &'static str| [&SHORT_STAIRS[..], &["--seed", seed]].concat();
+    let model = modelled(dir, "own", "bench", &of_seed("1"));
+    let other = dir.join("other.csv");
+    let simulate = ["simulate", "-q", "--servo", "bench", "-o", arg(&other)];
+    run(&[&simulate[..], &of_seed("2")].concat());
     [model, other]
 }
 

@@ -44,11 +44,42 @@ fn upwards_is_where_the_output_grows() {
     require_intervals(&servo, &names, 32);
 }
 
-/// 46 sines up to 4.6 Hz between two rests, of 20 degrees at the most. The controller is the same in both directions, which the equation does not
-/// have, and the drive is not: 350 a second upwards, of which it reaches two thirds, and 225 downwards, which it reaches. Phases by draws.
+/// A servo whose controller is the same in both directions, which the equation does not have, and whose drive is not.
+struct UnequalDrives {
+    delay_s: f64,
+    /// Drive for each unit of error, and of speed less.
+    controller: [f64; 2],
+    /// Damping of the motor.
+    motor: f64,
+    /// The least and the largest drive.
+    drive: [f64; 2],
+}
+
+impl UnequalDrives {
+    /// Its motion from rest at 0 under `input`, with noise of 0.05 degrees.
+    fn record(&self, input: Vec<f64>, random: &mut ChaCha8Rng) -> Record<'static> {
+        const STEPS: usize = 50;
+        let step_s = PERIOD_S / STEPS as f64;
+        let late = (self.delay_s / step_s).round() as usize;
+        let ([stiffness, damping], [least, largest]) = (self.controller, self.drive);
+        let (mut angle, mut speed, mut output) = (0.0, 0.0, Vec::new());
+        for step in 0..input.len() * STEPS {
+            if step % STEPS == 0 {
+                let v: f64 = StandardNormal.sample(random);
+                output.push(angle + 0.05 * v);
+            }
+            let error = input[step.saturating_sub(late) / STEPS] - angle;
+            let drive = f64::clamp(stiffness * error - damping * speed, least, largest);
+            speed += step_s * (drive - self.motor * speed);
+            angle += step_s * speed;
+        }
+        Record::of_run(PERIOD_S, input, output).unwrap()
+    }
+}
+
+/// 46 sines up to 4.6 Hz between two rests, of 20 degrees at the most. The drive is good for 350 a second upwards, of which it reaches two thirds, and 225 downwards, which it reaches. Phases by draws.
 fn unequal_drives(seed: u64) -> Record<'static> {
     const SAMPLES: usize = 4000;
-    const STEPS: usize = 50;
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let phases: [f64; 46] =
         std::array::from_fn(|_| random.random_range(0.0..std::f64::consts::TAU));
@@ -66,19 +97,13 @@ fn unequal_drives(seed: u64) -> Record<'static> {
         false => 0.0,
     };
     let input: Vec<f64> = (0..SAMPLES).map(command).collect();
-    let (late, step_s) = (375, PERIOD_S / STEPS as f64);
-    let (mut angle, mut speed, mut output) = (0.0, 0.0, Vec::new());
-    for step in 0..SAMPLES * STEPS {
-        if step % STEPS == 0 {
-            let v: f64 = StandardNormal.sample(&mut random);
-            output.push(angle + 0.05 * v);
-        }
-        let error = input[step.saturating_sub(late) / STEPS] - angle;
-        let drive = f64::clamp(2500.0 * error - 10.0 * speed, -22_500.0, 35_000.0);
-        speed += step_s * (drive - 100.0 * speed);
-        angle += step_s * speed;
+    UnequalDrives {
+        delay_s: 0.015,
+        controller: [2500.0, 10.0],
+        motor: 100.0,
+        drive: [-22_500.0, 35_000.0],
     }
-    Record::of_run(PERIOD_S, input, output).unwrap()
+    .record(input, &mut random)
 }
 
 /// Whether the limit is found at all depends on the phases; in none of these records was that of 350 a second at work.
@@ -155,11 +180,9 @@ fn a_motor_that_brakes_more_in_one_direction_has_no_false_top_speed() {
     }
 }
 
-/// Random levels within ±35 degrees, held for 150 to 900 ms, and noise of 0.05 degrees. The drive alone is weaker downwards, by 15 %; the controller
-/// is the same, and nothing loads the servo. That is exactly the motion of a servo of equal drives under a constant load.
+/// Random levels within ±35 degrees, held for 60 to 360 ms. The drive alone is weaker downwards, by 15 %, and nothing loads the servo. That is exactly the motion of a servo of equal drives under a constant load.
 fn weaker_downwards(seed: u64) -> Record<'static> {
     const SAMPLES: usize = 6000;
-    const STEPS: usize = 50;
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut input = vec![0.0; 200];
     while input.len() < SAMPLES {
@@ -167,19 +190,13 @@ fn weaker_downwards(seed: u64) -> Record<'static> {
         input.extend(std::iter::repeat_n(level, random.random_range(30..180)));
     }
     input.truncate(SAMPLES);
-    let (late, step_s) = (300, PERIOD_S / STEPS as f64);
-    let (mut angle, mut speed, mut output) = (0.0, 0.0, Vec::new());
-    for step in 0..SAMPLES * STEPS {
-        if step % STEPS == 0 {
-            let v: f64 = StandardNormal.sample(&mut random);
-            output.push(angle + 0.05 * v);
-        }
-        let error = input[step.saturating_sub(late) / STEPS] - angle;
-        let drive = f64::clamp(2025.0 * error - 47.0 * speed, -7437.5, 8750.0);
-        speed += step_s * (drive - 25.0 * speed);
-        angle += step_s * speed;
+    UnequalDrives {
+        delay_s: 0.012,
+        controller: [2025.0, 47.0],
+        motor: 25.0,
+        drive: [-7437.5, 8750.0],
     }
-    Record::of_run(PERIOD_S, input, output).unwrap()
+    .record(input, &mut random)
 }
 
 /// Accelerations of the drive alone would be those of one of the two servos.
