@@ -58,19 +58,20 @@ pub(super) struct EffectScatter {
 }
 
 impl EffectScatter {
-    /// Of the effects of `clusters`, of which the fit has taken as many as `fitted`; `None` where they do not scatter beyond chance.
+    /// Of the effects of `clusters`, of which the fit has taken as many as `fitted`; `None` where they do not scatter beyond chance, or where the
+    /// fit has left less than one to show it.
     pub(super) fn of(clusters: &[Cluster], fitted: f64) -> Option<Self> {
         let sum = |of: fn(&Cluster) -> f64| clusters.iter().map(of).sum::<f64>();
         let pairs = sum(|c| c.product.powi(2) - c.squared_products);
         let chance = sum(|c| c.squared_products.powi(2) - c.fourth_products);
         let count = sum(|c| c.weight).powi(2) / sum(|c| c.weight.powi(2));
+        let left = count - fitted;
         let beyond_chance =
             pairs > normal_upper_quantile(RESIDUAL_SIGNIFICANCE) * (2.0 * chance).sqrt();
-        if !beyond_chance {
+        if !beyond_chance || left < 1.0 {
             return None;
         }
         let own = sum(|c| c.weight.powi(2) - c.squared_weights);
-        let left = (count - fitted).max(1.0);
         Some(Self {
             variance: pairs / own * count / left,
             count,

@@ -88,6 +88,21 @@ fn bands_of_automatic_structure_hold_as_often_as_they_say() {
     assert!(alarmed < 6.5, "{alarmed} of 64 records with a false alarm");
 }
 
+/// Two levels in random order, and rest at its ends: how far each is off cannot be found. Bayes' criterion prefers it by chance to a response that is
+/// longer than most holds.
+#[test]
+fn two_levels_do_not_scatter() {
+    let case = Case {
+        reference: Reference::Prbs,
+        plant: Plant::B,
+        noise: Noise::White,
+        scale: 5.0,
+    };
+    let line = measure(case, RUNS, &Options::default());
+    // One who knows N and the noise has .022.
+    assert!(line.half_widths.1 < 0.03, "{line}");
+}
+
 #[test]
 fn a_response_longer_than_the_record_allows_is_said_in_every_run() {
     let case = Case {
