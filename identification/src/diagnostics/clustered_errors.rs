@@ -9,7 +9,7 @@
 //! Each bracket is a sum over all pairs of different members of a cluster, whose mean is 0 where errors are independent, be they even or not (a covariance of
 //! clusters less that of single errors: Liang and Zeger 1986). Members are rows, or clusters of rows.
 
-use crate::numerics::normal_upper_quantile;
+use crate::numerics::{chi_square_quantile, normal_upper_quantile};
 use crate::thresholds::RESIDUAL_SIGNIFICANCE;
 
 /// Sums over the members of a cluster.
@@ -87,8 +87,28 @@ impl EffectScatter {
         }
     }
 
+    /// With the variance of a likely `cause`, where that is [larger](larger_of_cause).
+    pub(super) fn or_of_cause(self, cause: f64) -> Self {
+        Self {
+            variance: larger_of_cause(self.variance, self.left, cause),
+            ..self
+        }
+    }
+
     /// Variance of the estimate of the variance, relative to its square.
     pub(super) fn relative_variance(&self) -> f64 {
         2.0 / self.left
+    }
+}
+
+/// The variance of a likely `cause`, where it is larger than the one `shown` by so many degrees of freedom and chance may have made that as small.
+///
+/// A handful of effects shows their variance badly. Bounds by what they show are then wide on average, but not where they show little by chance.
+pub(super) fn larger_of_cause(shown: f64, degrees: f64, cause: f64) -> f64 {
+    let degrees = degrees.floor();
+    let smallest = chi_square_quantile(RESIDUAL_SIGNIFICANCE, degrees as usize) / degrees;
+    match shown > smallest * cause {
+        true => shown.max(cause),
+        false => shown,
     }
 }

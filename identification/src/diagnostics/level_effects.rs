@@ -21,11 +21,11 @@ use std::ops::Range;
 use faer::Mat;
 
 use crate::data::{Moments, Record, Run};
-use crate::diagnostics::clustered_errors::{Cluster, EffectScatter};
+use crate::diagnostics::clustered_errors::{Cluster, EffectScatter, larger_of_cause};
 use crate::diagnostics::filtered_rows::present;
 use crate::diagnostics::held_run::HeldRun;
 use crate::diagnostics::level_answers::{CrossMoments, Visit, cluster_of, level_by_level, visits};
-use crate::diagnostics::level_scatter::FITTED;
+use crate::diagnostics::level_scatter::{FITTED, variance_of_rounding};
 use crate::diagnostics::simulation_error::Simulated;
 use crate::estimation::{EstimatedPart, GlsFit};
 use crate::numerics::{SymmetricEigen, dot, symmetric_eigen, times};
@@ -133,14 +133,18 @@ impl LevelEffects {
 
     /// Adds to the covariance of `fit`, which is of the record with these put right, that they are not known.
     pub(crate) fn allow_for(&self, runs: &[Simulated<'_>], moments: &Moments, fit: &mut GlsFit) {
-        let Some(known) = Regression::new(self, &HeldRun::all(runs, fit), moments, fit) else {
+        let runs = HeldRun::all(runs, fit);
+        let Some(known) = Regression::new(self, &runs, moments, fit) else {
             return;
         };
+        let levels: Vec<f64> = self.effects.iter().map(|(level, _)| *level).collect();
+        let left = self.len() as f64 - FITTED;
+        let variance = larger_of_cause(self.variance, left, variance_of_rounding(&runs, &levels));
         let moved = &fit.solution.inverse * &known.cross;
-        let covariance = known.covariance(fit.variance / self.variance);
+        let covariance = known.covariance(fit.variance / variance);
         fit.spread_by(EstimatedPart {
             covariance: &moved * covariance * moved.transpose(),
-            relative_variance: 2.0 / (self.len() as f64 - FITTED),
+            relative_variance: 2.0 / left,
         });
     }
 }

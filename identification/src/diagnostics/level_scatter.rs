@@ -10,6 +10,9 @@
 //! Errors one step ahead are then not independent within a hold, and where a level is off by the same at each visit, not from visit to visit either. What δ
 //! [varies](super::clustered_errors) beyond chance, from visit to visit and from level to level, is in the covariance: A^-1 C C' A^-1 times this variance, C being the
 //! cross moments of the rows with the D(z) x_c of each visit, or of all visits to a level.
+//!
+//! How far a level is off alike is one number, and a handful of them may show little of their variance. So it is that of rounding to the steps
+//! that the levels are apart, where this is in keeping with what they show.
 
 use crate::data::Moments;
 use crate::diagnostics::clustered_errors::{Cluster, EffectScatter};
@@ -29,6 +32,30 @@ pub(super) struct OffLevels {
     pub(super) levels: f64,
 }
 
+/// A difference of levels below this share of the largest is the rounding of arithmetic.
+const ARITHMETIC: f64 = 1e-6;
+
+/// Variance of what rounding has left out, where commands were rounded to the steps that `levels` are apart \[input²\]; 0 where they are exact.
+pub(super) fn variance_of_rounding(runs: &[HeldRun<'_>], levels: &[f64]) -> f64 {
+    if runs.iter().all(|held| held.run.run.has_exact_input()) {
+        return 0.0;
+    }
+    let differences = || levels.iter().map(|level| (level - levels[0]).abs());
+    let least = ARITHMETIC * differences().fold(0.0, f64::max);
+    let step = differences().fold(0.0, |step, difference| {
+        common_divisor(difference, step, least)
+    });
+    step * step / 12.0
+}
+
+/// Of which `a` and `b` are whole multiples, but for `least` (Euclid).
+fn common_divisor(mut a: f64, mut b: f64, least: f64) -> f64 {
+    while b > least {
+        (a, b) = (b, (a - b * (a / b).round()).abs());
+    }
+    a
+}
+
 /// Adds to the covariance of `fit` how far levels of `runs` are off, where that is beyond chance. They are a share `seen` of the record.
 pub(super) fn allow_for_level_scatter(
     runs: &[HeldRun<'_>],
@@ -43,7 +70,9 @@ pub(super) fn allow_for_level_scatter(
         .chunk_by(|a, b| a.hold.level == b.hold.level)
         .collect();
     let of_levels: Vec<Cluster> = levels.iter().map(|visits| cluster_of(visits)).collect();
-    let alike = EffectScatter::of(&of_levels, FITTED);
+    let commands: Vec<f64> = (levels.iter()).map(|visits| visits[0].hold.level).collect();
+    let alike = EffectScatter::of(&of_levels, FITTED)
+        .map(|found| found.or_of_cause(variance_of_rounding(runs, &commands)));
     let each = all.without(alike.map_or(0.0, |found| found.variance));
     let of_each = CrossMoments::new(runs, moments, fit).of(&visits);
     let of_alike = alike.map(|found| {
