@@ -160,6 +160,15 @@ pub enum Error {
          the runs (at rest), or record from before the step on"
     )]
     StepsBeforeRuns,
+    /// The input changes within the history of the first rows that are used alone.
+    #[error(
+        "the input stands still after the first {rows} samples of every run, which are history for the later ones, so the answer to its step \
+         is left out: state the input before the runs (at rest), or record more steps"
+    )]
+    StepsInHistory {
+        /// Samples of history.
+        rows: usize,
+    },
     /// The input does not excite as many frequencies as asked for.
     #[error(
         "the input excites {excited} of the {asked} frequencies asked for (up to {highest_hz:.3} \

@@ -161,7 +161,7 @@ fn option(cause: &(dyn std::error::Error + 'static)) -> Option<&'static str> {
     use servoid_identification::Error;
     Some(match cause.downcast_ref()? {
         Error::TooShortForAuto { .. } => "--settling N",
-        Error::StepsBeforeRuns => "--at-rest INPUT",
+        Error::StepsBeforeRuns | Error::StepsInHistory { .. } => "--at-rest INPUT",
         Error::CountsSamples => "--output COLUMN",
         Error::Swapped { .. } => "--input names the command, --output the motion",
         _ => return None,

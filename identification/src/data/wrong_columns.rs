@@ -52,10 +52,16 @@ impl<'a> Record<'a> {
 
     /// Whether the input changes from run to run alone, and what it was before them is not stated.
     pub(crate) fn steps_before_runs(&self) -> bool {
+        self.steps_within_first(0)
+    }
+
+    /// Whether the input changes within the first `rows` of each run alone, and what it was before the runs is not stated.
+    pub(crate) fn steps_within_first(&self, rows: usize) -> bool {
         let unknown = |run: &Run| run.input_at_rest().is_none();
-        self.runs()
-            .iter()
-            .all(|run| unknown(run) && stands_still(run.input()))
+        self.runs().iter().all(|run| {
+            let later = run.input().get(rows..).unwrap_or_default();
+            unknown(run) && stands_still(later)
+        })
     }
 
     /// Whether the output changes from run to run alone, while the input moves.

@@ -11,7 +11,7 @@
 //! not glitches, and none is taken out but single [`spikes`].
 
 use serde::{Deserialize, Serialize};
-use statrs::distribution::{Binomial, DiscreteCDF};
+use statrs::distribution::{Binomial, ChiSquared, ContinuousCDF, DiscreteCDF};
 
 use crate::data::{Moments, Record};
 use crate::diagnostics::noise_prediction::NoisePrediction;
@@ -96,6 +96,9 @@ pub(crate) struct Outliers {
     /// Whether those in motion were left in the record, because they are more than chance would put there: the
     /// others help the next fit, but are no finding.
     pub(crate) provisional: bool,
+    /// Whether those of several samples are where the servo is faster than chance would have it. A fit that glitches have drawn leaves such
+    /// errors, too, so this counts once search and fit agree.
+    pub(crate) lasting_are_fast: bool,
     /// Whether a search for smaller ones, too, may find others.
     pub(crate) may_have_smaller: bool,
 }
@@ -154,7 +157,7 @@ pub(crate) fn outliers(
             for (k, error) in run.own_errors().iter().enumerate() {
                 if let Some(size) = filter.next(*error, scale.in_motion * motion[k]) {
                     let in_motion = motion[k] > IN_MOTION * scale.largest_motion;
-                    seen.sample((index, k), size, in_motion);
+                    seen.sample((index, k), size, (motion[k], in_motion));
                 }
             }
         }
@@ -186,6 +189,7 @@ pub(crate) fn outliers(
     }
     let spikes = spikes_of(runs, &motions, IN_MOTION * scale.largest_motion);
     let (rare, unrelated) = (few(seen.count()), seen.is_unrelated_to_motion());
+    found.lasting_are_fast = seen.lasting_are_fast();
     found.taken_out = seen.outlying;
     if few(spikes.len()) {
         found.mark(spikes);
@@ -246,6 +250,8 @@ struct Seen {
     limit: f64,
     /// The errors of all of them, in standard deviations.
     sizes: Vec<f64>,
+    /// The q of all of them.
+    motions: Vec<f64>,
     /// Those in motion.
     moving: usize,
     /// Those less than one standard deviation within the limit.
@@ -254,6 +260,8 @@ struct Seen {
     outlying: Vec<TakenOut>,
     /// How many samples of each of them are in motion.
     outlying_in_motion: Vec<usize>,
+    /// Sum of the q of each of them.
+    outlying_motion: Vec<f64>,
     /// Outlying samples at rest.
     at_rest: Vec<TakenOut>,
 }
@@ -266,9 +274,10 @@ impl Seen {
         }
     }
 
-    /// Counts sample `k` of run `index`, both from 0, whose error is `size` standard deviations.
-    fn sample(&mut self, (index, k): (usize, usize), size: f64, in_motion: bool) {
+    /// Counts sample `k` of run `index`, both from 0, whose error is `size` standard deviations in a motion of this q.
+    fn sample(&mut self, (index, k): (usize, usize), size: f64, (motion, in_motion): (f64, bool)) {
         self.sizes.push(size);
+        self.motions.push(motion);
         self.moving += usize::from(in_motion);
         self.near += usize::from((self.limit - 1.0..self.limit).contains(&size));
         if size < self.limit {
@@ -289,11 +298,15 @@ impl Seen {
             }
             _ => {
                 self.outlying_in_motion.push(0);
+                self.outlying_motion.push(0.0);
                 self.outlying.push(single);
             }
         }
         if let Some(moving) = self.outlying_in_motion.last_mut() {
             *moving += usize::from(in_motion);
+        }
+        if let Some(sum) = self.outlying_motion.last_mut() {
+            *sum += motion;
         }
     }
 
@@ -312,6 +325,31 @@ impl Seen {
         let in_motion = moving.count() as u64;
         in_motion == 0
             || chance.is_ok_and(|chance| chance.sf(in_motion - 1) > RESIDUAL_SIGNIFICANCE)
+    }
+
+    /// Whether those of several samples are where q is larger than chance would have it. Spikes of the sensor are single samples, at any q, and would
+    /// hide among them the few stretches in which a servo runs into its limit.
+    ///
+    /// The share of all samples whose q is at least that of a stretch is even between 0 and 1 by chance, so -2 Σ ln of it has the χ²
+    /// distribution with two degrees of freedom for each stretch (Fisher 1925).
+    fn lasting_are_fast(&self) -> bool {
+        let stretches = self.outlying.iter().zip(&self.outlying_motion);
+        let lasting: Vec<f64> = stretches
+            .filter(|(found, _)| found.samples > 1)
+            .map(|(found, sum)| sum / found.samples as f64)
+            .collect();
+        if lasting.is_empty() {
+            return false;
+        }
+        let mut motions = self.motions.clone();
+        motions.sort_unstable_by(f64::total_cmp);
+        let share = |q: &f64| {
+            let slower = motions.partition_point(|motion| motion < q);
+            (motions.len() - slower).max(1) as f64 / motions.len() as f64
+        };
+        let fast = -2.0 * lasting.iter().map(|q| share(q).ln()).sum::<f64>();
+        let chance = ChiSquared::new(2.0 * lasting.len() as f64);
+        chance.is_ok_and(|chance| chance.sf(fast) < RESIDUAL_SIGNIFICANCE)
     }
 }
 
@@ -427,9 +465,32 @@ mod tests {
             let in_hold = k % 100;
             let is_outlying = k / 100 % 8 == 0 && (start..start + rows).contains(&in_hold);
             let size = if is_outlying { 6.0 } else { 1.0 };
-            seen.sample((0, k), size, (5..35).contains(&in_hold));
+            let in_motion = (5..35).contains(&in_hold);
+            seen.sample((0, k), size, (f64::from(u8::from(in_motion)), in_motion));
         }
         seen.is_unrelated_to_motion()
+    }
+
+    /// A stick that moves at all times, by q from 0 to 1; single samples in each 400 are spikes, and `lasting` ones are outlying, too.
+    fn lasting_are_fast(lasting: impl Fn(u32) -> bool) -> bool {
+        let mut seen = Seen::beyond(OUTLYING);
+        for k in 0..10_000u32 {
+            let motion = (f64::from(k / 50) * 0.618_034).fract();
+            let is_outlying = k % 400 == 25 || lasting(k);
+            let size = if is_outlying { 6.0 } else { 1.0 };
+            seen.sample((0, k as usize), size, (motion, motion > IN_MOTION));
+        }
+        seen.lasting_are_fast()
+    }
+
+    #[test]
+    fn stretches_at_the_highest_speeds_do_not_hide_among_spikes() {
+        // Of 200 pieces, those of the highest q are 144 and 55.
+        let within =
+            |k: u32, pieces: &[u32]| (10..30).contains(&(k % 50)) && pieces.contains(&(k / 50));
+        assert!(lasting_are_fast(|k| within(k, &[55, 144])));
+        assert!(!lasting_are_fast(|k| within(k, &[20, 100])));
+        assert!(!lasting_are_fast(|_| false));
     }
 
     #[test]

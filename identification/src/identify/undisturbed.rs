@@ -125,14 +125,17 @@ impl<'a> Undisturbed<'a> {
             // Only a search that finds the same again says that there are none.
             found.disturbances.outliers.may_have_smaller = true;
         }
-        if found.disturbances.outliers.provisional {
-            let disturbances = Disturbances {
-                outliers: Outliers::default(),
-                ..found.disturbances
-            };
-            return Self::without(disturbances, complete, options);
-        }
-        Ok(found)
+        let outliers = &found.disturbances.outliers;
+        let kept = match outliers {
+            found if found.provisional => Outliers::default(),
+            found if found.lasting_are_fast => found.of_shape(),
+            _ => return Ok(found),
+        };
+        let disturbances = Disturbances {
+            outliers: kept,
+            ..found.disturbances
+        };
+        Self::without(disturbances, complete, options)
     }
 
     /// With all that may be errors of the model: without the offsets and trends of runs, and spikes, alone.

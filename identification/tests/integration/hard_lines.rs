@@ -2,7 +2,7 @@
 //! "Hard recordings" of docs/method.md has hundreds of runs of each line.
 
 use servoid_identification::results::{Check, Model, Reason, StepBounds};
-use servoid_identification::{Options, Record, Run, Settling, identify, identify_explained};
+use servoid_identification::{Error, Options, Record, Run, Settling, identify, identify_explained};
 use servoid_test_support::coverage::measure_trials;
 use servoid_test_support::hard_lines::{Drive, HardLine, Hardship, hard_lines, repeating_lines};
 use servoid_test_support::plants::{Noise, PERIOD, Plant, random, simulate, staircase};
@@ -323,6 +323,31 @@ fn glitches_under_a_limited_servo_are_found_and_its_own_errors_are_none() {
         output[k] += size;
     }
     assert_eq!(taken_out(&output), glitches.map(|(k, _)| (k, 1)));
+}
+
+/// Of a short record, 39 samples are history. A step among them is answered before the rows that count, unless the input before the run
+/// is known.
+#[test]
+fn a_step_within_the_history_is_not_called_unanswered() {
+    for (seed, at) in (0..4).zip([28, 30, 32, 34]) {
+        let noise = simulate(Plant::A, Noise::White, &[0.0; 200], 30.0, &mut random(seed));
+        let input: Vec<f64> = (0..200).map(|k| if k < at { 0.0 } else { 40.0 }).collect();
+        // A lag of 30 ms behind 15 ms in rows of 20 ms.
+        let answered = |k: i32| 1.0 - (-(f64::from(20 * (k - at)) - 15.0) / 30.0).exp();
+        let output: Vec<f64> = (noise.iter().zip(0..))
+            .map(|(v, k)| v + if k > at { 40.0 * answered(k) } else { 0.0 })
+            .collect();
+        let run = Run::new(input, output).unwrap();
+        let of = |run: Run| identify(&Record::new(0.02, vec![run]).unwrap(), &options());
+        let refused = of(run.clone()).unwrap_err();
+        assert!(
+            matches!(refused, Error::StepsInHistory { rows: 39 }),
+            "{seed}: {refused}"
+        );
+        let model = of(run.with_input_at_rest(0.0)).unwrap();
+        let half_way = model.metrics.t50_s.value.unwrap();
+        assert!((0.02..0.06).contains(&half_way), "{seed}: {half_way}");
+    }
 }
 
 /// A settling time that is given is the caller's word, unless the errors speak against it.

@@ -3,7 +3,8 @@
 //! Protects: users from a "step response" that is one number. A bank that is left with the gain alone, of an
 //! input without steps, is none.
 //!
-//! If not, there is no model, and the error says whether the input or the output is to blame. A bank of one
+//! If not, there is no model, and the error says whether the input or the output is to blame: a step within the history of the first
+//! rows that are used is answered before them. A bank of one
 //! frequency passes where it was asked for, or where it is what predicts best.
 
 use crate::data::Record;
@@ -18,9 +19,12 @@ pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
     if fitted.candidate.plan.basis.highest() > 0 || fitted.misfit.is_some() || asked {
         return Ok(fitted);
     }
-    let excitation = Excitation::of(&fitted.estimate.information.moments);
-    Err(match excitation.is_smooth() {
+    let moments = &fitted.estimate.information.moments;
+    let rows = moments.input_lags();
+    let in_history = |record: &Record| record.steps_within_first(rows);
+    Err(match Excitation::of(moments).is_smooth() {
         _ if task.recorded.is_some_and(Record::steps_before_runs) => Error::StepsBeforeRuns,
+        _ if task.recorded.is_some_and(in_history) => Error::StepsInHistory { rows },
         true => Error::NoDetail,
         false => Error::Unanswered,
     })
