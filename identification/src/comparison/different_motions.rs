@@ -62,9 +62,12 @@ impl Asked {
         if self.shows_one_response() || (different && found.turns_the_other_way) {
             return false;
         }
+        let is_another_draw =
+            a.is_another_draw(b) || self.strokes.a.are_another_draw(&self.strokes.b);
         match a.is_like(b) {
             false => different || !self.linear,
-            true if a.is_another_draw(b) && !self.linear => true,
+            true if is_another_draw && !self.linear => true,
+            true if is_another_draw && !self.symmetric => different,
             true => different && strokes_may_explain(found, a.larger_by(b)),
         }
     }

@@ -46,6 +46,15 @@ impl StrokeSizes {
         self.count >= FEWEST_STROKES && high >= SEVERAL_SIZES * low
     }
 
+    /// Whether these and the other are strokes of several sizes, drawn anew: under one reference the two have the same sizes.
+    pub(super) fn are_another_draw(&self, other: &Self) -> bool {
+        let sizes = |of: &Self| [of.quartiles[0], of.quartiles[1], of.typical];
+        let mut both = sizes(self).into_iter().zip(sizes(other));
+        self.are_several()
+            && other.are_several()
+            && both.any(|(a, b)| a.max(b) > (1.0 + HELD_WITHIN) * a.min(b))
+    }
+
     /// Whether both sides have strokes of several sizes, which are about as large.
     pub(super) fn show_linearity_alike(&self, other: &Self) -> bool {
         let larger = self.typical.max(other.typical);
@@ -76,6 +85,8 @@ mod tests {
             assert!(random(factor, 10.0).show_linearity_alike(&random(5003, 10.0)));
             assert!(random(factor, 7.0).show_linearity_alike(&random(5003, 10.0)));
             assert!(!random(factor, 3.0).show_linearity_alike(&random(5003, 10.0)));
+            assert!(random(factor, 10.0).are_another_draw(&random(5003, 10.0)));
+            assert!(!random(factor, 10.0).are_another_draw(&random(factor, 10.1)));
         }
     }
 
