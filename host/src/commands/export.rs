@@ -103,6 +103,9 @@ impl ExportArgs {
         let export = Export::new(&name, &source, &file.model, fitted, metadata)
             .beside(servo.as_ref().map(|servo| &servo.model));
         let text = export.write(self.to)?;
+        if let Some(which) = export.which_model() {
+            self.output.talk.say(which);
+        }
         self.finish(&text, &export.warnings(), Map::new())
     }
 

@@ -41,6 +41,24 @@ fn identified(file: &str, more: &[&str]) -> (f64, f64, String) {
 
 const NAMED: [&str; 4] = ["--input", "u", "--output", "y"];
 
+/// What is changed of a user's data stays in what is printed with -q, and in the JSON.
+#[test]
+fn data_that_are_used_otherwise_than_written_are_named_in_quiet_results() {
+    let dir = tempfile::tempdir().unwrap();
+    let wrapped = file(dir.path(), "wrapped.csv", "u,y\n", |_, u, y| {
+        format!("{u},{:.6}\n", y.rem_euclid(360.0))
+    });
+    let args = [
+        &["identify", "-q", &wrapped, "--period", "0.002"][..],
+        &NAMED,
+    ]
+    .concat();
+    let said = run(&args);
+    assert!(said.contains("it is put together"), "{said}");
+    let model = run(&[&args[..], &["--json"]].concat());
+    assert!(model.contains("\"changed_data\""), "{model}");
+}
+
 /// Findings on the record, whose numbers are of the position, and a gain between two units.
 #[test]
 fn numbers_of_findings_have_the_units_of_the_file() {

@@ -237,6 +237,7 @@ fn a_stop_is_neither_friction_nor_load_and_is_in_every_export() {
     for target in ["c", "python", "julia", "matlab", "mujoco", "jsbsim"] {
         let text = run(&["export", arg(&file), "--servo-model", "--to", target, "-q"]);
         assert!(text.contains("Stops: the stops"), "{target}: {text}");
+        assert!(text.contains("this is the servo model"), "{target}: {text}");
     }
     let text = run(&["export", arg(&file), "--to", "ardupilot", "-q"]);
     assert!(

@@ -2,15 +2,15 @@
 
 use super::difference::{Curves, Differences};
 use super::difference_curves::difference_curves;
+use super::different_motions::{Asked, strokes_of_models_may_explain};
 use super::metric_differences::{MetricsOfSide, metric_differences};
-use super::motion::Motion;
 use super::options::{ComparisonOptions, DelayErrors};
 use super::outcome::{Comparison, ComparisonBounds, DifferencePercent, SCHEMA, Sides, Subject};
 use super::over_prediction::{Predictor, over_prediction};
 use super::pair::{Identified, identified, same_period};
 use super::run_means::RunMeans;
 use super::verdict::Verdict;
-use super::{advice, different_motions, other_way, scatter, shift, words};
+use super::{advice, other_way, scatter, shift, words};
 use crate::data::Record;
 use crate::error::Error;
 use crate::results::{Bounds, Metrics, Model, Reason};
@@ -93,10 +93,9 @@ pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Co
         comparison.levels = Some(Sides::of([&a, &b], Identified::levels));
         comparison.asymmetry = Some(Sides::of([&a, &b], Identified::asymmetry));
     }
-    let motions = Sides::of([a.record, b.record], Motion::of);
-    comparison.motions = Some(motions);
-    let linear = a.alone.linear && b.alone.linear;
-    if different_motions::may_explain(&comparison, &motions, linear) {
+    let asked = Asked::of([&a, &b]);
+    comparison.motions = Some(asked.motions);
+    if asked.may_explain(&comparison) {
         comparison.verdict = Verdict::Undecided;
         comparison.descriptions_of_different_motions = true;
         // Chance is not all that sets the runs of one side apart from those of the other.
@@ -113,8 +112,9 @@ pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Co
         &[&a, &b],
         &options.output_unit,
     );
-    if comparison.descriptions_of_different_motions || !motions.a.is_like(&motions.b) {
-        let finding = advice::different_references(&motions, linear, &options.input_unit);
+    if comparison.descriptions_of_different_motions || !asked.is_one_motion() {
+        let finding =
+            advice::different_references(&asked.motions, asked.linear, &options.input_unit);
         comparison.advice.insert(0, finding);
     }
     Ok(comparison)
@@ -138,8 +138,7 @@ pub fn compare_models(
     let curves = [Curves::of_model(a, points)?, Curves::of_model(b, points)?];
     let mut comparison = of_curves([a, b], &curves, None, options);
     comparison.turns_the_other_way = other_way::by_bounds(&comparison);
-    let of_strokes =
-        |strokes| different_motions::strokes_of_models_may_explain(&comparison, strokes);
+    let of_strokes = |strokes| strokes_of_models_may_explain(&comparison, strokes);
     if options.strokes_of_models.is_some_and(of_strokes) {
         comparison.verdict = Verdict::Undecided;
         comparison.descriptions_of_different_motions = true;

@@ -2,28 +2,81 @@
 
 use super::motion::{Motion, larger_by};
 use super::outcome::{Comparison, Sides};
+use super::pair::Identified;
+use super::stroke_sizes::StrokeSizes;
 use super::verdict::Verdict;
 use crate::results::Bounds;
-use crate::thresholds::EQUALLY_LARGE;
+use crate::thresholds::{EQUALLY_LARGE, SIZES_COMPARED};
 
-/// Whether there is no verdict because the servos were asked for different motions.
-///
-/// A servo that is not linear has another response for each motion, and a servo that looks linear under each of two references alone need not
-/// be: one that is limited in speed is slower over a larger stroke by one and the same factor in all of it. "Different" is therefore said
-/// under one reference only. "The same" may be said of sides that both look linear.
-pub(super) fn may_explain(found: &Comparison, motions: &Sides<Motion>, linear: bool) -> bool {
-    let different = found.verdict == Verdict::Different;
-    match motions.a.is_like(&motions.b) {
-        false => different || !linear,
-        true if motions.a.is_another_draw(&motions.b) && !linear => true,
-        true => different && strokes_may_explain(found, motions.a.larger_by(&motions.b)),
+/// What the two sides were asked to do.
+#[derive(Clone, Copy)]
+pub(super) struct Asked {
+    pub(super) motions: Sides<Motion>,
+    strokes: Sides<StrokeSizes>,
+    /// Whether both servos look linear under it.
+    pub(super) linear: bool,
+    /// Whether both answer strokes up and down alike.
+    symmetric: bool,
+}
+
+impl Asked {
+    pub(super) fn of(sides: [&Identified<'_>; 2]) -> Self {
+        Self {
+            motions: Sides::of(sides, |side| Motion::of(side.record)),
+            strokes: Sides::of(sides, |side| StrokeSizes::of(side.record)),
+            linear: sides.iter().all(|side| side.alone.linear),
+            symmetric: !sides.iter().any(|side| side.asymmetric()),
+        }
+    }
+
+    /// Whether the sides are compared as under one reference.
+    pub(super) fn is_one_motion(&self) -> bool {
+        self.motions.a.is_like(&self.motions.b) || self.shows_one_response()
+    }
+
+    /// Whether each servo answers strokes of several sizes alike, and the other was asked for about as large ones, held for about as long. Then each
+    /// has one response to all of them, whatever levels were drawn.
+    fn shows_one_response(&self) -> bool {
+        let Sides { a, b } = &self.motions;
+        let [short, long] = match a.mean_hold_s < b.mean_hold_s {
+            true => [a.mean_hold_s, b.mean_hold_s],
+            false => [b.mean_hold_s, a.mean_hold_s],
+        };
+        self.linear
+            && self.symmetric
+            && a.held
+            && b.held
+            && long <= SIZES_COMPARED * short
+            && self.strokes.a.show_linearity_alike(&self.strokes.b)
+    }
+
+    /// Whether there is no verdict because the servos were asked for different motions.
+    ///
+    /// A servo that is not linear has another response for each motion, and a servo that looks linear under strokes of one size need not
+    /// be: one that is limited in speed is slower over a larger stroke by one and the same factor in all of it. "Different" is therefore said
+    /// under one reference only, or where both look linear under strokes of several sizes. "The same" may be said of sides that both look linear. No
+    /// motion makes a servo turn the other way.
+    pub(super) fn may_explain(&self, found: &Comparison) -> bool {
+        let Sides { a, b } = &self.motions;
+        let different = found.verdict == Verdict::Different;
+        if self.shows_one_response() || (different && found.turns_the_other_way) {
+            return false;
+        }
+        let is_another_draw =
+            a.is_another_draw(b) || self.strokes.a.are_another_draw(&self.strokes.b);
+        match a.is_like(b) {
+            false => different || !self.linear,
+            true if is_another_draw && !self.linear => true,
+            true if is_another_draw && !self.symmetric => different,
+            true => different && strokes_may_explain(found, a.larger_by(b)),
+        }
     }
 }
 
 /// The same of two models, each of a recording with strokes of one size.
 pub(super) fn strokes_of_models_may_explain(found: &Comparison, sizes: [f64; 2]) -> bool {
     let larger_by = larger_by(sizes);
-    let different = found.verdict == Verdict::Different;
+    let different = found.verdict == Verdict::Different && !found.turns_the_other_way;
     different && (larger_by > EQUALLY_LARGE || strokes_may_explain(found, larger_by))
 }
 

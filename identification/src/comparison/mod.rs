@@ -44,6 +44,7 @@ mod run_means;
 mod scatter;
 mod servo_models;
 mod shift;
+mod stroke_sizes;
 mod verdict;
 mod welch;
 mod words;

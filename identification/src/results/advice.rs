@@ -121,6 +121,8 @@ pub enum Check {
     /// Whether some values are sentinels of missing ones.
     #[serde(alias = "stand_in")]
     SentinelValues,
+    /// Whether data are used otherwise than they were written: an angle put together, a row left out.
+    ChangedData,
     /// Whether a recording came to its end.
     Partial,
     /// Whether the header of a recording is proved by its checksum.

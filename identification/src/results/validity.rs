@@ -77,7 +77,9 @@ impl Reason {
             Self::HeldOutput => "the position is refreshed less often than it is written",
             Self::LagDrift => "the servo's lag changes along the recording",
             Self::CommandsBetweenRows => "commands change between the rows",
-            Self::TravelEnd => "the servo runs into a stop, or a load holds it",
+            Self::TravelEnd => {
+                "the servo does not go as far as its outermost commands, as at a stop or under a load that holds it"
+            }
             Self::LoadHoldsDrive => "a load holds the servo short of some commands",
             Self::InputUnexcited => "the reference does not excite all of the response",
             Self::FrequenciesLeftOut => {

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 use servoid_identification::nonlinear::{Limits, RateVerdict};
+use servoid_identification::results::Check;
 use servoid_identification::{Options, Record, Settling, identify};
 
 use servoid_test_support::servos::{
@@ -25,6 +26,28 @@ fn limits_of(input: &[f64], clean: &[f64], settling: usize, seed: u64) -> Limits
 fn up_and_down() -> Vec<f64> {
     let levels: Vec<f64> = (-3..=3).map(|k| 2.0 * f64::from(k)).collect();
     stairs(&levels, 3, 150)
+}
+
+/// Levels of up to 6, of which one or two lie beyond the stop.
+#[test]
+fn a_stop_is_not_claimed_of_one_command() {
+    for (stop, found, end) in [
+        (4.1, "falls short of one command", "as at a hard stop"),
+        (3.5, "commands from 4 to 6 all end there", "Hard stop at"),
+    ] {
+        let input = up_and_down();
+        let clean = limited(0.7, 60.0, Limit::Clip(-20.0, stop), &input, -6.0);
+        let record = Record::of_run(PERIOD, &input, measured(&clean, 0.2, 5)).unwrap();
+        let model = identify(&record, &Options::default()).unwrap();
+        let mut advice = model.advice.iter();
+        let named = advice
+            .find(|advice| advice.check == Check::TravelEnd)
+            .unwrap();
+        assert!(named.finding.contains(found), "{}", named.finding);
+        assert_eq!(named.finding.contains("The output stops"), stop < 4.0);
+        let [_, high] = Limits::of(&record, &model, 0.99).ends.unwrap();
+        assert!(high.statement.contains(end), "{}", high.statement);
+    }
 }
 
 #[test]

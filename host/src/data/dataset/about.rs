@@ -162,6 +162,14 @@ impl About {
         self.advice.extend(other.advice);
     }
 
+    /// Adds that data are used otherwise than they were written, in so many `rows`. Results rest on it, so that every one carries it.
+    pub(super) fn add_change(&mut self, finding: String, rows: usize) {
+        let remedy = "Where that is wrong, change the file: the result rests on it.";
+        let advice = Advice::new(Check::ChangedData, finding, rows as f64, 0.0, remedy);
+        self.remarks.push(advice.finding.clone());
+        self.advice.push(advice);
+    }
+
     /// Adds a remark that every result carries too, as advice that `value` is there where `threshold` was meant.
     pub(super) fn add(
         &mut self,

@@ -67,9 +67,9 @@ impl<'a> Arrays<'a> {
             let unit = about.output_unit.as_deref();
             let together = wrapped_angle::put_together("output", &arrays.output, unit);
             let output = match together {
-                Some((angle, remark)) => {
-                    about.remarks.push(format!("{place}: {remark}"));
-                    Cow::Owned(angle)
+                Some(angle) => {
+                    about.add_change(format!("{place}: {}.", angle.remark), angle.jumps);
+                    Cow::Owned(angle.column)
                 }
                 None => arrays.output,
             };

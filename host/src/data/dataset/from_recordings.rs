@@ -182,9 +182,12 @@ fn note_instrument(about: &mut About, shown: &str, header: &Header) {
 /// Samples that count as missing: `broken` ones that no healthy sensor gives, and those of a sensor that stood still.
 fn note_readings(about: &mut About, shown: &str, broken: usize, still: &[StandStill]) {
     if broken > 0 {
-        about.remarks.push(format!(
-            "{shown}: in {broken} samples the sensor read outside its healthy range; they count as missing"
-        ));
+        about.add_change(
+            format!(
+                "{shown}: in {broken} samples the sensor read outside its healthy range; they count as missing."
+            ),
+            broken,
+        );
     }
     if let Some(first) = still.first() {
         let frozen = still

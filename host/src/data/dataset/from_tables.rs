@@ -47,9 +47,11 @@ pub(super) fn from_table(
     } = Spacing::of(clock, options)?;
     let found = timeline::stretches(u.len(), time.as_ref(), labels.as_deref());
     let mut remarks = table.remarks().to_vec();
-    if let Some((angle, remark)) = wrapped_angle::put_together(output, &y, unit_of(names[1])) {
-        y = angle;
-        remarks.push(remark);
+    let mut changes: Vec<(String, usize)> =
+        table.cut_row().into_iter().map(|cut| (cut, 1)).collect();
+    if let Some(angle) = wrapped_angle::put_together(output, &y, unit_of(names[1])) {
+        y = angle.column;
+        changes.push((angle.remark, angle.jumps));
     }
     remarks.extend(remark);
     remarks.extend(label_texts);
@@ -66,6 +68,9 @@ pub(super) fn from_table(
         .iter()
         .map(|remark| format!("{file}: {remark}"))
         .collect();
+    for (change, rows) in changes {
+        about.add_change(format!("{file}: {change}."), rows);
+    }
     // A change that is seen in a row came up to one row before.
     let phase_s = match options.polled {
         true => 0.5 * period_s,

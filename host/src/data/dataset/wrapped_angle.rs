@@ -39,12 +39,17 @@ const FEWEST: usize = 2;
 /// Rows after which readings that lie far off are where the servo is: a bus that fails is back sooner.
 const LONGEST_GLITCH: usize = 10;
 
-/// `column` put together, and a remark on it, where it jumps by full turns.
-pub(super) fn put_together(
-    name: &str,
-    column: &[f64],
-    unit: Option<&str>,
-) -> Option<(Vec<f64>, String)> {
+/// A column that was put together.
+pub(super) struct WholeAngle {
+    pub(super) column: Vec<f64>,
+    /// What was done, for the user.
+    pub(super) remark: String,
+    /// Rows in which it jumped.
+    pub(super) jumps: usize,
+}
+
+/// `column` put together, where it jumps by full turns.
+pub(super) fn put_together(name: &str, column: &[f64], unit: Option<&str>) -> Option<WholeAngle> {
     let turns = full_turns(unit, column);
     let found = turns.into_iter().find_map(|turn| Turns::of(column, turn))?;
     let wrong = match found.wrong {
@@ -52,11 +57,15 @@ pub(super) fn put_together(
         1 => "; 1 reading far from those around it is left as it is".to_owned(),
         wrong => format!("; {wrong} readings far from those around them are left as they are"),
     };
+    let jumps = found.jumps;
     let remark = format!(
-        "column {name:?} jumps by a full turn in {} rows, as an angle does that starts again at 0: it is put together{wrong}",
-        found.jumps
+        "column {name:?} jumps by a full turn in {jumps} rows, as an angle does that starts again at 0: it is put together{wrong}"
     );
-    Some((found.together, remark))
+    Some(WholeAngle {
+        column: found.together,
+        remark,
+        jumps,
+    })
 }
 
 /// Jumps for each one that readings which are wrong may hide: a servo without a turn that takes two rows for a long stroke is seen half way.
@@ -138,7 +147,7 @@ mod tests {
     use super::*;
 
     fn found(column: &[f64]) -> Option<(Vec<f64>, String)> {
-        put_together("y", column, None)
+        put_together("y", column, None).map(|angle| (angle.column, angle.remark))
     }
 
     /// A servo about the end of an encoder's turn, whose readings are `wrong` in some rows, in counts and in degrees.
@@ -223,9 +232,9 @@ mod tests {
         for (by, turn, unit) in [(1.0, 360.0, Some("deg")), (0.02, TAU, Some("rad"))] {
             let mut column = wrapped(by, turn);
             column[50] = f64::NAN;
-            let (found, remark) = put_together("y", &column, unit).unwrap();
-            assert!(remark.contains("jumps by a full turn"), "{remark}");
-            for (y, expected) in found.iter().zip(&motion) {
+            let found = put_together("y", &column, unit).unwrap();
+            assert!(found.remark.contains("jumps by a full turn"));
+            for (y, expected) in found.column.iter().zip(&motion) {
                 // Rounding of numbers of 360.
                 assert!(y.is_nan() || (y - by * expected).abs() < 1e-12 * turn);
             }

@@ -27,6 +27,8 @@ pub struct Table {
     bytes: Vec<u8>,
     layout: Layout,
     decimal: Decimal,
+    /// Whether a last row that was cut off is left out.
+    is_cut: bool,
 }
 
 /// How files begin that are no text, and what to do about them.
@@ -72,12 +74,11 @@ impl Table {
         if bytes.starts_with(BYTE_ORDER_MARK) {
             bytes.drain(..BYTE_ORDER_MARK.len());
         }
-        let mut layout = Layout::of(&bytes).ok_or(TableFault::Empty)?;
+        let layout = Layout::of(&bytes).ok_or(TableFault::Empty)?;
         let rows = bytes.get(layout.rows_at..).unwrap_or_default();
-        if let Some(begins) = cut_row(rows, layout.separator) {
+        let cut = cut_row(rows, layout.separator);
+        if let Some(begins) = cut {
             bytes.truncate(layout.rows_at + begins);
-            let remark = "its last row has no end of line, and fewer decimals than those before it: it is taken for cut off, and left out";
-            layout.remarks.push(remark.to_owned());
         }
         let rows = bytes.get(layout.rows_at..).unwrap_or_default();
         if let [only] = &layout.columns[..]
@@ -97,12 +98,19 @@ impl Table {
             bytes,
             layout,
             decimal,
+            is_cut: cut.is_some(),
         })
     }
 
     /// The column names, in order.
     pub fn columns(&self) -> &[String] {
         &self.layout.columns
+    }
+
+    /// That the last row is left out, where it is taken for cut off.
+    pub(crate) fn cut_row(&self) -> Option<String> {
+        let remark = "its last row has no end of line, and fewer decimals than those before it: it is taken for cut off, and left out";
+        self.is_cut.then(|| remark.to_owned())
     }
 
     /// What a user should know of how the table was read.

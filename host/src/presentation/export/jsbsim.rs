@@ -42,6 +42,7 @@ pub(super) fn write(export: &Export<'_>) -> Result<String, ExportError> {
     let values = [
         ("about", XML_STYLE.comment(&paragraphs)),
         ("hold", hold.join("\n")),
+        ("switch", hold_switch(&id, export.frame_s())),
         ("input", format!("fcs/{id}-{input}")),
         ("centre", number(centre)),
         ("offset", number(at_centre)),
@@ -87,6 +88,14 @@ pub(super) fn before_servo(id: &str, centre: f64, frame_s: f64) -> (Vec<String>,
         add(include_str!("templates/hold.xml"), "held");
     }
     (parts, input)
+}
+
+/// The property that takes the hold of a frame out, where there is one.
+pub(super) fn hold_switch(id: &str, frame_s: f64) -> String {
+    match frame_s > 0.0 {
+        true => format!("\n  <property value=\"1\">fcs/{id}-hold</property>"),
+        false => String::new(),
+    }
 }
 
 /// The largest slope of the step response, as shares of its final value for each second.

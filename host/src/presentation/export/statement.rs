@@ -86,6 +86,17 @@ impl Export<'_> {
         })
     }
 
+    /// Which of two models of the file this is, and why, where no warning says it.
+    #[must_use]
+    pub fn which_model(&self) -> Option<String> {
+        let is_said = self.servo_model.is_none() || self.better_servo_model().is_some();
+        (!is_said).then(|| {
+            "The model file has a linear model and a servo model: this is the linear one, because the servo model was not asked for \
+             (--servo-model)."
+                .to_owned()
+        })
+    }
+
     /// Origin, warnings, units, sampling, hold, bounds and parameters, a paragraph each.
     pub(super) fn statement(&self, has: InFile) -> Vec<String> {
         let mut paragraphs = vec![format!(
@@ -94,6 +105,7 @@ impl Export<'_> {
             env!("CARGO_PKG_VERSION"),
             self.source
         )];
+        paragraphs.extend(self.which_model());
         let warnings = self.warnings().into_iter();
         paragraphs.extend(warnings.map(|warning| format!("WARNING: {warning}.")));
         let advice = self.model.advice.iter();
@@ -169,7 +181,9 @@ impl Export<'_> {
             }
             Some(_) if held => {
                 format!(
-                    "The hold of the command for a pulse frame of {frame} ms is part of this file."
+                    "The hold of the command for a pulse frame of {frame} ms is part of this file: a smooth command is late by {} ms on average, as with \
+                     the servo.",
+                    milliseconds(self.frame_s() / 2.0)
                 )
             }
             // A uniform delay between 0 and T has the mean T/2 and the standard deviation T/sqrt(12).

@@ -36,7 +36,7 @@ const STEP_S: f64 = 0.0005;
 /// Steps the command at a time and prints time and position.
 const SCRIPT: &str = r"
 import sys, jsbsim
-root, (at, dt, first) = sys.argv[1], map(float, sys.argv[2:])
+root, (at, dt, first, hold) = sys.argv[1], map(float, sys.argv[2:])
 fdm = jsbsim.FGFDMExec(root)
 fdm.set_debug_level(0)
 fdm.set_dt(dt)
@@ -45,6 +45,9 @@ fdm.set_systems_path('systems')
 assert fdm.load_model('stand')
 fdm['ic/h-sl-ft'] = 1e5
 assert fdm.run_ic()
+if hold == 0:
+    assert fdm['fcs/servo_bench_1-hold'] == 1
+    fdm['fcs/servo_bench_1-hold'] = 0
 while fdm.get_sim_time() < at + 0.3:
     now = fdm.get_sim_time()
     fdm['fcs/servo_bench_1-cmd'] = first + (1.0 if now >= at - dt / 4 else 0.0)
@@ -52,13 +55,13 @@ while fdm.get_sim_time() < at + 0.3:
     print(repr(fdm.get_sim_time()), repr(fdm['fcs/servo_bench_1-pos']))
 ";
 
-/// The system behind a step of the command, from `first` on, at this time (s).
-fn respond(at: &str, first: &str, folder: &Path) -> Vec<(f64, f64)> {
+/// The system behind a step of the command, from `first` on, at this time (s); `hold` "0" takes the hold of the frame out.
+fn respond(at: &str, first: &str, hold: &str, folder: &Path) -> Vec<(f64, f64)> {
     let mut python = Command::new("python3");
     python
         .args(["-c", SCRIPT])
         .arg(folder)
-        .args([at, &STEP_S.to_string(), first]);
+        .args([at, &STEP_S.to_string(), first, hold]);
     let printed = must(&mut python);
     // JSBSim greets on standard output.
     let numbers = |line: &&str| {
@@ -108,9 +111,13 @@ fn the_actuator_moves_as_the_low_order_model() {
         );
     }
     let transfer = SUBJECT.flight.transfer;
-    // A command is taken up by the next frame edge: 59.5 ms is just before one, 67 ms is not.
-    for (at, edge) in [("0.0595", 0.06), ("0.067", 0.08)] {
-        let found = respond(at, "0", folder.path());
+    // A command is taken up by the next frame edge: 59.5 ms is just before one, 67 ms is not. Without the hold it acts from the step on in which it comes, which ends a step later.
+    for (at, hold, edge) in [
+        ("0.0595", "1", 0.06),
+        ("0.067", "1", 0.08),
+        ("0.067", "0", 0.067 + STEP_S),
+    ] {
+        let found = respond(at, "0", hold, folder.path());
         assert!(found.len() > 500, "{}", found.len());
         // Whole steps and Tustin's rule: half a step of time each way, so no more than the servo moves
         // in a whole one.
@@ -147,7 +154,7 @@ fn a_pulse_begins_at_rest_with_the_offset() {
     let said = std::fs::read_to_string(&out).unwrap();
     assert!(said.contains("under the command 1500.0 us"), "{said}");
     // Before the step, which adds a microsecond: the fit of the gain and its rounding are smaller.
-    for (time, position) in respond("0.1", "1500.0", folder.path()) {
+    for (time, position) in respond("0.1", "1500.0", "1", folder.path()) {
         let largest = if time < 0.1 { 1e-6 } else { 2.0 * gain.abs() };
         assert!((position - 3.0).abs() < largest, "{position} at {time}");
     }

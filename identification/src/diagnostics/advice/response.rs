@@ -71,15 +71,29 @@ pub(super) fn travel_end(evidence: &Evidence<'_>, which: usize) -> Option<Advice
     let found = evidence.validity.travel_ends[which]?;
     let (from, to) = found.commands;
     let (first, last) = (four_digits(from), evidence.input(four_digits(to)));
-    let commands = match found.count {
-        1 => format!("a command of {last} ends there"),
-        count => format!("commands from {first} to {last} all end there ({count} of them)"),
-    };
+    let rest = evidence.output(four_digits(found.rest));
+    if from == to {
+        return Some(Advice::new(
+            Check::TravelEnd,
+            format!(
+                "The output falls short of one command of this recording: commanded {last} it ends at {rest}, though it follows the others. One command does not show \
+                 whether that is a stop, a load that the drive cannot overcome, or a gain that falls there; the linear model has none of these.",
+            ),
+            found.rest,
+            from,
+            "Record further commands on both sides of this one, each visited twice and held until the servo rests: at a stop all beyond it end at one angle. Or \
+             record without it. A servo model ('--servo-model') has a stop here where it predicts better with one, which this command alone shows.",
+        ));
+    }
+    let commands = format!(
+        "commands from {first} to {last} all end there ({} of them)",
+        found.count
+    );
     Some(Advice::new(
         Check::TravelEnd,
         format!(
             "The output stops at {}: {commands}, though it follows the others. That is a stop, or a load that the drive cannot overcome; the linear model has neither.",
-            evidence.output(four_digits(found.rest)),
+            rest,
         ),
         found.rest,
         from,

@@ -347,7 +347,17 @@ impl Table {
                 level.command,
                 100.0 * ratio
             ),
-            (true, true) => format!("Hard stop at {:.3} (the {name} end).", level.mean),
+            // The level before rests at the same angle: two commands end there.
+            (true, true) if ratio.abs() <= by_chance + explained => {
+                format!("Hard stop at {:.3} (the {name} end).", level.mean)
+            }
+            (true, true) => format!(
+                "The {name} end falls short of one command, as at a hard stop: {:.3} is reached at a command of {:.3}, with {:.1} % of the gain \
+                 elsewhere. A second command beyond it would show whether it is one.",
+                level.mean,
+                level.command,
+                100.0 * ratio
+            ),
             (true, false) => format!(
                 "The {name} end softens: the last {:.3} of command move the output by only {:.3}.",
                 neighbours[1].command - neighbours[0].command,

@@ -12,7 +12,7 @@ use super::subject::{NO_LIMIT, ServoExport};
 use super::terms::Term;
 use super::trial_command::{Difference, Trial};
 use crate::presentation::export::error::ExportError;
-use crate::presentation::export::jsbsim::{before_servo, start};
+use crate::presentation::export::jsbsim::{before_servo, hold_switch, start};
 use crate::presentation::export::neutral::neutral;
 use crate::presentation::export::text::{XML_STYLE, identifier, number};
 use crate::presentation::summary::four_digits;
@@ -284,6 +284,7 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         ("about", XML_STYLE.comment(&about)),
         ("centre", number(centre)),
         ("hold", before.join("\n")),
+        ("switch", hold_switch(&id, export.frame_s())),
         ("clip", clip(actuator.positions).unwrap_or_default()),
         ("parts", parts),
         ("moved", moved),

@@ -121,6 +121,12 @@ impl ServoExport<'_> {
         Some(format!("from {least} to {largest}{unit}"))
     }
 
+    /// Which of the two models of the file this is, and why.
+    fn which_model() -> &'static str {
+        "The model file has a linear model and a servo model: this is the servo model, because it was asked for, or because nothing else can be written \
+         for this target."
+    }
+
     /// Origin, warnings, equation, units and parameters, a paragraph each.
     pub(super) fn statement(&self) -> Vec<String> {
         let mut paragraphs = vec![format!(
@@ -129,6 +135,7 @@ impl ServoExport<'_> {
             env!("CARGO_PKG_VERSION"),
             self.source
         )];
+        paragraphs.push(Self::which_model().to_owned());
         let warnings = self.warnings().into_iter();
         paragraphs.extend(warnings.map(|warning| format!("WARNING: {warning}.")));
         paragraphs.extend([
