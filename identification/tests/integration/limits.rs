@@ -32,7 +32,7 @@ fn up_and_down() -> Vec<f64> {
 #[test]
 fn a_stop_is_not_claimed_of_one_command() {
     for (stop, found, end) in [
-        (4.1, "falls short of one command", "as at a hard stop"),
+        (4.6, "falls short of one command", "as at a hard stop"),
         (3.5, "commands from 4 to 6 all end there", "Hard stop at"),
     ] {
         let input = up_and_down();
