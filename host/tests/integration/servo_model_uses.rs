@@ -1,7 +1,9 @@
 //! What a servo model is used for: to be simulated, reported, compared and planned with.
 
 use crate::report::embedded;
-use crate::support::{SHORT_STAIRS, arg, data, json, modelled, refusal, run, withdraw};
+use crate::support::{
+    SHORT_STAIRS, arg, data, identify_servo_model, json, modelled, refusal, run, withdraw,
+};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -151,15 +153,7 @@ fn what_cannot_be_simulated_is_refused_in_a_sentence() {
     let model = at("m.json");
     let file = data("dcmotor_position_stairs.csv");
     let columns = ["--input", "u", "--output", "y", "--period", "0.02"];
-    let identify = [
-        "identify",
-        "-q",
-        arg(&file),
-        "--servo-model",
-        "-o",
-        arg(&model),
-    ];
-    run(&[&identify[..], &columns].concat());
+    identify_servo_model(&file, &model, &columns);
     let good = json(&model);
     let altered = |name: &str, alter: &dyn Fn(&mut Value)| {
         let mut document = good.clone();

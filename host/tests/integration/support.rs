@@ -60,15 +60,14 @@ pub fn modelled(dir: &Path, name: &str, servo: &str, reference: &[&str]) -> Path
     let [file, model] = ["csv", "json"].map(|ending| dir.join(format!("{name}.{ending}")));
     let simulate = ["simulate", "-q", "--servo", servo, "-o", arg(&file)];
     run(&[&simulate[..], reference].concat());
-    run(&[
-        "identify",
-        "-q",
-        arg(&file),
-        "--servo-model",
-        "-o",
-        arg(&model),
-    ]);
+    identify_servo_model(&file, &model, &[]);
     model
+}
+
+/// The `model` of a recording, with a servo model.
+pub fn identify_servo_model(file: &Path, model: &Path, further: &[&str]) {
+    let identify = ["identify", "-q", arg(file), "--servo-model"];
+    run(&[&identify[..], &["-o", arg(model)], further].concat());
 }
 
 /// A recording that came with the tests.

@@ -38,15 +38,11 @@ impl Asked {
     /// has one response to all of them, whatever levels were drawn.
     fn shows_one_response(&self) -> bool {
         let Sides { a, b } = &self.motions;
-        let [short, long] = match a.mean_hold_s < b.mean_hold_s {
-            true => [a.mean_hold_s, b.mean_hold_s],
-            false => [b.mean_hold_s, a.mean_hold_s],
-        };
         self.linear
             && self.symmetric
             && a.held
             && b.held
-            && long <= SIZES_COMPARED * short
+            && a.mean_hold_s.max(b.mean_hold_s) <= SIZES_COMPARED * a.mean_hold_s.min(b.mean_hold_s)
             && self.strokes.a.show_linearity_alike(&self.strokes.b)
     }
 

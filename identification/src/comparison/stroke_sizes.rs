@@ -3,7 +3,7 @@
 //! Strokes of several sizes in one record show whether the servo answers them alike: a servo that is limited in speed, or has play or friction, does
 //! not, and does not look linear then. Strokes of one size show nothing of this.
 
-use crate::data::{Record, Run, holds};
+use crate::data::{Record, measured_within, stroke_sizes};
 use crate::thresholds::{FEWEST_STROKES, HELD_WITHIN, SEVERAL_SIZES, SIZES_COMPARED};
 
 /// The strokes of one side.
@@ -20,14 +20,8 @@ pub(super) struct StrokeSizes {
 impl StrokeSizes {
     /// Those of a record, with the noise of an input that was measured left out.
     pub(super) fn of(record: &Record) -> Self {
-        let inputs = || record.runs().iter().flat_map(Run::input).copied();
-        let (low, high) = (
-            inputs().fold(f64::INFINITY, f64::min),
-            inputs().fold(f64::NEG_INFINITY, f64::max),
-        );
-        let tolerance = HELD_WITHIN * (high - low);
-        let all = record.runs().iter().flat_map(|run| holds(run, tolerance));
-        let sizes = all.filter_map(|hold| Some((hold.level - hold.before?).abs()));
+        let tolerance = measured_within(record);
+        let sizes = stroke_sizes(record, tolerance);
         let mut sizes: Vec<f64> = sizes.filter(|size| *size > tolerance).collect();
         sizes.sort_by(f64::total_cmp);
         let count = sizes.len();

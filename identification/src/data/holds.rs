@@ -50,13 +50,18 @@ pub(crate) fn holds(run: &Run, tolerance: f64) -> Vec<Hold> {
     holds
 }
 
-/// For how long the input is held after each of its changes, and at the beginning of each run \[samples\]; an
-/// input that was measured may have noise.
-pub(crate) fn hold_lengths(record: &Record) -> Vec<usize> {
+/// The tolerance of an input that was measured, and may have noise \[input\].
+pub(crate) fn measured_within(record: &Record) -> f64 {
     let present = || record.runs().iter().flat_map(Run::input).copied();
     let low = present().fold(f64::INFINITY, f64::min);
     let high = present().fold(f64::NEG_INFINITY, f64::max);
-    let tolerance = HELD_WITHIN * (high - low);
+    HELD_WITHIN * (high - low)
+}
+
+/// For how long the input is held after each of its changes, and at the beginning of each run \[samples\]; an
+/// input that was measured may have noise.
+pub(crate) fn hold_lengths(record: &Record) -> Vec<usize> {
+    let tolerance = measured_within(record);
     let holds = record.runs().iter().flat_map(|run| holds(run, tolerance));
     holds.map(|hold| hold.samples.len()).collect()
 }
@@ -75,6 +80,13 @@ pub(crate) fn share_held(record: &Record, samples: usize) -> f64 {
     held as f64 / lengths.len().max(1) as f64
 }
 
+/// The sizes of the changes from hold to hold \[input\].
+pub(crate) fn stroke_sizes(record: &Record, tolerance: f64) -> impl Iterator<Item = f64> {
+    let runs = record.runs().iter();
+    let holds = runs.flat_map(move |run| holds(run, tolerance));
+    holds.filter_map(|hold| Some((hold.level - hold.before?).abs()))
+}
+
 /// The size of all strokes of the command, where they have one \[input\]; `None` where sizes differ, or the input is not held.
 ///
 /// A recording with strokes of one size does not show how a servo answers others.
@@ -88,9 +100,7 @@ pub(crate) fn share_held(record: &Record, samples: usize) -> f64 {
 /// ```
 #[must_use]
 pub fn only_stroke(record: &Record) -> Option<f64> {
-    let holds = record.runs().iter().flat_map(|run| holds(run, EXACTLY));
-    let sizes = holds.filter_map(|hold| Some((hold.level - hold.before?).abs()));
-    let ends = sizes.fold(None, |ends: Option<(f64, f64)>, size| {
+    let ends = stroke_sizes(record, EXACTLY).fold(None, |ends: Option<(f64, f64)>, size| {
         let (least, most) = ends.unwrap_or((size, size));
         Some((least.min(size), most.max(size)))
     });

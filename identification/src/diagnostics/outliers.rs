@@ -11,7 +11,7 @@
 //! not glitches, and none is taken out but single [`spikes`].
 
 use serde::{Deserialize, Serialize};
-use statrs::distribution::{Binomial, ChiSquared, ContinuousCDF, DiscreteCDF};
+use statrs::distribution::{Binomial, DiscreteCDF};
 
 use crate::data::{Moments, Record};
 use crate::diagnostics::noise_prediction::NoisePrediction;
@@ -19,7 +19,7 @@ use crate::diagnostics::simulation_error::{Simulated, one_step_errors};
 use crate::diagnostics::spikes::{Course, spikes};
 use crate::diagnostics::uneven_noise::{motion, squared_speed};
 use crate::estimation::GlsFit;
-use crate::numerics::{median, normal_cdf};
+use crate::numerics::{chi_square_upper_tail, median, normal_cdf};
 use crate::thresholds::{FALSELY_OUTLYING, MOST_OUTLYING, OUTLYING, RESIDUAL_SIGNIFICANCE};
 
 /// Ratio of the median of squares to the variance, of Gaussian noise.
@@ -338,9 +338,6 @@ impl Seen {
             .filter(|(found, _)| found.samples > 1)
             .map(|(found, sum)| sum / found.samples as f64)
             .collect();
-        if lasting.is_empty() {
-            return false;
-        }
         let mut motions = self.motions.clone();
         motions.sort_unstable_by(f64::total_cmp);
         let share = |q: &f64| {
@@ -348,8 +345,7 @@ impl Seen {
             (motions.len() - slower).max(1) as f64 / motions.len() as f64
         };
         let fast = -2.0 * lasting.iter().map(|q| share(q).ln()).sum::<f64>();
-        let chance = ChiSquared::new(2.0 * lasting.len() as f64);
-        chance.is_ok_and(|chance| chance.sf(fast) < RESIDUAL_SIGNIFICANCE)
+        chi_square_upper_tail(fast, 2 * lasting.len()) < RESIDUAL_SIGNIFICANCE
     }
 }
 

@@ -8,6 +8,7 @@ mod coarse_sampling;
 mod coarse_sensor;
 mod comparison;
 mod coverage;
+mod different_motions;
 mod drift;
 mod flight_model;
 mod hard_lines;
