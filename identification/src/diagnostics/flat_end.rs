@@ -10,6 +10,7 @@ use std::ops::Range;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::split_squares::{Rest, SplitSquares};
+use crate::data::column::span;
 use crate::data::{EXACTLY, Hold, Record, Run, holds, last_quarter, mean_output, sensor_step};
 use crate::diagnostics::common_offset::common_offset;
 use crate::numerics::{dot, square_about_mean};
@@ -23,7 +24,7 @@ const FEWEST: usize = 3;
 const FEWEST_AT_END: usize = 2;
 
 /// Share of the way to a rest below which the last two eighths of a hold agree. Holds that end before the servo rests are no rests, and
-/// scatter about the line more than a stop is short.
+/// scatter about the line more than a stop is short. Beyond a stop there is no way: there the way that the command asks for counts.
 const AT_REST: f64 = 0.05;
 
 /// Share of the range of the commands over which the line must go: two of six levels do, a few neighbours show no slope.
@@ -80,6 +81,8 @@ fn rests(record: &Record) -> Vec<Rest> {
 
 /// Those of one run: the two halves of the last quarter agree, beside the way there.
 fn rests_of(run: &Run<'_>) -> Vec<(f64, f64)> {
+    let range = |column: &[f64]| span(column.iter().copied()).unwrap_or_default();
+    let gain = range(run.output()) / range(run.input());
     let at_rest = |hold: &Hold| {
         let last = last_quarter(&hold.samples);
         let middle = last.start + last.len() / 2;
@@ -87,9 +90,10 @@ fn rests_of(run: &Run<'_>) -> Vec<(f64, f64)> {
             [last.start..middle, middle..last.end].map(|part| mean_output(run, part));
         let (first, second) = first.zip(second)?;
         let start = run.output()[hold.samples.start];
-        let way = (second - start).abs();
+        let asked = gain * (hold.level - hold.before?).abs();
+        let way = (second - start).abs().max(asked);
         let is_at_rest = (second - first).abs() < AT_REST * way;
-        (hold.before.is_some() && is_at_rest).then_some((hold.level, 0.5 * (first + second)))
+        is_at_rest.then_some((hold.level, 0.5 * (first + second)))
     };
     holds(run, EXACTLY)
         .iter()

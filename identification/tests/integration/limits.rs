@@ -28,22 +28,43 @@ fn up_and_down() -> Vec<f64> {
     stairs(&levels, 3, 150)
 }
 
-/// Levels of up to 6, of which one lies beyond the stop.
-#[test]
-fn a_stop_is_not_claimed_of_one_command() {
+/// What is said of a stop under levels of up to 6: of the travel's end, and of the high end with its limits.
+fn stopped(stop: f64, noise: f64) -> (String, Option<String>) {
     let input = up_and_down();
-    let clean = limited(0.7, 60.0, Limit::Clip(-20.0, 4.6), &input, -6.0);
-    let record = Record::of_run(PERIOD, &input, measured(&clean, 0.2, 5)).unwrap();
+    let clean = limited(0.7, 60.0, Limit::Clip(-20.0, stop), &input, -6.0);
+    let record = Record::of_run(PERIOD, &input, measured(&clean, noise, 5)).unwrap();
     let model = identify(&record, &Options::default()).unwrap();
     let mut advice = model.advice.iter();
-    let named = advice
-        .find(|advice| advice.check == Check::TravelEnd)
-        .unwrap();
-    let said = "falls short of one command";
-    assert!(named.finding.contains(said), "{}", named.finding);
-    assert!(!named.finding.contains("The output stops"));
-    let [_, high] = Limits::of(&record, &model, 0.99).ends.unwrap();
-    assert!(high.statement.contains("softens"), "{}", high.statement);
+    let named = advice.find(|advice| advice.check == Check::TravelEnd);
+    let ends = Limits::of(&record, &model, 0.99).ends;
+    (
+        named.unwrap().finding.clone(),
+        ends.map(|[_, high]| high.statement),
+    )
+}
+
+#[test]
+fn a_stop_is_not_claimed_of_one_command() {
+    for (stop, noise, end) in [
+        (4.6, 0.2, "softens"),
+        (4.1, 0.02, "falls short of one command, as at a hard stop"),
+    ] {
+        let (travel_end, high) = stopped(stop, noise);
+        let said = "falls short of one command";
+        assert!(travel_end.contains(said), "{travel_end}");
+        assert!(!travel_end.contains("The output stops"));
+        assert!(high.as_ref().unwrap().contains(end), "{high:?}");
+    }
+}
+
+/// The output does not move between 4 and 6: it rests there, though it goes no way.
+#[test]
+fn two_commands_beyond_a_stop_are_counted() {
+    for stop in [3.5, 2.5] {
+        let (travel_end, _) = stopped(stop, 0.2);
+        let said = "commands from 4 to 6 all end there (2 of them)";
+        assert!(travel_end.contains(said), "{travel_end}");
+    }
 }
 
 #[test]
