@@ -107,8 +107,9 @@ fn between_rows(rows: f64, model: &Model) -> Advice {
         ),
         rows,
         *ONE_ROW.start(),
-        "If such a logger wrote the file, say --polled: times are corrected, and their intervals allow for the rest. Better, record by the \
-         clock of the commands.",
+        "If such a logger wrote the file, say --polled: times are corrected, and their intervals allow for the rest. If the pulses of the \
+         servo are as far apart as the rows, do not: then all times contain the mean wait for a pulse, half a row. Better, record by the clock \
+         of the commands.",
     )
 }
 
@@ -274,8 +275,9 @@ fn squared_correlation(answers: &[CommandAnswer], of: fn(&CommandAnswer) -> f64)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::identified;
+    use crate::analysis::{compared, identified};
     use crate::data::dataset::{ArrayRun, Arrays, of_arrays};
+    use servoid_identification::comparison::ComparisonOptions;
     use servoid_identification::results::{Reason, Withheld};
     use servoid_identification::{Options, Record, identify};
 
@@ -342,7 +344,7 @@ mod tests {
     }
 
     /// Of a recording that a logger polled, where that is said or not.
-    fn polled(stated: bool) -> Model {
+    fn polled(stated: bool) -> Dataset {
         let record = record(1.0, 0.02, f64::INFINITY);
         let run = &record.runs()[0];
         let arrays = Arrays {
@@ -358,20 +360,30 @@ mod tests {
         let mut data = of_arrays(arrays).unwrap();
         (data.about.commands_at_rows, data.about.polled) = (!stated, stated);
         data.about.sensor_delay_uncertainty_s = if stated { 0.005 } else { 0.0 };
-        identified(&data, "polled", &Options::default())
-            .unwrap()
-            .model
+        data
     }
 
     /// A lag of 30 ms passes a half after 20.8 ms, its commands wait for 5 ms on average, and half a row is 5 ms.
     #[test]
     fn a_polled_recording_has_no_times_unless_that_is_said() {
-        let unsaid = polled(false);
+        let model = |data: &Dataset| {
+            identified(data, "polled", &Options::default())
+                .unwrap()
+                .model
+        };
+        let data = polled(false);
+        let options = ComparisonOptions::default();
+        let compared = compared([&data; 2], ["a", "b"], options).unwrap();
+        assert_eq!(
+            compared.bounds.withdrawn(),
+            Some(Reason::CommandsBetweenRows)
+        );
+        let unsaid = model(&data);
         assert_eq!(unsaid.bounds.withdrawn(), Some(Reason::CommandsBetweenRows));
         assert_eq!(unsaid.advice[0].check, Check::CommandsBetweenRows);
         assert_eq!(unsaid.metrics.withheld, Some(Withheld::TimeFault));
         assert!(unsaid.metrics.dc_gain.value.is_some() && unsaid.metrics.t50_s.value.is_none());
-        let said = polled(true);
+        let said = model(&polled(true));
         assert!(said.linear && said.bounds.valid().is_some());
         assert!(said.metrics.t50_s.contains(0.0308), "{:?}", said.metrics);
     }

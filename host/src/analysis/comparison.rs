@@ -1,5 +1,6 @@
 //! The comparison of two sides, with what the commands add to that of the library: servo models, and advice on the files.
 
+use super::identified::identified;
 use super::servo_comparison::compared_servos;
 use super::{delay_errors, scale_errors, servo_fit};
 use crate::data::dataset::Dataset;
@@ -10,13 +11,13 @@ use crate::data::model_metadata::{ModelMetadata, UnitsDiffer};
 use crate::presentation::summary;
 use anyhow::{Context, Result, anyhow, bail};
 use serde::Serialize;
-use servoid_identification::Error;
 use servoid_identification::comparison::{
     Comparison, ComparisonOptions, SCHEMA, ServoModelComparison, Subject, Verdict, compare,
     compare_models,
 };
-use servoid_identification::results::{Advice, Model};
+use servoid_identification::results::{Advice, Model, Reason};
 use servoid_identification::servo_model::Watch;
+use servoid_identification::{Error, Options};
 
 /// Compares the data of two sides. The most important advice comes first: that both have the same samples.
 ///
@@ -33,6 +34,9 @@ pub fn compared(
     let options = ComparisonOptions {
         input_unit: a.about.input_unit_with(&b.about),
         output_unit: a.about.output_unit_with(&b.about),
+        withheld: [a, b]
+            .into_iter()
+            .find_map(|side| fault(side, &options.identification)),
         ..allowed_for_sensors(sides, options)
     };
     let found = compare(&a.record, &b.record, &options);
@@ -56,6 +60,13 @@ pub fn compared(
     found.advice.extend(a.about.other_calibration(&b.about));
     found.advice.extend(advice_on_sensors(sides, &options));
     Ok(found)
+}
+
+/// What is wrong with the data of one side by itself, be it by what its files say: then a comparison has no bounds, either.
+fn fault(side: &Dataset, options: &Options) -> Option<Reason> {
+    let found = identified(side, "", options).ok()?;
+    let reason = found.model.bounds.withdrawn();
+    reason.filter(|reason| reason.is_of_the_record())
 }
 
 /// The options of a comparison that allows for what the sensors of the sides may be off from each other.
@@ -208,10 +219,9 @@ pub fn compared_models(
 ) -> Result<Comparison> {
     let [a, b] = metadata;
     a.same_units(names[0], b, names[1])?;
-    let strokes = a.only_stroke.zip(b.only_stroke);
     let unit = a.units().input.filter(|unit| b.units().input == Some(unit));
     let options = ComparisonOptions {
-        strokes_of_models: strokes.map(<[f64; 2]>::from),
+        strokes_of_models: metadata.map(|side| side.only_stroke),
         input_unit: unit.unwrap_or_default().to_owned(),
         ..allowed_for_sensors(metadata, options)
     };

@@ -2,7 +2,7 @@
 
 use super::difference::{Curves, Differences};
 use super::difference_curves::difference_curves;
-use super::different_motions::{Asked, strokes_of_models_may_explain};
+use super::different_motions::{Asked, references_of_models_may_explain};
 use super::metric_differences::{MetricsOfSide, metric_differences};
 use super::options::{ComparisonOptions, DelayErrors};
 use super::outcome::{Comparison, ComparisonBounds, DifferencePercent, SCHEMA, Sides, Subject};
@@ -42,7 +42,7 @@ use crate::thresholds::MARGIN;
 /// # Errors
 /// A side cannot be identified, or the two differ in sample period.
 pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Comparison, Error> {
-    let (mut a, mut b) = identified(a, b, &options.identification)?;
+    let (mut a, mut b) = identified(a, b, &options.identification, options.withheld)?;
     let level = options.identification.level;
     let both = a.split.as_ref().zip(b.split.as_ref());
     let split = both.filter(|_| a.asymmetric() || b.asymmetric());
@@ -106,6 +106,10 @@ pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Co
         false => None,
     };
     comparison.summary = words::summary(&comparison, turned.as_ref(), options);
+    let by_themselves = [&a.alone, &b.alone].map(|alone| alone.bounds.valid());
+    if comparison.bounds.valid().is_none() && by_themselves.iter().all(Option::is_some) {
+        comparison.summary += words::LOST_TOGETHER;
+    }
     comparison.advice = advice::gather(
         &comparison,
         [&a.alone, &b.alone],
@@ -138,8 +142,8 @@ pub fn compare_models(
     let curves = [Curves::of_model(a, points)?, Curves::of_model(b, points)?];
     let mut comparison = of_curves([a, b], &curves, None, options);
     comparison.turns_the_other_way = other_way::by_bounds(&comparison);
-    let of_strokes = |strokes| strokes_of_models_may_explain(&comparison, strokes);
-    if options.strokes_of_models.is_some_and(of_strokes) {
+    let linear = a.linear && b.linear;
+    if references_of_models_may_explain(&comparison, options.strokes_of_models, linear) {
         comparison.verdict = Verdict::Undecided;
         comparison.descriptions_of_different_motions = true;
     }

@@ -1,10 +1,11 @@
 //! Whether the references of two sides may be what makes their responses differ.
 
-use super::motion::{Motion, larger_by};
+use super::motion::{Motion, larger_by, strokes_differ};
 use super::outcome::{Comparison, Sides};
 use super::pair::Identified;
 use super::stroke_sizes::StrokeSizes;
 use super::verdict::Verdict;
+use crate::numerics::four_digits;
 use crate::results::Bounds;
 use crate::thresholds::{EQUALLY_LARGE, SIZES_COMPARED};
 
@@ -69,11 +70,39 @@ impl Asked {
     }
 }
 
-/// The same of two models, each of a recording with strokes of one size.
-pub(super) fn strokes_of_models_may_explain(found: &Comparison, sizes: [f64; 2]) -> bool {
-    let larger_by = larger_by(sizes);
-    let different = found.verdict == Verdict::Different && !found.turns_the_other_way;
-    different && (larger_by > EQUALLY_LARGE || strokes_may_explain(found, larger_by))
+/// The same of two models, of which `strokes` have the one size of each recording, where it has one.
+///
+/// Strokes of several sizes, to which a servo that looks linear has one response, show nothing of the reference of one that does not.
+pub(super) fn references_of_models_may_explain(
+    found: &Comparison,
+    strokes: [Option<f64>; 2],
+    linear: bool,
+) -> bool {
+    let different = found.verdict == Verdict::Different;
+    if different && found.turns_the_other_way {
+        return false;
+    }
+    match strokes {
+        [Some(a), Some(b)] => {
+            let larger_by = larger_by([a, b]);
+            different && (larger_by > EQUALLY_LARGE || strokes_may_explain(found, larger_by))
+        }
+        [None, None] => !linear,
+        _ => different || !linear,
+    }
+}
+
+/// How the references of two models may differ, by the one size of the `strokes` of each.
+pub(super) fn references_of_models_in_words(strokes: [Option<f64>; 2], unit: &str) -> String {
+    let in_words = |size: f64| four_digits(size).to_string();
+    match strokes {
+        [Some(a), Some(b)] => strokes_differ([in_words(a), in_words(b)], unit),
+        [None, None] => "at least one of the two servos is not linear, and models do not show whether both had one reference".to_owned(),
+        [Some(size), None] | [None, Some(size)] => {
+            let space = if unit.is_empty() { "" } else { " " };
+            format!("one model is of strokes of {}{space}{unit} alone, the other of another reference", in_words(size))
+        }
+    }
 }
 
 /// Whether what exceeds the margin may come from strokes that are nearly equal, such as those of a whole number of microseconds by two calibrations.

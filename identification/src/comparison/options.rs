@@ -2,6 +2,7 @@
 
 use crate::numerics::pointwise_critical;
 use crate::options::Options;
+use crate::results::Reason;
 
 /// By how much the outputs of two sides may have been recorded earlier or later than they are taken for, at most \[s\]. Models contain their own
 /// errors: of them only which of the two it is counts.
@@ -40,8 +41,10 @@ pub struct ComparisonOptions {
     /// Standard deviation of the ratio of the scales of both outputs, 0.05 for 5 %. Zero where one sensor recorded both sides, whose error is the same
     /// in both.
     pub scale_sd: f64,
-    /// The size of all strokes in the recording of each of two models, where each has one \[input\]; records show theirs by themselves.
-    pub strokes_of_models: Option<[f64; 2]>,
+    /// The size of all strokes in the recording of each of two models, where it has one \[input\]; records show theirs by themselves.
+    pub strokes_of_models: [Option<f64>; 2],
+    /// What the caller knows of the records, or of one, that leaves no bounds.
+    pub withheld: Option<Reason>,
     /// The unit of the input, for sentences; empty when it is not known.
     pub input_unit: String,
     /// The unit of the output, likewise.
@@ -79,7 +82,8 @@ impl Default for ComparisonOptions {
             zero_sd: 0.0,
             delay_errors: DelayErrors::Apart([0.0; 2]),
             scale_sd: 0.0,
-            strokes_of_models: None,
+            strokes_of_models: [None; 2],
+            withheld: None,
             input_unit: String::new(),
             output_unit: String::new(),
         }

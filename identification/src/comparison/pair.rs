@@ -143,11 +143,12 @@ impl<'a> Identified<'a> {
 }
 
 /// Both sides with one structure: the longer settling time of the two, as far as the references of
-/// both distinguish lags.
+/// both distinguish lags. Neither has bounds where they are `withheld`.
 pub(super) fn identified<'a>(
     a: &'a Record<'a>,
     b: &'a Record<'a>,
     options: &Options,
+    withheld: Option<Reason>,
 ) -> Result<(Identified<'a>, Identified<'a>), Error> {
     same_period(a.sample_period_s(), b.sample_period_s())?;
     let found = [a, b].map(|record| identify_runs(record, options, false));
@@ -178,7 +179,11 @@ pub(super) fn identified<'a>(
         },
         ..*options
     };
-    let [alone_a, alone_b] = found;
+    let [mut alone_a, mut alone_b] = found;
+    if let Some(reason) = withheld {
+        alone_a.model.withdraw(reason);
+        alone_b.model.withdraw(reason);
+    }
     let [of_a, of_b] = [&alone_a, &alone_b].map(|alone| alone.model.level().withdrawn());
     Ok((
         Identified::new(a, alone_a, of_b, &common)?,

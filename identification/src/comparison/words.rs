@@ -1,6 +1,6 @@
 //! The answer in two sentences: whether and by how much the two differ, and what a pilot notices of it.
 
-use super::motion::strokes_differ;
+use super::different_motions::references_of_models_in_words;
 use super::options::ComparisonOptions;
 use super::outcome::{
     Comparison, ComparisonBounds, DifferenceCurve, Direction, Levels, Sides, Subject,
@@ -33,12 +33,15 @@ pub(super) fn summary(
             )
         }
         Bounds::Withdrawn(reason) => format!(
-            "{other_way}Not decided by the step responses: for at least one of the two no bounds can be given, because {}. Record steps that are \
-             held until the servo rests.",
+            "{other_way}Not decided by the step responses: for at least one of the two no bounds can be given, because {}. Identify each \
+             side by itself: its advice says what to record.",
             reason.because()
         ),
     }
 }
+
+/// Where each side has bounds by itself, and a comparison none.
+pub(super) const LOST_TOGETHER: &str = " Each side has bounds by itself, and loses them with the settling time that both are given here.";
 
 /// What the comparison says once the outputs of the second side have the sign of those of the first; `None` where that is nothing.
 fn with_its_sign_changed(turned: &Comparison) -> Option<String> {
@@ -60,12 +63,10 @@ fn not_one_reference(
     let unit = &options.input_unit;
     let of_records = found.motions;
     let of_records = of_records.map(|both| both.a.difference_in_words(&both.b, unit));
-    let of_models = options.strokes_of_models;
-    let of_models = of_models
-        .map(|sizes| strokes_differ(sizes.map(|size| four_digits(size).to_string()), unit));
-    let differ = of_records.or(of_models).unwrap_or_default();
+    let differ = of_records
+        .unwrap_or_else(|| references_of_models_in_words(options.strokes_of_models, unit));
     format!(
-        "Not decided by the step responses: {differ}. A servo that is limited in speed or torque, or has play, answers each of them differently, so that what \
+        "Not decided by the step responses: {differ}. A servo that is limited in speed or torque, or has play, answers each reference differently, so that what \
          differs may be the motion and not the servo. Record both sides with the same reference. Of the responses to the two motions, {}.",
         apart(found, bounds)
     )

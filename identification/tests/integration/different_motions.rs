@@ -3,9 +3,11 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use servoid_identification::Record;
-use servoid_identification::comparison::{Comparison, ComparisonOptions, Verdict, compare};
-use servoid_identification::results::Check;
+use servoid_identification::comparison::{
+    Comparison, ComparisonOptions, Verdict, compare, compare_models,
+};
+use servoid_identification::results::{Check, Reason};
+use servoid_identification::{Options, Record, identify};
 
 use servoid_test_support::servos::{Limit, Linear, PERIOD, limited, measured, staircase};
 
@@ -97,6 +99,61 @@ fn the_draw_of_random_levels_withholds_no_verdict() {
     }
 }
 
+/// Only models of servos that look linear, both under strokes of several sizes or both under those of one, are called different.
+#[test]
+fn models_under_unlike_references_are_not_called_different() {
+    let of = |gain: f64, size: f64, seed: u64| {
+        let servo = Linear::second_order(gain, 0.0255, 0.6, 60.0);
+        let input: Vec<f64> = staircase().iter().map(|u| size * u).collect();
+        let clean = servo.respond(&input, input[0], 0.0);
+        let record = Record::of_run(PERIOD, input, measured(&clean, 1.0, seed)).unwrap();
+        identify(&record, &Options::default()).unwrap()
+    };
+    let (a, b) = (of(1.0, 1.0, 1), of(0.9, 2.0, 2));
+    let under = |strokes: [Option<f64>; 2]| {
+        let options = ComparisonOptions {
+            strokes_of_models: strokes,
+            ..ComparisonOptions::default()
+        };
+        compare_models(&a, &b, &options).unwrap()
+    };
+    for strokes in [[None; 2], [Some(10.0); 2]] {
+        assert_eq!(under(strokes).verdict, Verdict::Different);
+    }
+    for strokes in [
+        [Some(10.0), None],
+        [None, Some(20.0)],
+        [Some(10.0), Some(20.0)],
+    ] {
+        let found = under(strokes);
+        assert_eq!(found.verdict, Verdict::Undecided, "{}", found.summary);
+        assert!(found.descriptions_of_different_motions, "{}", found.summary);
+    }
+}
+
+/// What a caller knows of the records leaves no bounds, whatever they show by themselves.
+#[test]
+fn a_fault_that_the_caller_states_leaves_no_bounds() {
+    let input = random_levels(3, true);
+    let clean = Linear::second_order(1.0, 0.0255, 0.6, 60.0).respond(&input, input[0], 0.0);
+    let side = |seed: u64| Record::of_run(PERIOD, &input, measured(&clean, 1.0, seed)).unwrap();
+    let options = ComparisonOptions {
+        withheld: Some(Reason::CommandsBetweenRows),
+        ..ComparisonOptions::default()
+    };
+    let found = compare(&side(1), &side(2), &options).unwrap();
+    assert_eq!(found.bounds.withdrawn(), Some(Reason::CommandsBetweenRows));
+    assert!(!found.has_verdict() && found.verdict == Verdict::Undecided);
+    let intervals = found.differences.iter().map(|row| row.lower);
+    assert!(intervals.flatten().next().is_none());
+}
+
+/// That of the models of two records, for which nobody states the strokes.
+fn verdict_of_models(a: &Record, b: &Record) -> Comparison {
+    let [a, b] = [a, b].map(|side| identify(side, &Options::default()).unwrap());
+    compare_models(&a, &b, &ComparisonOptions::default()).unwrap()
+}
+
 /// Limits from such as nobody notices to such as every stroke meets, up and down or one way, and strokes that are up to twice as large.
 #[test]
 fn a_servo_that_is_limited_is_not_different_from_itself_under_another_draw() {
@@ -115,12 +172,11 @@ fn a_servo_that_is_limited_is_not_different_from_itself_under_another_draw() {
         };
         let size = 1.0 + (pair % 5) as f64 / 5.0;
         let (a, b) = (side(2 * pair, 1.0), side(2 * pair + 1, size));
-        let found = compare(&a, &b, &ComparisonOptions::default()).unwrap();
-        assert_ne!(
-            found.verdict,
-            Verdict::Different,
-            "{pair}: {}",
-            found.summary
-        );
+        let of_models = (pair % 4 == 3).then(|| verdict_of_models(&a, &b));
+        let of_records = compare(&a, &b, &ComparisonOptions::default()).unwrap();
+        for found in of_models.into_iter().chain([of_records]) {
+            let words = &found.summary;
+            assert_ne!(found.verdict, Verdict::Different, "{pair}: {words}");
+        }
     });
 }

@@ -1,6 +1,6 @@
 //! A comparison as text.
 
-use super::layout::{findings, wrapped};
+use super::layout::{findings_with, wrapped};
 use super::metrics::difference_rows;
 use super::numbers::{percent, probability, with_bounds};
 use crate::data::units::Units;
@@ -16,7 +16,9 @@ pub fn of_comparison(found: &Comparison, units: Units<'_>) -> String {
     for (name, value) in facts_of_comparison("A", "B", found, units) {
         text += &format!("  {name:NAMES$} {}\n", wrapped(&value, NAMES + 3));
     }
-    text + "\n" + &table_of_comparison("A", "B", found) + &findings(&found.advice)
+    text + "\n"
+        + &table_of_comparison("A", "B", found)
+        + &findings_with(&found.advice, "Option of 'servoid identify'")
 }
 
 /// Width of the column with the names of facts \[letters\].

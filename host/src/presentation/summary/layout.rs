@@ -18,8 +18,13 @@ fn option(setting: Setting) -> &'static str {
 
 /// Each finding and its remedy, marked and indented.
 pub(super) fn findings(advice: &[Advice]) -> String {
+    findings_with(advice, "Option")
+}
+
+/// The same with what the `options` that remedies ask for are called.
+pub(super) fn findings_with(advice: &[Advice], options: &str) -> String {
     let finding = |item: &Advice| {
-        let option = (item.setting()).map(|setting| format!(" Option: {}.", option(setting)));
+        let option = (item.setting()).map(|setting| format!(" {options}: {}.", option(setting)));
         let remedy = item.remedy.clone() + &option.unwrap_or_default();
         let [finding, remedy] = [&item.finding, &remedy].map(|text| wrapped(text, 4));
         format!("\n  ! {finding}\n    {remedy}\n")
