@@ -176,36 +176,41 @@ impl<'a> Undisturbed<'a> {
             levels: self.disturbances.levels.clone(),
             ..Disturbances::default()
         };
+        // Each is looked for in the errors that the ones before leave.
         let first = next.removed_from(complete);
-        let simulated = simulated_whole(&first, moments, fit);
-        let (offsets, trends) = match detrend {
-            Detrend::None => (Vec::new(), false),
-            Detrend::Auto => (run_offsets(&simulated, settling, false), drift(&simulated)),
-            Detrend::Offset => (run_offsets(&simulated, settling, true), false),
-            Detrend::Linear => (run_offsets(&simulated, settling, true), true),
+        let (without_trends, without_offsets, without_hum);
+        let mut errors = simulated_whole(&first, moments, fit);
+        let drifts = match detrend {
+            Detrend::None | Detrend::Offset => false,
+            Detrend::Auto => drift(&errors),
+            Detrend::Linear => true,
         };
-        next.offsets = offsets;
-        if trends {
+        if drifts {
             next.trends = self.slopes();
+            without_trends = next.removed_from(complete);
+            errors = simulated_whole(&without_trends, moments, fit);
+        }
+        next.offsets = match detrend {
+            Detrend::None => Vec::new(),
+            Detrend::Auto => run_offsets(&errors, settling, false),
+            Detrend::Offset | Detrend::Linear => run_offsets(&errors, settling, true),
+        };
+        if !next.offsets.is_empty() {
+            without_offsets = next.removed_from(complete);
+            errors = simulated_whole(&without_offsets, moments, fit);
         }
         let rmse = self.estimate.rmse();
         let step = Quantisation::of(complete, rmse).map_or(0.0, |found| found.step);
         // Rounding that noise hardly dithers repeats itself with the reference.
         if Quantisation::of(complete, 0.0).is_none_or(|found| rmse > found.step) {
-            let runs = next.removed_from(complete);
-            next.hum = match next.is_of_runs() {
-                true => hum(&simulated_whole(&runs, moments, fit), fit),
-                false => hum(&simulated, fit),
-            };
+            next.hum = hum(&errors, fit);
         }
-        let as_simulated = next.is_empty();
-        next.outliers = Outliers::default();
-        let runs = next.removed_from(complete);
-        let simulated = match as_simulated {
-            true => simulated,
-            false => simulated_whole(&runs, moments, fit),
-        };
-        next.outliers = outliers(&simulated, moments, fit, step, smaller);
+        let outliers_before = std::mem::take(&mut next.outliers);
+        if !(next.hum.is_empty() && outliers_before.taken_out.is_empty()) {
+            without_hum = next.removed_from(complete);
+            errors = simulated_whole(&without_hum, moments, fit);
+        }
+        next.outliers = outliers(&errors, moments, fit, step, smaller);
         next
     }
 

@@ -1,7 +1,7 @@
 //! Outputs that drift, and outputs that have no end.
 
 use servoid_identification::results::{Check, Model};
-use servoid_identification::{Detrend, Error, Options, Record, identify, identify_explained};
+use servoid_identification::{Detrend, Error, Options, Record, Run, identify, identify_explained};
 use servoid_test_support::plants::{Noise, PERIOD, Plant, random, simulate, staircase};
 
 fn options(detrend: Detrend) -> Options {
@@ -50,6 +50,38 @@ fn a_drift_is_taken_out_and_named_and_bounds_hold() {
     }
     // Eight curves at 99 %: two outside happen once in 400 times.
     assert!(inside >= 7, "{inside} of 8");
+}
+
+/// Runs that drift each in its own way are known as well as those that drift alike.
+#[test]
+fn each_run_has_a_slope_of_its_own() {
+    let identified = |changes: [f64; 3]| {
+        let runs = (25..).zip(changes.into_iter().zip([0.0, 5.0, -7.0]));
+        let runs = runs.map(|(seed, (change, offset))| {
+            let record = drifting(change, Noise::White, seed);
+            let run = &record.runs()[0];
+            let output: Vec<f64> = run.output().iter().map(|y| y + offset).collect();
+            Run::new(run.input().to_vec(), output).unwrap()
+        });
+        let record = Record::new(PERIOD, runs.collect()).unwrap();
+        identify_explained(&record, &options(Detrend::Auto)).unwrap()
+    };
+    let (unlike, alike) = (identified([3.0, -4.0, 6.0]), identified([3.0; 3]));
+    for (found, change) in unlike.explanation.drift.iter().zip([3.0, -4.0, 6.0]) {
+        // As above, with an offset beside each slope.
+        assert!((found - change).abs() < 0.1, "{found} of {change}");
+    }
+    let half = |model: &Model| {
+        let whole = &model.step.bounds.valid().unwrap().simultaneous;
+        let halves = whole.upper.iter().zip(&whole.lower).map(|(u, l)| u - l);
+        halves.fold(0.0, f64::max)
+    };
+    // The noise is the same; slopes that are not all taken out would widen the bounds threefold.
+    let (unlike, alike) = (&unlike.model, &alike.model);
+    assert!(half(unlike) < 1.1 * half(alike));
+    assert!(holds(unlike));
+    let checks: Vec<&Check> = unlike.advice.iter().map(|found| &found.check).collect();
+    assert!(!checks.contains(&&Check::Whiteness), "{checks:?}");
 }
 
 #[test]
