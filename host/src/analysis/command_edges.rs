@@ -344,15 +344,15 @@ mod tests {
     }
 
     /// Of a recording that a logger polled, where that is said or not.
-    fn polled(stated: bool) -> Dataset {
+    fn polled(stated: bool) -> Dataset<'static> {
         let record = record(1.0, 0.02, f64::INFINITY);
         let run = &record.runs()[0];
         let arrays = Arrays {
             period_s: 0.01,
             phase_s: if stated { 0.005 } else { 0.0 },
             runs: vec![ArrayRun {
-                input: run.input().into(),
-                output: run.output().into(),
+                input: run.input().to_vec().into(),
+                output: run.output().to_vec().into(),
                 at_rest: None,
             }],
             ..Arrays::default()

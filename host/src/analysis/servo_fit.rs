@@ -61,7 +61,7 @@ pub fn find(
         }
     });
     let servo = found.model.as_ref().ok();
-    let doubt = servo.and_then(|servo| no_prediction(linear, &servo.model));
+    let doubt = servo.and_then(|servo| no_prediction(&data.record, linear, &servo.model));
     // Exchanged columns and loops are its causes: they come before it.
     let causes = linear
         .advice

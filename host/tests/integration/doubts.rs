@@ -215,6 +215,28 @@ fn planned_triangles_are_not_taken_for_a_closed_loop() {
     assert!(of("least") + 0.01 < of("most"), "{delay}");
 }
 
+/// The drift is as large as the strokes, and no straight line.
+#[test]
+fn a_drift_that_hides_the_motion_is_named_before_wrong_columns() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("drift.csv");
+    let random = |k: usize| (0.7 * (k * k) as f64).sin();
+    let mut rows = "u_deg,y_deg\n".to_owned();
+    let mut at = 0.0;
+    for k in 0..4000 {
+        let level = 3.0 * random(k / 20);
+        at += 0.2 * (level - at);
+        let drift = 2.0 * (f64::from(k as u32) / 500.0).sin();
+        rows += &format!("{level:.4},{:.4}\n", at + drift + 0.05 * random(7 * k + 1));
+    }
+    std::fs::write(&file, rows).unwrap();
+    let (text, document) = identified(&file, ["u_deg", "y_deg"], &["--period", "0.02"]);
+    assert_eq!(checks(&document)[0], "prediction", "{text}");
+    let remedy = document["advice"][0]["do"].as_str().unwrap();
+    assert!(remedy.starts_with("The errors are slow"), "{remedy}");
+    assert!(remedy.contains("--detrend linear"), "{remedy}");
+}
+
 /// A servo with a lag of 30 ms after 12 ms, at 50 rows a second: a logger reads command and position by its own clock. The sine of a
 /// square stands for random numbers.
 fn polled(path: &Path) {

@@ -94,6 +94,7 @@ pub use slow_end::{AllowedEnd, SlowEnd};
 pub(crate) use slow_end::{
     EstimatedEnd, Regression, RegressionRun, SlowColumns, is_unseen as end_is_unseen,
 };
+pub(crate) use slow_errors::SlowErrors;
 pub use standstill_noise::StandstillNoise;
 pub(crate) use standstill_noise::against_standstill;
 pub(crate) use time_fault::TimeFault;

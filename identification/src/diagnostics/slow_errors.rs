@@ -47,8 +47,12 @@ impl SlowErrors {
         })
     }
 
+    /// What to record then: strokes that are as large, and rests beside which the drift is seen.
+    pub(crate) const REMEDY: &str = "Look for the drift, of which '--detrend linear' takes out a straight line in each run, and record the same steps with each \
+                                     held several times as long";
+
     /// What may be the cause, as a sentence.
-    pub(super) fn in_words(self) -> String {
+    pub(crate) fn in_words(self) -> String {
         format!(
             "The errors are slow: the means over {:.1} s, of {STROKES} strokes, have {:.0} % of their square, so a sensor, a supply or a load that drifts is more \
              likely than a servo that is not linear",

@@ -8,6 +8,8 @@
 //! ```
 
 use super::model::{LinearKind, ServoModel};
+use crate::data::Record;
+use crate::diagnostics::SlowErrors;
 use crate::results::{Advice, Check, Model};
 use crate::thresholds::{MOTION_IN_NOISE, POOR_PREDICTION_PERCENT};
 
@@ -73,9 +75,12 @@ fn motion_predicted(fit_percent: f64, noise: f64) -> f64 {
     100.0 * (1.0 - ((missed * missed - noise * noise).max(0.0) / motion).sqrt())
 }
 
-/// That neither model of a record predicts it. The bounds of a linear model rest on errors that were tested as noise.
+const CHECK_THE_COLUMNS: &str = "Check that the input is the command of this servo and the output its motion, that the time between samples is right, that \
+                                 no controller computes the input from the output, and that nothing else moves the servo or changes between the runs.";
+
+/// That neither model of a `record` predicts it. The bounds of a linear model rest on errors that were tested as noise.
 #[must_use]
-pub fn no_prediction(linear: &Model, servo: &ServoModel) -> Option<Advice> {
+pub fn no_prediction(record: &Record, linear: &Model, servo: &ServoModel) -> Option<Advice> {
     let (of_linear, of_servo) = (servo.linear_percent(linear), servo.prediction_percent());
     let noise = match linear.bounds.valid() {
         Some(_) => 1.0 - of_linear / 100.0,
@@ -97,8 +102,10 @@ pub fn no_prediction(linear: &Model, servo: &ServoModel) -> Option<Advice> {
         ),
         of_linear.max(of_servo),
         POOR_PREDICTION_PERCENT,
-        "Check that the input is the command of this servo and the output its motion, that the time between samples is right, that \
-         no controller computes the input from the output, and that nothing else moves the servo or changes between the runs.",
+        SlowErrors::of(record, linear).map_or_else(
+            || CHECK_THE_COLUMNS.to_owned(),
+            |slow| format!("{}. {}.", slow.in_words(), SlowErrors::REMEDY),
+        ),
     ))
 }
 

@@ -102,8 +102,11 @@ fn what_was_seen(
     units: Units<'_>,
 ) -> Vec<String> {
     let agreed = speeds.and_then(|speeds| agreed(model, speeds));
+    let lacks_something = model.covariance.withdrawn() == Some(Reason::ErrorsNotNoise);
     let kind = limited_to(model, agreed, units, 3).unwrap_or_else(|| match speeds {
         Some(_) => "is limited in its speed".to_owned(),
+        // A stop in the travel looks like a drive that a load holds.
+        None if lacks_something && model.terms.limit => "is not linear".to_owned(),
         None => kind(model).to_owned(),
     });
     std::iter::once(kind)

@@ -4,6 +4,7 @@ use super::evidence::Evidence;
 use crate::diagnostics::linearity::Linearity;
 use crate::diagnostics::misfit::{Misfit, MisfitEvidence};
 use crate::diagnostics::run_scatter::RunComparison;
+use crate::diagnostics::slow_errors::SlowErrors;
 use crate::options::{MAX_AUTO_ORDER, NoiseOrder};
 use crate::results::{Advice, Bounds, Check, Reason, Withheld};
 use crate::thresholds::{
@@ -43,7 +44,7 @@ pub(super) fn model_error(evidence: &Evidence<'_>) -> Option<Advice> {
     let slow = evidence.slow_errors();
     let by_drift = slow.map_or_else(String::new, |slow| format!(" {}.", slow.in_words()));
     let record = match misfit.evidence {
-        _ if slow.is_some() => LONGER_HOLDS,
+        _ if slow.is_some() => SlowErrors::REMEDY,
         MisfitEvidence::MovesAgain(_) => {
             "Record levels in random order, or holds of different lengths, to see what the answer depends on"
         }
@@ -64,10 +65,6 @@ pub(super) fn model_error(evidence: &Evidence<'_>) -> Option<Advice> {
         format!("{record}; {use_of_model}."),
     ))
 }
-
-/// What to record where errors are slow: strokes that are as large, and rests beside which the drift is seen.
-const LONGER_HOLDS: &str =
-    "Look for the drift, and record the same steps with each held several times as long";
 
 /// "p = 2.3e-7"; smaller ones than any table has are all the same.
 fn probability(p: f64) -> String {
@@ -258,7 +255,7 @@ pub(super) fn gain_may_be_zero(evidence: &Evidence<'_>) -> Option<Advice> {
                          servo rests."
                             .to_owned()
                     },
-                    |slow| format!("{}. {LONGER_HOLDS}.", slow.in_words()),
+                    |slow| format!("{}. {}.", slow.in_words(), SlowErrors::REMEDY),
                 ),
             },
         )
