@@ -24,7 +24,7 @@ const FEWEST: usize = 3;
 const FEWEST_AT_END: usize = 2;
 
 /// Share of the way to a rest below which the last two eighths of a hold agree. Holds that end before the servo rests are no rests, and
-/// scatter about the line more than a stop is short. Beyond a stop there is no way: there the way that the command asks for counts.
+/// scatter about the line more than a stop is short.
 const AT_REST: f64 = 0.05;
 
 /// Share of the range of the commands over which the line must go: two of six levels do, a few neighbours show no slope.
@@ -80,26 +80,61 @@ fn rests(record: &Record) -> Vec<Rest> {
 }
 
 /// Those of one run: the two halves of the last quarter agree, beside the way there.
+///
+/// Where most holds end so, one in which the output stays where it was is a rest, too: there is no way between commands beyond a stop.
 fn rests_of(run: &Run<'_>) -> Vec<(f64, f64)> {
     let range = |column: &[f64]| span(column.iter().copied()).unwrap_or_default();
     let gain = range(run.output()) / range(run.input());
-    let at_rest = |hold: &Hold| {
+    let ends = |hold: &Hold| {
         let last = last_quarter(&hold.samples);
         let middle = last.start + last.len() / 2;
         let [first, second] =
             [last.start..middle, middle..last.end].map(|part| mean_output(run, part));
         let (first, second) = first.zip(second)?;
         let start = run.output()[hold.samples.start];
-        let asked = gain * (hold.level - hold.before?).abs();
-        let way = (second - start).abs().max(asked);
-        let is_at_rest = (second - first).abs() < AT_REST * way;
-        is_at_rest.then_some((hold.level, 0.5 * (first + second)))
+        Some(HoldEnd {
+            command: hold.level,
+            rest: 0.5 * (first + second),
+            left: (second - first).abs(),
+            way: (second - start).abs(),
+            asked: gain * (hold.level - hold.before?).abs(),
+        })
     };
-    holds(run, EXACTLY)
+    let held = holds(run, EXACTLY);
+    let long = held
         .iter()
-        .filter(|hold| last_quarter(&hold.samples).len() > 1)
-        .filter_map(at_rest)
-        .collect()
+        .filter(|hold| last_quarter(&hold.samples).len() > 1);
+    let ends: Vec<HoldEnd> = long.filter_map(ends).collect();
+    let arrived = ends.iter().filter(|end| end.is_rest()).count();
+    let may_stay = 2 * arrived > ends.len();
+    let rests = ends
+        .iter()
+        .filter(|end| end.is_rest() || may_stay && end.stays());
+    rests.map(|end| (end.command, end.rest)).collect()
+}
+
+/// How a hold ends.
+struct HoldEnd {
+    command: f64,
+    /// Mean output in the last quarter.
+    rest: f64,
+    /// From the first half of that quarter to the second.
+    left: f64,
+    /// From the beginning of the hold to its end.
+    way: f64,
+    /// The way that the command asks for, by the gain over the whole run.
+    asked: f64,
+}
+
+impl HoldEnd {
+    fn is_rest(&self) -> bool {
+        self.left < AT_REST * self.way
+    }
+
+    /// Whether the output does not follow the command at all.
+    fn stays(&self) -> bool {
+        self.left.max(self.way) < AT_REST * self.asked
+    }
 }
 
 fn of_rests(rests: &[Rest], step: f64) -> [Option<TravelEnd>; 2] {
