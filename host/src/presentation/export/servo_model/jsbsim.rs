@@ -12,7 +12,7 @@ use super::subject::{NO_LIMIT, ServoExport};
 use super::terms::Term;
 use super::trial_command::{Difference, Trial};
 use crate::presentation::export::error::ExportError;
-use crate::presentation::export::jsbsim::{before_servo, hold_switch, start};
+use crate::presentation::export::jsbsim::{TIME, before_servo, hold_switch, start};
 use crate::presentation::export::neutral::neutral;
 use crate::presentation::export::text::{XML_STYLE, identifier, number};
 use crate::presentation::summary::four_digits;
@@ -334,7 +334,7 @@ fn about(
         actuator.in_words(),
         export.rate(limits, tops),
         format!(
-            "Time: the position that a step of JSBSim gives is that of the beginning of the step, when its command begins to act. {} Set the step before the aircraft is loaded: delays are counted out then.",
+            "Time: {TIME} {} Set the step before the aircraft is loaded: delays are counted out then.",
             steps(export, difference)
         ),
         export.left_out("an actuator of JSBSim", &LEFT_OUT),

@@ -211,7 +211,7 @@ impl ServoExport<'_> {
         }
         let here = match does {
             Frame::InFile => format!(
-                "this file takes the command at the beginning of each {frame} ms from the time 0 on, and holds it for so long"
+                "this file takes the command in the first step at or after each multiple of {frame} ms, and holds it until the next"
             ),
             Frame::BeforeFile => format!(
                 "this file takes it at any step. Put a sample and hold of {frame} ms before it"
