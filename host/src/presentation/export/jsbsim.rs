@@ -34,8 +34,7 @@ pub(super) fn write(export: &Export<'_>) -> Result<String, ExportError> {
         four_digits(0.5e3 / USUAL_HZ),
         four_digits(100.0 * 0.5 / USUAL_HZ * steepest(export))
     ));
-    let recorded = export.servo_model.and_then(|servo| servo.commands);
-    let centre = neutral(export.metadata.units(), recorded);
+    let centre = neutral(export.metadata.units(), export.commands());
     // The gain of the identified response, and not that of the low-order one, which is a little off.
     let gain = export.model.step.value.last().copied().unwrap_or(f64::NAN);
     let at_centre = export.model.offset + gain * centre;

@@ -2,6 +2,7 @@
 
 use super::{SUBJECT, export, must, rows, works};
 use crate::support::{arg, run};
+use serde_json::json;
 use servoid_test_support::tools::missing;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -154,6 +155,7 @@ fn a_pulse_begins_at_rest_with_the_offset() {
     document["units"]["input"] = "us".into();
     let gain = SUBJECT.model.step.value.last().unwrap();
     document["offset"] = (3.0 - 1500.0 * gain).into();
+    document["recorded"]["commands"] = json!({ "least": 1495.0, "largest": 1505.0 });
     let file = folder.path().join("us.json");
     let out = stand(folder.path()).join("servo_bench_1.xml");
     std::fs::write(&file, document.to_string()).unwrap();

@@ -2,6 +2,7 @@
 
 use super::subject::ServoExport;
 use super::trial_command::{Trial, exact};
+use crate::presentation::export::recorded;
 use std::f64::consts::{PI, TAU};
 
 /// The largest speed as a share of the limit: the sine is to stay below it.
@@ -98,7 +99,7 @@ impl SmoothCommand {
 
     /// Of an export that is late by this, a sentence.
     pub fn in_words(&self, export: &ServoExport<'_>, lag_s: f64) -> String {
-        let beside = |value| super::statement::beside(value, self.amplitude);
+        let beside = |value| recorded::beside(value, self.amplitude);
         let held = match self.frame_s > 0.0 {
             true => " and is held for each pulse frame",
             false => "",
