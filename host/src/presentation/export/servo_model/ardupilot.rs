@@ -255,11 +255,11 @@ fn about(
         start(export, command.zero),
         export.frame(Frame::InDelay("SIM_SERVO_DELAY")),
         format!(
-            "In SITL: SIM_SERVO_SPEED is the time for {SPEED_DEG} degrees, or 0 for no limit, SIM_SERVO_DELAY the delay and two steps, at {rate} in a second (SIM_RATE_HZ), since SITL delays by one step less and its filter is half a step early, and SIM_SERVO_FILTER the cutoff of the Butterworth filter (damping ratio 0.7071) that lags behind a ramp as this servo does, by {} ms. That suits commands that go on moving, as those of an autopilot do. A higher cutoff may be closer to the servo in strokes, and is early in such commands.",
+            "In SITL: SIM_SERVO_SPEED is the time for {SPEED_DEG} degrees, or 0 for no limit. SIM_SERVO_DELAY is the delay and two steps more, at {rate} steps in a second (SIM_RATE_HZ): SITL delays by one step less than it is given and rounds down, and its filter is half a step early. SIM_SERVO_FILTER is the cutoff of the Butterworth filter (damping ratio 0.7071) that lags behind a ramp as this servo does, by {} ms. That suits commands that go on moving, as those of an autopilot do. A higher cutoff may be closer to the servo in strokes, and is early in such commands.",
             four_digits(1e3 * lag_s)
         ),
         export.rate([limit; 2], [top; 2]),
-        "Time: the output that a step of SITL gives is that of the beginning of the step, when its command begins to act.".to_owned(),
+        "Time: the output that a step of SITL gives is that at the beginning of the step, when its command was given.".to_owned(),
         format!(
             "{} These parameters are those of all servos of the aircraft.",
             command.in_words(export)
@@ -267,7 +267,7 @@ fn about(
         apply.to_owned(),
         export.left_out("ArduPilot's SITL", &LEFT_OUT),
     ]);
-    about.extend(limit_the_command(export).map(|remark| format!("{remark}.")));
+    about.extend(limit_the_command(export).map(|remark| format!("Stops: {remark}.")));
     about.push(export.difference(difference, Comparison::Emulation("ArduPilot's SITL")));
     about
 }

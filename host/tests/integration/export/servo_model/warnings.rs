@@ -3,6 +3,9 @@
 use super::subjects::{AIRCRAFT, SERVOS, prose, pulses};
 use crate::support::{arg, json, run, servoid};
 use serde_json::{Value, json};
+use servoid::data::Units;
+use servoid::data::model_file::ModelFile;
+use servoid::presentation::summary::of_servo_model;
 use std::path::{Path, PathBuf};
 
 /// The lines on standard error that are warnings, in one.
@@ -66,7 +69,11 @@ fn a_column_of_pulses_with_another_name_is_remarked_on_as_it_is_read() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("a.csv");
     let row = |k: usize| {
-        let u = if k / 150 % 2 == 0 { 1600 } else { 1400 };
+        let u = if (k / 150).is_multiple_of(2) {
+            1600
+        } else {
+            1400
+        };
         format!("{},{u},{}\n", k as f64 * 0.002, (k * k) % 97)
     };
     let of = |name: &str| {
@@ -186,4 +193,50 @@ fn a_speed_of_zero_is_not_called_reached() {
         said.contains("no limit of the speed was reached (commands "),
         "{said}"
     );
+}
+
+#[test]
+fn a_top_speed_that_was_reached_in_the_other_direction_alone_is_marked() {
+    let folder = tempfile::tempdir().unwrap();
+    let with = |up: f64, down: f64| {
+        let file = changed(&AIRCRAFT.file, folder.path(), |document| {
+            let model = &mut document["servo_model"];
+            model["reached"] = json!({ "upwards": up, "downwards": down });
+            for quantity in model["quantities"].as_array_mut().unwrap() {
+                let name = quantity["name"].as_str().unwrap();
+                if name.starts_with("top speed") {
+                    quantity["value"] = json!(300.0);
+                    quantity["determined"] = json!(true);
+                }
+            }
+        });
+        let model = ModelFile::read(&file).unwrap().servo_model().unwrap();
+        of_servo_model(&model.unwrap(), Units::default(), false)
+    };
+    let downwards = with(290.0, 200.0);
+    assert!(
+        downwards.contains("The top speed downwards was not reached"),
+        "{downwards}"
+    );
+    assert!(with(200.0, 290.0).contains("The top speed upwards was not reached"));
+    assert!(!with(290.0, 290.0).contains("was not reached in this"));
+}
+
+/// The table has the speeds under the load, and the one speed stands for those without it.
+#[test]
+fn one_speed_names_those_that_it_stands_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let of = |servo: usize| {
+        let file = SERVOS[servo].file(folder.path());
+        let output = servoid(&["export", arg(&file), "--to", "ardupilot"])
+            .output()
+            .unwrap();
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let said = of(6);
+    assert!(
+        said.contains("the servo, without the load that is left out, has "),
+        "{said}"
+    );
+    assert!(of(2).contains("where the servo has "));
 }
