@@ -10,6 +10,9 @@ use clap::Args;
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 
+/// The shortest pulse frame \[s\]: narrow pulses come in 1.8 ms, and 0.02 is a frame in seconds.
+const SHORTEST_FRAME_S: f64 = 1e-3;
+
 /// Steps of time that a simulation may have \[ms\]; beyond, it is a slip.
 const STEPS_MS: std::ops::RangeInclusive<f64> = 0.05..=100.0;
 
@@ -66,8 +69,11 @@ pub(super) struct ExportArgs {
 impl ExportArgs {
     pub(super) fn run(self) -> Result<String> {
         let stated_s = self.frame_ms.map(|frame| 1e-3 * frame);
-        if stated_s.is_some_and(|frame| !PULSE_FRAMES_S.contains(&frame)) {
-            wrong_usage("--frame-ms must be a number of milliseconds from 0 to 1000");
+        let is_frame = |frame_s: f64| {
+            PULSE_FRAMES_S.contains(&frame_s) && (frame_s == 0.0 || frame_s >= SHORTEST_FRAME_S)
+        };
+        if stated_s.is_some_and(|frame_s| !is_frame(frame_s)) {
+            wrong_usage("--frame-ms must be a number of milliseconds: 0, or 1 to 1000");
         }
         if self.step_ms.is_some_and(|step| !STEPS_MS.contains(&step)) {
             wrong_usage("--step-ms must be a number of milliseconds from 0.05 to 100");
@@ -141,7 +147,9 @@ impl ExportArgs {
                 json!(written.root_mean_square_difference),
             ),
         ]);
-        self.finish(&written.text, &export.warnings(), comparison)
+        let mut warnings = export.warnings(self.to);
+        warnings.extend(written.warnings);
+        self.finish(&written.text, &warnings, comparison)
     }
 
     /// That MATLAB and Octave find a function by the name of its file alone.

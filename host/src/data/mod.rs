@@ -17,6 +17,7 @@ pub(crate) mod held_out;
 pub(crate) mod input_file;
 pub(crate) mod model_metadata;
 pub(crate) mod numbered_path;
+pub(crate) mod pulse_widths;
 pub(crate) mod rest_error;
 mod servo_moved;
 mod unlike_runs;

@@ -6,6 +6,7 @@ use crate::data::table;
 use crate::data::units::Units;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use servoid_identification::servo_model::RecordedMotion;
 
 /// Pulse frames that a servo may have \[s\]; beyond a second it is a slip.
 pub const PULSE_FRAMES_S: std::ops::RangeInclusive<f64> = 0.0..=1.0;
@@ -54,6 +55,9 @@ pub struct ModelMetadata {
     /// The size of the strokes in the recording, where all have one (unit of the command).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub only_stroke: Option<f64>,
+    /// The range of the commands of the recording, and how fast the servo moved.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub recorded: Option<RecordedMotion>,
 }
 
 impl ModelMetadata {
@@ -69,6 +73,7 @@ impl ModelMetadata {
             degrees_per_count: None,
             scale_sd_percent: 0.0,
             only_stroke: None,
+            recorded: None,
         }
     }
 

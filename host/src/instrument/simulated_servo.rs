@@ -150,6 +150,7 @@ pub fn taken_for(text: &str) -> Option<String> {
     let file = ModelFile::read(path).ok()?;
     let model = file.servo_model().ok()??.model;
     let taken = match UnitlessCommand::of(file.metadata.units(), &model)? {
+        UnitlessCommand::PulseWidth => "a pulse of 1 us".to_owned(),
         UnitlessCommand::PartOfFull => format!(
             "a full command, a pulse {FULL_US} us from the neutral one, which is {} degrees of a rig",
             FULL_US / SERVO_SCALE.us_per_degree
@@ -247,11 +248,11 @@ impl Scale {
             unit: unit.to_owned(),
         };
         let unitless = UnitlessCommand::of(units, model);
+        let pulse = (f64::from(PulseWidth::NEUTRAL.0), SERVO_SCALE.us_per_degree);
         let (neutral_command, command_per_degree) = match units.input.and_then(unit_meant) {
+            Some(unit) if unit == "us" => pulse,
+            None if unitless == Some(UnitlessCommand::PulseWidth) => pulse,
             None => (0.0, unitless.map_or(1.0, degrees_of).recip()),
-            Some(unit) if unit == "us" => {
-                (f64::from(PulseWidth::NEUTRAL.0), SERVO_SCALE.us_per_degree)
-            }
             Some(unit) => match degrees(&unit) {
                 Some(degrees) => (0.0, degrees.recip()),
                 None => return Err(no_angle("command", &unit)),
@@ -273,6 +274,7 @@ impl Scale {
 /// What a rig commands for 1 of a command without a unit \[deg\].
 fn degrees_of(unitless: UnitlessCommand) -> f64 {
     match unitless {
+        UnitlessCommand::PulseWidth => SERVO_SCALE.us_per_degree.recip(),
         UnitlessCommand::PartOfFull => FULL_US / SERVO_SCALE.us_per_degree,
         UnitlessCommand::Radians => 1f64.to_degrees(),
         UnitlessCommand::Degrees => 1.0,

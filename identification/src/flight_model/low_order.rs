@@ -92,6 +92,14 @@ impl LowOrder {
         poles
     }
 
+    /// The size of the fastest pole \[1/s\].
+    pub(super) fn fastest_pole(&self) -> f64 {
+        self.poles()
+            .iter()
+            .map(|pole| pole.norm())
+            .fold(0.0, f64::max)
+    }
+
     /// The response to a unit step, `t_s` seconds after it, by residues.
     ///
     /// ```

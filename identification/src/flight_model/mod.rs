@@ -215,7 +215,14 @@ fn choose(
             let good = |fit: &&FittedOrder| {
                 fit.tried.largest_error_percent <= options.largest_error_percent
             };
-            fits.iter().find(good).unwrap_or(&fits[fits.len() - 1])
+            // A pole that does not show makes the order below: the lowest one stays in any case.
+            let shown: Vec<_> = (fits.iter().enumerate())
+                .filter(|(k, fit)| *k == 0 || !fit.has_hidden_pole(model.sample_period_s))
+                .map(|(_, fit)| fit)
+                .collect();
+            let closest = shown.last().copied();
+            let found = shown.into_iter().find(good).or(closest);
+            found.ok_or(Error::NoResponse)?
         }
     };
     let tried: Vec<_> = fits
@@ -277,7 +284,15 @@ struct FittedOrder {
     tried: OrderTried,
 }
 
+/// A pole that is so many times as fast as the samples shows in none of them; a fit that would do without it drives it to any size.
+const HIDDEN: f64 = 100.0;
+
 impl FittedOrder {
+    /// Whether one of its poles does not show in samples that are `period_s` apart.
+    fn has_hidden_pole(&self, period_s: f64) -> bool {
+        self.transfer.fastest_pole() * period_s > HIDDEN
+    }
+
     fn report(
         &self,
         tried: Vec<OrderTried>,

@@ -86,7 +86,7 @@ impl ServoMotion {
 }
 
 /// The least and the largest command.
-fn commands(stretches: &[Stretch]) -> CommandRange {
+pub(super) fn commands(stretches: &[Stretch]) -> CommandRange {
     let commands = || stretches.iter().flat_map(|stretch| &stretch.input);
     CommandRange {
         least: commands().copied().fold(f64::INFINITY, f64::min),

@@ -116,3 +116,26 @@ fn a_nonlinear_servo_gives_an_approximation_that_says_so() {
         found.order
     );
 }
+
+/// Of a servo that no order fits, the third has a lag of a fraction of a microsecond, and is the second.
+#[test]
+fn no_pole_is_so_fast_that_no_sample_shows_it() {
+    let limit = Limit::Rate(120.0, 120.0);
+    let clean = limited(1.5, 60.0, limit, &staircase(), -5.0);
+    let record = Record::of_run(PERIOD, staircase(), measured(&clean, 1.0, 5)).unwrap();
+    let options = Options {
+        settling: Settling::Samples(201),
+        ..Options::default()
+    };
+    let model = identify(&record, &options).unwrap();
+    // None is good enough, so that the last one is taken.
+    let options = FlightModelOptions {
+        largest_error_percent: 0.0,
+        ..FlightModelOptions::default()
+    };
+    for found in [fit(&record, &model, &options), of_model(&model, &options)] {
+        let found = found.unwrap();
+        let second = found.order == 2 && found.lag_s.is_none();
+        assert!(second && found.is_consistent(), "{:?}", found.transfer);
+    }
+}

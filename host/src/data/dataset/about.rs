@@ -4,6 +4,7 @@ use crate::data::model_metadata::ModelMetadata;
 use crate::data::recording::Header;
 use crate::data::units::Units;
 use servoid_identification::results::{Advice, Check};
+use servoid_identification::servo_model::RecordedMotion;
 
 /// Where data come from, as far as the files state it.
 #[derive(Clone, Debug, Default)]
@@ -18,6 +19,8 @@ pub struct About {
     pub output_unit: Option<String>,
     /// The size of all strokes of the command, where they have one.
     pub only_stroke: Option<f64>,
+    /// The range of the commands, and the speeds that were measured, of all files together.
+    pub recorded: Option<RecordedMotion>,
     /// Under what condition it was recorded, where the files state it and agree.
     pub condition: Option<String>,
     /// Where the data come from, file by file: name and value of each thing that is known.
@@ -209,6 +212,7 @@ impl From<&About> for ModelMetadata {
             first.filter(|first| scales().all(|of| of.degrees_per_count == *first));
         metadata.scale_sd_percent = scales().map(|of| of.scale_sd_percent).fold(0.0, f64::max);
         metadata.only_stroke = about.only_stroke;
+        metadata.recorded = about.recorded;
         metadata
     }
 }

@@ -6,6 +6,7 @@ use super::loaded::{Loaded, run};
 use super::options::DatasetOptions;
 use super::time_column::{self, TimeUnit};
 use super::{run_labels, sentinel_values, suggested_columns, wrapped_angle};
+use crate::data::pulse_widths;
 use crate::data::table::{Table, TableFault, unit_of};
 use crate::data::timeline::{self, Stretch, TimeColumn};
 use clap::ValueEnum;
@@ -87,6 +88,9 @@ pub(super) fn from_table(
             remedy,
         );
     }
+    about
+        .remarks
+        .extend(unit_in_doubt(names[0], &u).map(|remark| format!("{file}: {remark}")));
     for (name, column) in [(input, &u), (output, &y)] {
         note_sentinel_value(&mut about, &file.to_string(), name, column);
     }
@@ -164,6 +168,17 @@ fn about(
         polled: options.polled,
         ..About::default()
     }
+}
+
+/// That a command is a pulse width by its size, and called something else.
+fn unit_in_doubt(name: &str, column: &[f64]) -> Option<String> {
+    let values = || column.iter().filter(|value| !value.is_nan());
+    let least = values().copied().fold(f64::INFINITY, f64::min);
+    let largest = values().copied().fold(f64::NEG_INFINITY, f64::max);
+    let doubt = pulse_widths::doubt(unit_of(name), least, largest)?;
+    Some(format!(
+        "column {name:?} {doubt}: if they are, put us into its name, as in command_us, since files for simulators follow the unit"
+    ))
 }
 
 /// Remarks where a number of a column seems to stand for no reading: as it is, it counts as one.

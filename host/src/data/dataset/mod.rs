@@ -36,6 +36,7 @@ use crate::data::{fingerprint, input_file, rest_error, seams, unlike_runs};
 pub use controllers::{Controllers, UnknownController};
 use loaded::Loaded;
 use servoid_identification::diagnostics::ServoStopped;
+use servoid_identification::servo_model::RecordedMotion;
 use servoid_identification::{Record, only_stroke};
 use std::path::{Path, PathBuf};
 
@@ -107,6 +108,7 @@ fn together<'a>(all: Loaded<'a>, names: &str) -> Result<Dataset<'a>, DatasetErro
     let record =
         Record::new(period_s, runs).map_err(|error| DatasetError::Data(names.to_owned(), error))?;
     about.only_stroke = only_stroke(&record);
+    about.recorded = RecordedMotion::of(&record);
     // The zero of a rig is a matter of its calibration.
     let uncalibrated = about.calibrations.is_empty();
     let findings = [

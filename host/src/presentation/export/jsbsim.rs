@@ -10,6 +10,9 @@ use crate::presentation::summary::four_digits;
 use crate::presentation::template::fill;
 use servoid_identification::flight_model::LowOrder;
 
+/// To which time command and position belong.
+pub(super) const TIME: &str = "Set a command at the time t, then run a step: it acts from t on. The position that is read behind this step is that at t too, although simulation/sim-time-sec is one step farther by then.";
+
 /// Steps of a second, unless the simulation is set to others.
 const USUAL_HZ: f64 = 120.0;
 
@@ -27,12 +30,11 @@ pub(super) fn write(export: &Export<'_>) -> Result<String, ExportError> {
     });
     paragraphs.extend(low_order_covariance(flight, &XML_STYLE));
     paragraphs.push(format!(
-        "Run it at 500 Hz or more: JSBSim replaces poles by Tustin's rule and has delays of whole steps, so that the position is right to half a step of time. At {USUAL_HZ} Hz, the usual rate of JSBSim, that is {} ms, or {} % of a step of the command where the response is steepest. The position that a step of JSBSim gives is that of its beginning, when its command begins to act. Set the step before the aircraft is loaded: delays are counted out then.",
+        "Run it at 500 Hz or more: JSBSim replaces poles by Tustin's rule and has delays of whole steps, so that the position is right to half a step of time. At {USUAL_HZ} Hz, the usual rate of JSBSim, that is {} ms, or {} % of a step of the command where the response is steepest. {TIME} Set the step before the aircraft is loaded: delays are counted out then.",
         four_digits(0.5e3 / USUAL_HZ),
         four_digits(100.0 * 0.5 / USUAL_HZ * steepest(export))
     ));
-    let recorded = export.servo_model.and_then(|servo| servo.commands);
-    let centre = neutral(export.metadata.units(), recorded);
+    let centre = neutral(export.metadata.units(), export.commands());
     // The gain of the identified response, and not that of the low-order one, which is a little off.
     let gain = export.model.step.value.last().copied().unwrap_or(f64::NAN);
     let at_centre = export.model.offset + gain * centre;

@@ -6,12 +6,14 @@
 //! to it in a program that has servos of its own.
 
 mod csv;
+mod doubts;
 mod error;
 mod frame_hold;
 mod jsbsim;
 mod languages;
 mod model;
 mod neutral;
+mod recorded;
 pub mod servo_model;
 mod statement;
 mod target;

@@ -4,7 +4,7 @@ use crate::data::model_metadata::ModelMetadata;
 use servoid_identification::flight_model;
 use servoid_identification::flight_model::{FlightModel, FlightModelOptions};
 use servoid_identification::results::Model;
-use servoid_identification::servo_model::ServoModel;
+use servoid_identification::servo_model::{CommandRange, ServoModel};
 
 /// A model, ready to be written.
 #[derive(Clone, Debug)]
@@ -60,6 +60,12 @@ impl<'a> Export<'a> {
             servo_model,
             ..self
         }
+    }
+
+    /// The range of the recorded commands, where one of the models of the file has it.
+    pub(super) fn commands(&self) -> Option<CommandRange> {
+        let recorded = self.metadata.recorded.map(|recorded| recorded.commands);
+        recorded.or_else(|| self.servo_model?.commands)
     }
 
     /// The frame that holds a command \[s\]: 0 where there is none, or none is known.

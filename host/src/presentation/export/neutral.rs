@@ -1,20 +1,27 @@
 //! The command that a servo is under before it gets another.
 
 use crate::data::model_metadata::unit_meant;
+use crate::data::pulse_widths::are_pulses;
 use crate::data::units::Units;
 use servoid_identification::servo_model::CommandRange;
 
 /// The neutral pulse of R/C servos \[us\].
 pub(super) const NEUTRAL_US: f64 = 1500.0;
 
-/// Whether the command is the pulse itself, in us.
-pub(super) fn is_pulse(units: Units<'_>) -> bool {
-    units.input.and_then(unit_meant).as_deref() == Some("us")
+/// Whether the command is the pulse itself, in us: by its unit or, where that is not known, by the recorded ones.
+pub(super) fn is_pulse(units: Units<'_>, recorded: Option<CommandRange>) -> bool {
+    match units.input.and_then(unit_meant) {
+        Some(unit) => unit == "us",
+        None => recorded.is_some_and(|range| are_pulses(range.least, range.largest)),
+    }
 }
 
 /// The neutral command, which is a pulse of 1500 us, or 0 in other units; where the recorded commands leave it out, their middle.
 pub(super) fn neutral(units: Units<'_>, recorded: Option<CommandRange>) -> f64 {
-    let usual = if is_pulse(units) { NEUTRAL_US } else { 0.0 };
+    let usual = match is_pulse(units, recorded) {
+        true => NEUTRAL_US,
+        false => 0.0,
+    };
     recorded
         .filter(|range| !(range.least..=range.largest).contains(&usual))
         .map_or(usual, |range| range.middle())
@@ -37,5 +44,6 @@ mod tests {
         assert_eq!(of(Some("us"), 600.0, 900.0), 750.0);
         assert_eq!(of(Some("deg"), -20.0, 60.0), 0.0);
         assert_eq!(of(None, 4.0, 6.0), 5.0);
+        assert_eq!(of(None, 1100.0, 1596.0), 1500.0);
     }
 }

@@ -1,6 +1,8 @@
 //! The comment at the top of every export.
 
+use super::doubts;
 use super::model::Export;
+use super::recorded;
 use super::text::{Style, number};
 use crate::data::units::Units;
 use crate::presentation::summary;
@@ -56,6 +58,12 @@ impl Export<'_> {
         if let Some(reason) = model.metrics.withheld {
             warn(true, &format!("metrics are withheld: {}", reason.because()));
         }
+        if let Some(text) = self.unknown_speed() {
+            warn(true, &text);
+        }
+        for text in doubts::of_units(self.commands(), self.servo_model, self.metadata.units()) {
+            warn(true, &text);
+        }
         if let Some(text) = self.metadata.frame_warning() {
             warn(true, &text);
         }
@@ -70,6 +78,18 @@ impl Export<'_> {
             Err(reason) => warn(true, &format!("there is no low-order model: {reason}")),
         }
         found
+    }
+
+    /// That quicker strokes than the recorded ones are not known, where no servo model beside it has their limit.
+    fn unknown_speed(&self) -> Option<String> {
+        let units = self.metadata.units();
+        let is_limited = self.servo_model.is_some_and(|servo| servo.terms.limit);
+        let found = self.metadata.recorded.filter(|_| !is_limited)?;
+        Some(recorded::no_limit(
+            Some(found.commands),
+            Some(found.reached),
+            units,
+        ))
     }
 
     /// That the servo model beside the linear one predicts better, so that this is not the model to fly with.
@@ -110,6 +130,7 @@ impl Export<'_> {
         paragraphs.extend(warnings.map(|warning| format!("WARNING: {warning}.")));
         let advice = self.model.advice.iter();
         paragraphs.extend(advice.map(|a| format!("Advice: {} {}", a.finding, a.remedy)));
+        paragraphs.extend(self.recorded());
         paragraphs.extend([
             self.units_and_signs(),
             self.sampling(has.offset),
@@ -121,6 +142,19 @@ impl Export<'_> {
             paragraphs.push(low_order(flight, self.largest_error_percent(flight)));
         }
         paragraphs
+    }
+
+    /// What the recording had, where the file says it.
+    fn recorded(&self) -> Option<String> {
+        let (found, units) = (self.metadata.recorded?, self.metadata.units());
+        let unit = units.output.unwrap_or("units of the position");
+        let moved = recorded::speeds_in_words(found.reached, 1.0, unit)
+            .map(|speeds| format!(", and the position moved at up to {speeds}"));
+        Some(format!(
+            "Recorded: commands {}{}. This file has no limit of speed and travel: of larger and quicker strokes it is not known how right it is.",
+            recorded::range_in_words(found.commands, units),
+            moved.unwrap_or_default()
+        ))
     }
 
     fn units_and_signs(&self) -> String {

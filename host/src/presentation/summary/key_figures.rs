@@ -6,7 +6,7 @@ use super::metrics::{self, MetricEntry, NONE};
 use super::numbers::{four_digits, percent, with_bounds};
 use super::quantity_table::{QuantityRow, quantity_rows, scale_and_unit};
 use super::sixty_degrees::{per_60_degrees, stroke_of_60_degrees_ms};
-use super::top_speeds::has_unreached_top_speeds;
+use super::top_speeds::is_unreached;
 use super::what_to_record::shown_by;
 use crate::data::units::Units;
 use servoid_identification::comparison::{Comparison, QuantityPair, ServoModelComparison};
@@ -106,7 +106,7 @@ pub(crate) fn of_machine(model: &ServoModel, units: Units<'_>) -> Vec<KeyFigure>
     let (determined, open): (Vec<_>, Vec<_>) = known.partition(|(found, _)| found.determined);
     let figure = |(quantity, row): &&(&Quantity, QuantityRow)| {
         let turn = per_60_degrees(quantity, units);
-        let extrapolated = is_top_speed(quantity) && has_unreached_top_speeds(model);
+        let extrapolated = is_unreached(model, quantity);
         let below = match (row.interval.is_empty(), turn) {
             (_, _) if !quantity.determined => {
                 let shown_by = quantity.kind().and_then(shown_by);

@@ -27,6 +27,7 @@ pub use servo_comparison::{of_servo_models, sentence_on_servo_models};
 pub use servo_model::of_servo_model;
 pub(crate) use servo_sentence::LOOKS_LIKE_A_LOAD;
 pub use servo_sentence::servo_sentence;
+pub(crate) use servo_sentence::unlikely_speed;
 pub(crate) use sixty_degrees::sixty_degrees;
 pub(crate) use strokes::stroke_in_words;
 pub(crate) use what_to_record::advice_on_servo_model;

@@ -4,6 +4,7 @@ use super::layout::wrapped;
 use super::numbers::{digits, four_digits};
 use super::quantity_table::quantities;
 use super::sixty_degrees::whole_stroke;
+use super::top_speeds::one_unreached;
 use super::what_to_record::advice_on_servo_model;
 use crate::data::model_file::ServoModelDocument;
 use crate::data::units::Units;
@@ -42,6 +43,9 @@ pub fn of_servo_model(document: &ServoModelDocument, units: Units<'_>, explain: 
     }
     text += &quantities(&model.quantities, level, units);
     if let Some(sentence) = whole_stroke(model, units) {
+        text += &format!("  {}\n", wrapped(&sentence, 2));
+    }
+    if let Some(sentence) = one_unreached(model, units) {
         text += &format!("  {}\n", wrapped(&sentence, 2));
     }
     if let Some(sentence) = whose_controller(document) {

@@ -44,7 +44,7 @@ pub fn servo_sentence(model: &ServoModel, linear: &Model, units: Units<'_>) -> S
         ),
     };
     let doubts = [
-        speeds.and_then(|[up, _]| unlikely_speed(model, up, units)),
+        unlikely_speed(model, units).map(|how| format!(" That is {how}.")),
         hidden_by_noise(model),
         better_linear(model),
     ];
@@ -326,17 +326,18 @@ fn assumed_units(model: &ServoModel, units: Units<'_>) -> Option<Units<'static>>
 /// Times for 60 degrees that R/C servos have \[s\]: the fastest for the rotors of helicopters take 0.03 s, winches a second.
 const USUAL_TURNS_S: std::ops::RangeInclusive<f64> = 0.025..=1.5;
 
-/// " That is faster than ...": that no servo turns at this speed.
-fn unlikely_speed(model: &ServoModel, speed: &Quantity, units: Units<'_>) -> Option<String> {
+/// "faster than R/C servos turn ...", of a top speed that no servo has, and what may be wrong.
+pub(crate) fn unlikely_speed(model: &ServoModel, units: Units<'_>) -> Option<String> {
     let units = assumed_units(model, units).unwrap_or(units);
-    let turn_s = turn_time_s(speed.value, units)?;
+    let [upwards, _] = top_speeds(model)?;
+    let turn_s = turn_time_s(upwards.value, units)?;
     let how = match turn_s {
         turn_s if USUAL_TURNS_S.contains(&turn_s) => return None,
         turn_s if turn_s < *USUAL_TURNS_S.start() => "faster",
         _ => "slower",
     };
     Some(format!(
-        " That is {how} than R/C servos turn ({} to {} s/60°): make sure that the time between samples is {:.4} s, and the unit of the output right.",
+        "{how} than R/C servos turn ({} to {} s/60°): make sure that the time between samples is {:.4} s, and the unit of the output right",
         USUAL_TURNS_S.start(),
         USUAL_TURNS_S.end(),
         model.sample_period_s

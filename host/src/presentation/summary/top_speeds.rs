@@ -1,5 +1,7 @@
 //! The top speeds that a recording determines, and whether the servo reached them.
 
+use super::numbers::digits;
+use crate::data::units::Units;
 use servoid_identification::servo_model::{Quantity, QuantityKind, ServoModel};
 
 /// The quantity of this kind, where the record determines it.
@@ -22,10 +24,33 @@ const AT_TOP_SPEED: f64 = 0.9;
 
 /// Whether the servo stayed below its top speeds in all of the recording.
 pub(super) fn is_never_reached(model: &ServoModel, speeds: &[&Quantity; 2]) -> bool {
-    let below = |reached: f64, top: &Quantity| reached < AT_TOP_SPEED * top.value;
-    let [up, down] = speeds;
-    (model.reached)
-        .is_some_and(|reached| below(reached.upwards, up) && below(reached.downwards, down))
+    speeds.iter().all(|speed| is_unreached(model, speed))
+}
+
+/// Whether a quantity is a top speed below which the servo stayed in all of the recording.
+pub(super) fn is_unreached(model: &ServoModel, quantity: &Quantity) -> bool {
+    let reached = model.reached.and_then(|reached| match quantity.kind()? {
+        QuantityKind::TopSpeedUpwards => Some(reached.upwards),
+        QuantityKind::TopSpeedDownwards => Some(reached.downwards),
+        _ => None,
+    });
+    quantity.determined && reached.is_some_and(|reached| reached < AT_TOP_SPEED * quantity.value)
+}
+
+/// That one of the top speeds was not reached, where the other was: a sentence.
+pub(super) fn one_unreached(model: &ServoModel, units: Units<'_>) -> Option<String> {
+    let reached = model.reached?;
+    let of_each = top_speeds(model)?.map(|speed| is_unreached(model, speed));
+    let (which, reached) = match of_each {
+        [true, false] => ("upwards", reached.upwards),
+        [false, true] => ("downwards", reached.downwards),
+        _ => return None,
+    };
+    Some(format!(
+        "The top speed {which} was not reached in this recording, in which the servo moved at up to {} {}/s {which}: it is extrapolated.",
+        digits(reached, 2),
+        units.output.unwrap_or("units")
+    ))
 }
 
 /// Whether the model has top speeds that the servo stayed below in all of the recording, so that they are extrapolated.

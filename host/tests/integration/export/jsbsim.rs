@@ -2,6 +2,7 @@
 
 use super::{SUBJECT, export, must, rows, works};
 use crate::support::{arg, run};
+use serde_json::json;
 use servoid_test_support::tools::missing;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -33,7 +34,7 @@ pub(super) const AIRCRAFT: &str = r#"<?xml version="1.0"?>
 /// Step of the simulation (s).
 const STEP_S: f64 = 0.0005;
 
-/// Steps the command at a time and prints time and position.
+/// Steps the command at a time and prints the time at which a step begins, and the position behind it.
 const SCRIPT: &str = r"
 import sys, jsbsim
 root, (at, dt, first, hold) = sys.argv[1], map(float, sys.argv[2:])
@@ -52,16 +53,16 @@ while fdm.get_sim_time() < at + 0.3:
     now = fdm.get_sim_time()
     fdm['fcs/servo_bench_1-cmd'] = first + (1.0 if now >= at - dt / 4 else 0.0)
     fdm.run()
-    print(repr(fdm.get_sim_time()), repr(fdm['fcs/servo_bench_1-pos']))
+    print(repr(now), repr(fdm['fcs/servo_bench_1-pos']))
 ";
 
-/// The system behind a step of the command, from `first` on, at this time (s); `hold` "0" takes the hold of the frame out.
-fn respond(at: &str, first: &str, hold: &str, folder: &Path) -> Vec<(f64, f64)> {
+/// The system behind a step of the command, from `first` on, at this time (s), in steps of `step_s`; `hold` "0" takes the hold of the frame out.
+fn respond(at: &str, step_s: f64, first: &str, hold: &str, folder: &Path) -> Vec<(f64, f64)> {
     let mut python = Command::new("python3");
     python
         .args(["-c", SCRIPT])
         .arg(folder)
-        .args([at, &STEP_S.to_string(), first, hold]);
+        .args([at, &step_s.to_string(), first, hold]);
     let printed = must(&mut python);
     // JSBSim greets on standard output.
     let numbers = |line: &&str| {
@@ -111,18 +112,26 @@ fn the_actuator_moves_as_the_low_order_model() {
         );
     }
     let transfer = SUBJECT.flight.transfer;
-    // A command is taken up by the next frame edge: 59.5 ms is just before one, 67 ms is not. Without the hold it acts from the step on in which it comes, which ends a step later.
-    for (at, hold, edge) in [
-        ("0.0595", "1", 0.06),
-        ("0.067", "1", 0.08),
-        ("0.067", "0", 0.067 + STEP_S),
+    // A command is taken up in the first step of a frame, of which it may be new; a later one waits. Without the hold it acts from the step on in which it comes.
+    for (step_s, at, hold, edge) in [
+        (STEP_S, "0.0595", "1", 0.06),
+        (STEP_S, "0.06", "1", 0.06),
+        (STEP_S, "0.0605", "1", 0.08),
+        (STEP_S, "0.067", "0", 0.067),
+        (0.002, "0.06", "1", 0.06),
+        (0.0025, "0.06", "1", 0.06),
+        // The third step begins at 25 ms, the eighth at 66.7 ms.
+        (1.0 / 120.0, "0.02", "1", 3.0 / 120.0),
+        (1.0 / 120.0, "0.06", "1", 8.0 / 120.0),
+        (0.003, "0.06", "1", 0.06),
+        (0.003, "0.062", "1", 0.081),
     ] {
-        let found = respond(at, "0", hold, folder.path());
-        assert!(found.len() > 500, "{}", found.len());
+        let found = respond(at, step_s, "0", hold, folder.path());
+        assert!(found.len() as f64 > 0.25 / step_s, "{}", found.len());
         // Whole steps and Tustin's rule: half a step of time each way, so no more than the servo moves
         // in a whole one.
         let moved = |k: i32| {
-            transfer.step(STEP_S * f64::from(k + 1)) - transfer.step(STEP_S * f64::from(k))
+            transfer.step(step_s * f64::from(k + 1)) - transfer.step(step_s * f64::from(k))
         };
         let largest = (0..1000).map(|k| moved(k).abs()).fold(0.0, f64::max);
         for (time, position) in found {
@@ -146,6 +155,7 @@ fn a_pulse_begins_at_rest_with_the_offset() {
     document["units"]["input"] = "us".into();
     let gain = SUBJECT.model.step.value.last().unwrap();
     document["offset"] = (3.0 - 1500.0 * gain).into();
+    document["recorded"]["commands"] = json!({ "least": 1495.0, "largest": 1505.0 });
     let file = folder.path().join("us.json");
     let out = stand(folder.path()).join("servo_bench_1.xml");
     std::fs::write(&file, document.to_string()).unwrap();
@@ -154,7 +164,7 @@ fn a_pulse_begins_at_rest_with_the_offset() {
     let said = std::fs::read_to_string(&out).unwrap();
     assert!(said.contains("under the command 1500.0 us"), "{said}");
     // Before the step, which adds a microsecond: the fit of the gain and its rounding are smaller.
-    for (time, position) in respond("0.1", "1500.0", "1", folder.path()) {
+    for (time, position) in respond("0.1", STEP_S, "1500.0", "1", folder.path()) {
         let largest = if time < 0.1 { 1e-6 } else { 2.0 * gain.abs() };
         assert!((position - 3.0).abs() < largest, "{position} at {time}");
     }

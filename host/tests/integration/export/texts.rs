@@ -1,6 +1,6 @@
 //! What the exports say, and what must not get into them.
 
-use super::{SUBJECT, must, works};
+use super::{SUBJECT, export, must, works};
 use crate::support::{arg, refusal, run, servoid};
 use servoid_test_support::tools::missing;
 use std::collections::HashSet;
@@ -273,5 +273,24 @@ fn a_hostile_name_runs_nothing() {
         );
     } else {
         missing("a hostile name in Python", "there is no python3 with numpy");
+    }
+}
+
+/// A linear model has no limit, and what the recording had is all that is known.
+#[test]
+fn a_linear_file_says_which_commands_and_speeds_were_recorded() {
+    let folder = tempfile::tempdir().unwrap();
+    for target in ["matlab", "python", "c", "csv", "jsbsim"] {
+        let text = std::fs::read_to_string(export(target, folder.path(), target)).unwrap();
+        let said = text.replace(['\n', '#', '%', '*'], " ");
+        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+        let recorded =
+            "Recorded: commands from -5.00 to 5.00 deg, and the position moved at up to ";
+        assert!(said.contains(recorded), "{target}: {said}");
+        let warning = "WARNING: no limit of the speed was reached up to ";
+        assert!(
+            said.contains(warning) && said.contains("a servo has one"),
+            "{target}: {said}"
+        );
     }
 }

@@ -5,6 +5,7 @@
 
 use super::emulation::{DelayLine, SecondOrder};
 use super::exported::ExportedServo;
+use super::fixed_step::chosen_step_s;
 use super::full_command::{FULL_DEG, FullCommand};
 use super::rate_limit::{FACTOR, best_share};
 use super::smooth_command::SmoothCommand;
@@ -13,6 +14,7 @@ use super::subject::ServoExport;
 use super::terms::Term;
 use super::trial_command::{Difference, Trial};
 use crate::presentation::export::error::ExportError;
+use crate::presentation::export::target::Target;
 use crate::presentation::export::text::{SCRIPT_STYLE, number};
 use crate::presentation::summary::four_digits;
 use crate::presentation::template::fill;
@@ -29,7 +31,7 @@ const SPEED_DEG: f64 = 60.0;
 const HIGHEST_CUTOFF: f64 = 0.45;
 
 /// What to do for the stops, which SITL has not.
-const LIMIT_THE_COMMAND: &str = "Limit the command to the stops, by the limits of its channel (SERVOn_MIN, SERVOn_MAX) or before it.";
+const LIMIT_THE_COMMAND: &str = "limit the command to the stops, by the limits of its channel (SERVOn_MIN, SERVOn_MAX) or before it";
 
 /// What SITL has not.
 const LEFT_OUT: [Term; 11] = [
@@ -61,24 +63,24 @@ struct Parameters {
 
 impl Parameters {
     /// With the highest speed; `wait_s` is what the delay has beside that of the servo, and `full` is a full command.
-    fn of(export: &ServoExport<'_>, full: f64, wait_s: f64) -> Self {
+    ///
+    /// # Errors
+    /// The chosen step is too long for the servo.
+    fn of(export: &ServoExport<'_>, full: f64, wait_s: f64) -> Result<Self, ExportError> {
         let p = &export.parameters;
-        let rate_hz = export
-            .options
-            .step_s
-            .map_or(RATE_HZ, |step_s| (1.0 / step_s).round());
+        let rate_hz = chosen_step_s(export)?.map_or(RATE_HZ, |step_s| (1.0 / step_s).round());
         // A line of n commands delays by n-1 steps, and a Butterworth filter by Tustin's rule is early by half a step.
         let line = ((p.delay_s.max(0.0) + wait_s) * rate_hz + 2.0).floor();
         // Both lag by c/k behind a ramp of unit speed.
         let cutoff = SQRT_2 * p.stiffness / p.damping / TAU;
         let time_s = |(up, down): (f64, f64)| speed(full) / ((up + down) / 2.0);
-        Self {
+        Ok(Self {
             speed_s: export.top_speeds().map_or(0.0, time_s),
             // Half a step more, so that rounding does not cut a step off.
             delay_s: (line + 0.5) / rate_hz,
             filter_hz: cutoff.min(HIGHEST_CUTOFF * rate_hz),
             rate_hz,
-        }
+        })
     }
 
     /// The speed \[units of the command/s\], where there is a limit.
@@ -126,7 +128,7 @@ fn speed(full: f64) -> f64 {
 pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportError> {
     let servo = &export.parameters;
     let command = FullCommand::of(export)?;
-    let full_speed = Parameters::of(export, command.full, 0.0);
+    let full_speed = Parameters::of(export, command.full, 0.0)?;
     let trial = Trial::of(export, 1.0 / full_speed.rate_hz, command.possible());
     let outputs = |commands: Vec<f64>| -> Vec<f64> {
         commands.into_iter().map(|u| command.output(u)).collect()
@@ -146,7 +148,7 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     let share = best_share(&trial, &exact, full_speed.top(command.full), slower).share;
     let parameters = full_speed.slower(share);
     // The trial has its commands at pulses, and no wait.
-    let written = Parameters::of(export, command.full, export.frame_s() / 2.0).slower(share);
+    let written = Parameters::of(export, command.full, export.frame_s() / 2.0)?.slower(share);
     let smooth = SmoothCommand::of(export, &trial, written.top(command.full));
     let moved = written.respond(&outputs(smooth.command()));
     let late_s = smooth.lag_s(export, &positions(&moved, servo));
@@ -180,8 +182,16 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         Some(format!("apply gain and offset yourself: {line}")),
         command.assumed(export),
         one_speed(export, speed(command.full) / written.speed_s),
+        limit_the_command(export),
     ];
-    Ok(ExportedServo::new(text, difference)?.with(remarks.into_iter().flatten()))
+    Ok(ExportedServo::new(text, difference)?
+        .lacking(export, "ArduPilot", &LEFT_OUT)
+        .with(remarks.into_iter().flatten()))
+}
+
+/// The same of a servo that has stops.
+fn limit_the_command(export: &ServoExport<'_>) -> Option<String> {
+    (!export.parameters.stops.are_none()).then(|| LIMIT_THE_COMMAND.to_owned())
 }
 
 /// That one speed stands for two, where it is that of neither.
@@ -192,9 +202,14 @@ fn one_speed(export: &ServoExport<'_>, speed: f64) -> Option<String> {
     let [up, down] = export.parameters.upwards_first([larger, smaller]);
     let of_position = |speed: f64| four_digits(export.parameters.gain.abs() * speed);
     let unit = export.output_unit();
+    let load = export.parameters.load;
+    let without = match load == export.only_constant_load() {
+        true => "",
+        false => ", without the load that is left out,",
+    };
     is_other.then(|| {
         format!(
-            "one speed stands for two: {} {unit}/s, where the servo has {} {unit}/s upwards and {} {unit}/s downwards",
+            "one speed stands for two: {} {unit}/s, where the servo{without} has {} {unit}/s upwards and {} {unit}/s downwards",
             of_position(speed),
             of_position(up),
             of_position(down)
@@ -235,16 +250,16 @@ fn about(
     difference: &Difference,
 ) -> Vec<String> {
     let lag_s = export.parameters.damping / export.parameters.stiffness;
-    let mut about = export.statement();
+    let mut about = export.statement(Target::Ardupilot);
     about.extend([
         start(export, command.zero),
         export.frame(Frame::InDelay("SIM_SERVO_DELAY")),
         format!(
-            "In SITL: SIM_SERVO_SPEED is the time for {SPEED_DEG} degrees, or 0 for no limit, SIM_SERVO_DELAY the delay and the two steps that SITL and its filter are early by, at {rate} steps in a second (SIM_RATE_HZ), and SIM_SERVO_FILTER the cutoff of the Butterworth filter (damping ratio 0.7071) that lags behind a ramp as this servo does, by {} ms.",
+            "In SITL: SIM_SERVO_SPEED is the time for {SPEED_DEG} degrees, or 0 for no limit. SIM_SERVO_DELAY is the delay and two steps more, at {rate} steps in a second (SIM_RATE_HZ): SITL delays by one step less than it is given and rounds down, and its filter is half a step early. SIM_SERVO_FILTER is the cutoff of the Butterworth filter (damping ratio 0.7071) that lags behind a ramp as this servo does, by {} ms. That suits commands that go on moving, as those of an autopilot do. A higher cutoff may be closer to the servo in strokes, and is early in such commands.",
             four_digits(1e3 * lag_s)
         ),
         export.rate([limit; 2], [top; 2]),
-        "Time: the output that a step of SITL gives is that of the beginning of the step, when its command begins to act.".to_owned(),
+        "Time: the output that a step of SITL gives is that at the beginning of the step, when its command was given.".to_owned(),
         format!(
             "{} These parameters are those of all servos of the aircraft.",
             command.in_words(export)
@@ -252,7 +267,7 @@ fn about(
         apply.to_owned(),
         export.left_out("ArduPilot's SITL", &LEFT_OUT),
     ]);
-    about.extend((!export.parameters.stops.are_none()).then(|| LIMIT_THE_COMMAND.to_owned()));
+    about.extend(limit_the_command(export).map(|remark| format!("Stops: {remark}.")));
     about.push(export.difference(difference, Comparison::Emulation("ArduPilot's SITL")));
     about
 }

@@ -1,5 +1,7 @@
 //! The result of an export.
 
+use super::subject::ServoExport;
+use super::terms::Term;
 use super::trial_command::{Difference, Trial};
 use crate::presentation::export::error::ExportError;
 
@@ -16,7 +18,13 @@ pub struct ExportedServo {
     pub root_mean_square_difference: f64,
     /// What whoever uses the file must know: what to apply beside it, and what was assumed. The difference is that of a position so computed.
     pub remarks: Vec<String>,
+    /// What limits the use of the file: that it is far from the servo and what its program lacks, or that its steps are long.
+    pub warnings: Vec<String>,
 }
+
+/// A file that is farther from the servo than this part of the largest stroke lacks something that counts: of the servos in
+/// docs/servo-model.md those that lack none are within 4.8 %, all others beyond 16 %.
+const FAR: f64 = 0.1;
 
 impl ExportedServo {
     /// Text with its difference, of a file that gives the position.
@@ -31,9 +39,29 @@ impl ExportedServo {
                 largest_difference: difference.largest,
                 root_mean_square_difference: difference.root_mean_square,
                 remarks: Vec::new(),
+                warnings: Vec::new(),
             }),
             false => Err(ExportError::Impossible),
         }
+    }
+
+    /// The same, of a program that lacks these terms.
+    pub(super) fn lacking(self, export: &ServoExport<'_>, program: &str, terms: &[Term]) -> Self {
+        let is_far = self.largest_difference >= FAR * self.trial.largest_travel(&export.parameters);
+        let warning = is_far.then(|| {
+            format!(
+                "this file is up to {} % of the largest stroke away from the servo model: {program} leaves out {}; c, python, julia and matlab have all of it",
+                export.percent_of_largest(&self),
+                export.names_of(terms)
+            )
+        });
+        self.warned(warning)
+    }
+
+    /// The same with another warning, if there is one.
+    pub(super) fn warned(mut self, warning: Option<String>) -> Self {
+        self.warnings.extend(warning);
+        self
     }
 
     /// The same of a file of which these are to be said.

@@ -42,21 +42,35 @@ impl DelayInSteps {
     }
 }
 
-/// The step that was chosen, or the round one that is no longer than that of servoid's integrator.
+/// The longest step in which the motion of this servo can be computed \[s\].
+pub(super) fn longest_s(export: &ServoExport<'_>) -> f64 {
+    LONGEST / export.parameters.stiffness.sqrt()
+}
+
+/// The step that was chosen, if one was.
 ///
 /// # Errors
-/// The chosen step is too long for the servo.
-pub(super) fn step_s(export: &ServoExport<'_>) -> Result<f64, ExportError> {
-    let stiffness = export.parameters.stiffness;
-    let longest_s = LONGEST / stiffness.sqrt();
+/// It is too long for the servo.
+pub(super) fn chosen_step_s(export: &ServoExport<'_>) -> Result<Option<f64>, ExportError> {
+    let longest_s = longest_s(export);
     match export.options.step_s {
         Some(step_s) if step_s > longest_s => Err(ExportError::StepTooLong {
             step_ms: 1e3 * step_s,
             longest_ms: 1e3 * longest_s,
         }),
+        chosen => Ok(chosen),
+    }
+}
+
+/// The step that was chosen, or the round one that is no longer than that of servoid's integrator.
+///
+/// # Errors
+/// The chosen step is too long for the servo.
+pub(super) fn step_s(export: &ServoExport<'_>) -> Result<f64, ExportError> {
+    match chosen_step_s(export)? {
         Some(step_s) => Ok(step_s),
         None => {
-            let usual = Grid::for_stiffness(1.0, 0.0, stiffness);
+            let usual = Grid::for_stiffness(1.0, 0.0, export.parameters.stiffness);
             let longest_s = usual.period_s / usual.steps as f64;
             let [.., shortest] = ROUND_S;
             let found = ROUND_S.into_iter().find(|step_s| *step_s <= longest_s);

@@ -48,7 +48,7 @@ impl FullCommand {
     pub fn of(export: &ServoExport<'_>) -> Result<Self, ExportError> {
         let (full, origin) = Self::size(export)?;
         let (middle, most) = recorded(export);
-        let zero = match (is_pulse(export.metadata.units()), origin) {
+        let zero = match (Self::is_pulse(export), origin) {
             (true, _) => NEUTRAL_US,
             (false, Origin::Stated | Origin::Part) => 0.0,
             // SITL's middle is not known: it is 0 where strokes of the recording go out from there.
@@ -67,8 +67,7 @@ impl FullCommand {
         if let Some(stated) = export.options.full_command {
             return Ok((stated, Origin::Stated));
         }
-        let units = export.metadata.units();
-        if is_pulse(units) {
+        if Self::is_pulse(export) {
             return Ok((FULL_US, Origin::Pulse));
         }
         if export.unitless() == Some(UnitlessCommand::PartOfFull) {
@@ -79,6 +78,10 @@ impl FullCommand {
             Err(ExportError::NotAnAngle(unit)) => Err(ExportError::UnknownFullCommand(unit)),
             Err(other) => Err(other),
         }
+    }
+
+    fn is_pulse(export: &ServoExport<'_>) -> bool {
+        is_pulse(export.metadata.units(), export.model.commands)
     }
 
     /// The commands of the outputs -1 and 1.

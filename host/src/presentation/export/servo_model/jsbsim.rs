@@ -5,6 +5,7 @@
 
 use super::emulation::{DelayLine, SecondOrder};
 use super::exported::ExportedServo;
+use super::fixed_step::longest_s;
 use super::rate_limit::{RateFit, best_share};
 use super::smooth_command::SmoothCommand;
 use super::statement::{Comparison, Frame};
@@ -12,8 +13,9 @@ use super::subject::{NO_LIMIT, ServoExport};
 use super::terms::Term;
 use super::trial_command::{Difference, Trial};
 use crate::presentation::export::error::ExportError;
-use crate::presentation::export::jsbsim::{before_servo, hold_switch, start};
+use crate::presentation::export::jsbsim::{TIME, before_servo, hold_switch, start};
 use crate::presentation::export::neutral::neutral;
+use crate::presentation::export::target::Target;
 use crate::presentation::export::text::{XML_STYLE, identifier, number};
 use crate::presentation::summary::four_digits;
 use crate::presentation::template::fill;
@@ -295,10 +297,23 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         ),
         ("id", id),
     ];
-    ExportedServo::new(
-        fill(include_str!("../templates/servo_model/servo.xml"), &values),
-        difference,
-    )
+    let text = fill(include_str!("../templates/servo_model/servo.xml"), &values);
+    Ok(ExportedServo::new(text, difference)?
+        .lacking(export, "JSBSim", &LEFT_OUT)
+        .warned(long_steps(export)))
+}
+
+/// That the chosen steps are long: JSBSim runs at 120 Hz as a rule, where a quick servo has no shorter ones.
+fn long_steps(export: &ServoExport<'_>) -> Option<String> {
+    let longest_ms = 1e3 * longest_s(export);
+    let step_ms = 1e3 * export.options.step_s?;
+    (step_ms > longest_ms).then(|| {
+        format!(
+            "steps of {} ms are long for this servo: beyond {} ms its motion is wrong by percents of a stroke, as the difference shows",
+            four_digits(step_ms),
+            four_digits(longest_ms)
+        )
+    })
 }
 
 /// At which rate the system is to run.
@@ -320,7 +335,7 @@ fn about(
     [limits, tops]: [[f64; 2]; 2],
     difference: &Difference,
 ) -> Vec<String> {
-    let mut about = export.statement();
+    let mut about = export.statement(Target::Jsbsim);
     about.extend(export.stops_in_words(
         "the system, as limits of the command and of the position: here the servo comes to the stop slower than it does",
     ));
@@ -334,7 +349,7 @@ fn about(
         actuator.in_words(),
         export.rate(limits, tops),
         format!(
-            "Time: the position that a step of JSBSim gives is that of the beginning of the step, when its command begins to act. {} Set the step before the aircraft is loaded: delays are counted out then.",
+            "Time: {TIME} {} Set the step before the aircraft is loaded: delays are counted out then.",
             steps(export, difference)
         ),
         export.left_out("an actuator of JSBSim", &LEFT_OUT),

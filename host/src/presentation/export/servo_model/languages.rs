@@ -6,6 +6,7 @@ use super::statement::{Comparison, Frame};
 use super::subject::{NO_LIMIT, ServoExport};
 use super::trial_command::{Difference, Trial};
 use crate::presentation::export::error::ExportError;
+use crate::presentation::export::target::Target;
 use crate::presentation::export::text::{
     C_STYLE, MATLAB_STYLE, PYTHON_STYLE, SCRIPT_STYLE, Style, identifier, number, plain, quoted,
 };
@@ -101,7 +102,8 @@ impl ServoExport<'_> {
         let difference = Difference::of(self, trial, |_| positions.clone(), &self.parameters);
         let delay = DelayInSteps::new(self.parameters.delay_s, step_s);
         let id = identifier(self.name);
-        let mut about = self.statement();
+        // All languages are alike in it.
+        let mut about = self.statement(Target::C);
         about.push("Start: at rest under the command that it is begun with, in the middle of what friction and dead band hold; commands before count as that one.".to_owned());
         about.push(self.frame(Frame::BeforeFile));
         about.push(format!(

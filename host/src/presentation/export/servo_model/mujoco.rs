@@ -13,6 +13,7 @@ use super::subject::ServoExport;
 use super::terms::Term;
 use super::trial_command::{Difference, Trial, recorded};
 use crate::presentation::export::error::ExportError;
+use crate::presentation::export::target::Target;
 use crate::presentation::export::text::{XML_STYLE, identifier, number};
 use crate::presentation::template::fill;
 use servoid_identification::servo_model::Load;
@@ -221,7 +222,9 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     let text = fill(include_str!("../templates/servo_model/servo.mjcf"), &values);
     let remark =
         format!("the joint's angle is the position in rad, and ctrl the command as one: {control}");
-    Ok(ExportedServo::new(text, difference)?.with([remark]))
+    Ok(ExportedServo::new(text, difference)?
+        .lacking(export, "MuJoCo", &LEFT_OUT)
+        .with([remark]))
 }
 
 /// What ctrl is for a command.
@@ -243,7 +246,7 @@ fn about(
     control: &str,
     difference: &Difference,
 ) -> Vec<String> {
-    let mut about = export.statement();
+    let mut about = export.statement(Target::Mujoco);
     about.extend(export.stops_in_words("the joint, as its range"));
     about.extend([
         START.to_owned(),

@@ -2,6 +2,7 @@
 
 use super::subject::ServoExport;
 use super::trial_command::{Trial, exact};
+use crate::presentation::export::recorded;
 use std::f64::consts::{PI, TAU};
 
 /// The largest speed as a share of the limit: the sine is to stay below it.
@@ -15,6 +16,9 @@ const LONGEST_S: f64 = 10.0;
 
 /// Periods, of which the first is not compared.
 const PERIODS: usize = 3;
+
+/// This share of a step keeps rounding from moving a frame, as in the files that hold a command.
+const SLACK: f64 = 0.01;
 
 /// A sine of the recording's range, slow enough for the servo.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,11 +53,14 @@ impl SmoothCommand {
         self.sampled(|time_s| time_s)
     }
 
-    /// The same, new at the beginning of each pulse frame, where there is one.
+    /// The same, new in the first step of each pulse frame, where there is one.
     pub fn held(&self) -> Vec<f64> {
         self.sampled(|time_s| match self.frame_s > 0.0 {
-            // Half a step more, so that rounding moves no frame.
-            true => ((time_s + self.step_s / 2.0) / self.frame_s).floor() * self.frame_s,
+            true => {
+                let slack_s = SLACK * self.step_s;
+                let edge_s = ((time_s + slack_s) / self.frame_s).floor() * self.frame_s;
+                ((edge_s - slack_s) / self.step_s).ceil() * self.step_s
+            }
             false => time_s,
         })
     }
@@ -92,7 +99,7 @@ impl SmoothCommand {
 
     /// Of an export that is late by this, a sentence.
     pub fn in_words(&self, export: &ServoExport<'_>, lag_s: f64) -> String {
-        let beside = |value| super::statement::beside(value, self.amplitude);
+        let beside = |value| recorded::beside(value, self.amplitude);
         let held = match self.frame_s > 0.0 {
             true => " and is held for each pulse frame",
             false => "",

@@ -3,7 +3,11 @@
 use super::exported::ExportedServo;
 use super::subject::ServoExport;
 use super::trial_command::{Difference, FINER, Trial};
+use crate::data::unitless_command::UnitlessCommand;
+use crate::presentation::export::doubts;
+use crate::presentation::export::recorded::{self, beside};
 use crate::presentation::export::statement::units_in_words;
+use crate::presentation::export::target::Target;
 use crate::presentation::export::text::number;
 use crate::presentation::summary;
 use crate::presentation::summary::four_digits;
@@ -33,7 +37,7 @@ pub(super) enum Frame {
 impl ServoExport<'_> {
     /// The limits of the numbers, a sentence each.
     #[must_use]
-    pub fn warnings(&self) -> Vec<String> {
+    pub fn warnings(&self, target: Target) -> Vec<String> {
         let mut found = Vec::new();
         if !self.model.predicts() {
             found.push(format!(
@@ -49,7 +53,12 @@ impl ServoExport<'_> {
         }
         found.extend(self.unknown_speed());
         found.extend(self.metadata.frame_warning());
-        found.extend(self.guessed_angle());
+        found.extend(doubts::of_units(
+            self.model.commands,
+            Some(self.model),
+            self.metadata.units(),
+        ));
+        found.extend(self.guessed_angle(target));
         let findings = self.of_sensor.iter();
         found.extend(findings.map(|finding| first_sentence(finding)));
         found
@@ -58,10 +67,8 @@ impl ServoExport<'_> {
     /// That larger or quicker strokes than the recorded ones are not known, where that is so.
     fn unknown_speed(&self) -> Option<String> {
         if self.parameters.limit.is_none() {
-            return Some(format!(
-                "no limit of the speed was reached{}, so this file has none, and a servo has one",
-                self.reached()
-            ));
+            let (commands, reached) = (self.model.commands, self.model.reached);
+            return Some(recorded::no_limit(commands, reached, self.metadata.units()));
         }
         let speeds = [
             QuantityKind::TopSpeedUpwards,
@@ -79,46 +86,33 @@ impl ServoExport<'_> {
         })
     }
 
-    /// That an angle was guessed, where neither column says in what it is.
-    fn guessed_angle(&self) -> Option<String> {
+    /// That an angle was guessed for a target whose servos turn by angles, where neither column says in what it is.
+    fn guessed_angle(&self, target: Target) -> Option<String> {
         let units = self.metadata.units();
         let is_angle = |unit: Option<&str>| matches!(unit, Some("deg" | "rad"));
-        let guessed = units.input.is_none() && !is_angle(units.output);
+        let takes_angles = target.needs_servo_model();
+        let is_pulse = self.unitless() == Some(UnitlessCommand::PulseWidth);
+        let is_known = is_angle(units.output) || (is_pulse && target == Target::Ardupilot);
+        let guessed = takes_angles && units.input.is_none() && !is_known;
+        let column = if is_pulse { "position" } else { "command" };
         let unit = match self.model.radians_per_command < 1.0 {
             true => "degrees",
             false => "radians",
         };
         guessed.then(|| format!(
-            "the unit of the command is not known: for ArduPilot and MuJoCo it is taken for {unit}, by the size of the commands alone; name the columns with their units (u_deg, u_rad) and identify again"
+            "the unit of the {column} is not known: here it is taken for {unit}, by the size of the commands alone; name the columns with their units (u_deg, u_rad) and identify again"
         ))
-    }
-
-    /// " up to 40 deg/s upwards and 38 deg/s downwards", where that is known.
-    fn reached(&self) -> String {
-        let reached = self.reached_by(1.0, self.output_unit());
-        reached
-            .map(|speeds| format!(" up to {speeds}"))
-            .unwrap_or_default()
     }
 
     /// "40 deg/s upwards and 38 deg/s downwards", in a `unit` of which there are `each` to one of the position.
     fn reached_by(&self, each: f64, unit: &str) -> Option<String> {
-        let reached = self.model.reached?;
-        let [up, down] =
-            [reached.upwards, reached.downwards].map(|speed| summary::digits(each * speed, 2));
-        Some(format!(
-            "{up} {unit}/s upwards and {down} {unit}/s downwards"
-        ))
+        recorded::speeds_in_words(self.model.reached?, each, unit)
     }
 
-    /// "from -20.0 to 20.0 deg": the commands of the recording, where they are known.
+    /// "from -20.0 to 60.0 deg", the commands of the recording.
     fn recorded_range(&self) -> Option<String> {
         let range = self.model.commands?;
-        let size = range.amplitude();
-        let [least, largest] = [range.least, range.largest].map(|end| beside(end, size));
-        let unit = self.metadata.units().input;
-        let unit = unit.map(|unit| format!(" {unit}")).unwrap_or_default();
-        Some(format!("from {least} to {largest}{unit}"))
+        Some(recorded::range_in_words(range, self.metadata.units()))
     }
 
     /// Which of the two models of the file this is, and why.
@@ -128,7 +122,7 @@ impl ServoExport<'_> {
     }
 
     /// Origin, warnings, equation, units and parameters, a paragraph each.
-    pub(super) fn statement(&self) -> Vec<String> {
+    pub(super) fn statement(&self, target: Target) -> Vec<String> {
         let mut paragraphs = vec![format!(
             "{}: the servo as a machine, a nonlinear servo model, exported by servoid {} from {}.",
             self.name,
@@ -136,7 +130,7 @@ impl ServoExport<'_> {
             self.source
         )];
         paragraphs.push(Self::which_model().to_owned());
-        let warnings = self.warnings().into_iter();
+        let warnings = self.warnings(target).into_iter();
         paragraphs.extend(warnings.map(|warning| format!("WARNING: {warning}.")));
         paragraphs.extend([
             EQUATION.to_owned(),
@@ -211,7 +205,7 @@ impl ServoExport<'_> {
         }
         let here = match does {
             Frame::InFile => format!(
-                "this file takes the command at the beginning of each {frame} ms from the time 0 on, and holds it for so long"
+                "this file takes the command in the first step at or after each multiple of {frame} ms, and holds it until the next"
             ),
             Frame::BeforeFile => format!(
                 "this file takes it at any step. Put a sample and hold of {frame} ms before it"
@@ -260,7 +254,7 @@ impl ServoExport<'_> {
             " In the recording theta reached {speeds}; the limit need not be that, as it acts from the beginning of a stroke to its end, while a servo builds up its speed and brakes."
         ));
         format!(
-            "Rate: {limit}. Of all shares of the top speed, this one comes closest to the servo under the command below, in the mean of squares.{one}{}",
+            "Rate: {limit}. Limits up to the top speed were tried, and with this one the file is closest to the servo under the command below, in the mean of squares.{one}{}",
             reached.unwrap_or_default()
         )
     }
@@ -282,6 +276,11 @@ impl ServoExport<'_> {
             self.of_stroke(written.largest_difference, &written.trial),
             self.percent_of_stroke(written.root_mean_square_difference, &written.trial)
         )
+    }
+
+    /// The largest difference of a file in percent of the largest stroke.
+    pub(super) fn percent_of_largest(&self, written: &ExportedServo) -> String {
+        self.percent_of_stroke(written.largest_difference, &written.trial)
     }
 
     /// The strokes of a trial beside those of the recording.
@@ -322,10 +321,14 @@ impl ServoExport<'_> {
         let shown = |difference: f64| self.of_stroke(difference, trial);
         let largest = shown(found.largest);
         let without = (found.without_others.as_ref())
-            .map(|(difference, others)| (shown(*difference), others))
-            .filter(|(difference, _)| *difference != largest)
-            .map(|(difference, others)| {
-                format!(" From the same servo without {others} it is {difference}.")
+            .map(|(difference, others)| (shown(*difference), *difference, others))
+            .filter(|(said, ..)| *said != largest)
+            .map(|(said, difference, others)| {
+                let why = match difference > found.largest {
+                    true => ", more, since this file is fitted to the servo with that",
+                    false => "",
+                };
+                format!(" From the same servo without {others} it is {said}{why}.")
             });
         let emulation = match by {
             Comparison::SameSteps => String::new(),
@@ -367,12 +370,6 @@ fn first_sentence(text: &str) -> String {
 /// "deg of the position", or "units of the position" where that is all that is known.
 fn of_column(unit: Option<&str>, column: &str) -> String {
     format!("{} of the {column}", unit.unwrap_or("units"))
-}
-
-/// A number with the digits that count beside the size `size`: three of that.
-pub(super) fn beside(value: f64, size: f64) -> String {
-    let decimals = 2 - size.abs().max(f64::MIN_POSITIVE).log10().floor() as i32;
-    format!("{value:.*}", decimals.clamp(0, 12) as usize)
 }
 
 /// Four digits, with an exponent where they would be behind many zeros.

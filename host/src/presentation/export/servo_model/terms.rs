@@ -1,7 +1,7 @@
 //! Terms of the equation that a target may not have.
 
 use super::subject::ServoExport;
-use crate::presentation::summary::four_digits;
+use crate::presentation::summary::{four_digits, listed_words};
 use servoid_identification::servo_model::{Load, ServoParameters};
 
 /// What a target leaves out.
@@ -26,6 +26,26 @@ pub(super) enum Term {
     Stops,
 }
 
+impl Term {
+    /// What it is called in a list.
+    fn name(self) -> &'static str {
+        match self {
+            Self::FullDrive => "the time in which speed builds up",
+            Self::TwoSpeeds => "one of the two speeds",
+            Self::WeakerLoopDownwards => "the weaker loop to one side",
+            Self::DampingRatio => "the damping ratio",
+            Self::DeadBand => "the dead band",
+            Self::Friction => "the friction",
+            Self::FrictionOfGears => "the friction of the gears",
+            Self::FrictionAtRest => "the friction at rest",
+            Self::ConstantLoad => "the constant load",
+            Self::Weight => "the weight",
+            Self::StiffeningLoad => "the load of the air",
+            Self::Stops => "the stops",
+        }
+    }
+}
+
 impl ServoExport<'_> {
     /// Those of `terms` that this servo has, in a sentence with their values.
     pub(super) fn left_out(&self, target: &str, terms: &[Term]) -> String {
@@ -40,6 +60,15 @@ impl ServoExport<'_> {
                 found.join("; ")
             ),
         }
+    }
+
+    /// "the full drive, the friction and the stops", of those of `terms` that this servo has.
+    pub(super) fn names_of(&self, terms: &[Term]) -> String {
+        let names = terms
+            .iter()
+            .filter(|term| self.described(**term).is_some())
+            .map(|term| term.name());
+        listed_words(&names.map(str::to_owned).collect::<Vec<_>>())
     }
 
     /// A term of this servo with its value; `None` where it does not have the term.

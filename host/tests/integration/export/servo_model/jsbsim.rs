@@ -27,6 +27,7 @@ for command in LIST:
     print('position', repr(fdm['fcs/servo_' + sys.argv[2] + '-pos']))
 ";
 
+/// Commands change at the beginning of a frame: one that holds them takes each at once, and is no farther away.
 #[test]
 fn systems_are_as_far_from_the_servo_model_as_they_state() {
     if !works("python3", &["-c", "import jsbsim"]) {
@@ -34,8 +35,10 @@ fn systems_are_as_far_from_the_servo_model_as_they_state() {
         return missing("the servo model in JSBSim", reason);
     }
     let folder = tempfile::tempdir().unwrap();
-    for servo in SERVOS {
-        let exported = servo.export("jsbsim", folder.path(), &["--frame-ms", "0"]);
+    let options = [["0", "2"], ["20", "2"], ["20", "2.5"]];
+    for (servo, [frame, step]) in SERVOS.iter().flat_map(|s| options.map(|o| (s, o))) {
+        let options = ["--frame-ms", frame, "--step-ms", step];
+        let exported = servo.export("jsbsim", folder.path(), &options);
         let positions = run(
             folder.path(),
             servo.name,
@@ -90,8 +93,14 @@ fn systems_are_as_late_as_they_state() {
         return missing("a sine in JSBSim", "python's jsbsim is not installed");
     }
     let folder = tempfile::tempdir().unwrap();
-    for (frame, frame_s) in [("0", 0.0), ("20", 0.02)] {
-        let exported = SERVOS[1].export("jsbsim", folder.path(), &["--frame-ms", frame]);
+    for (frame, frame_s, step) in [
+        ("0", 0.0, "2"),
+        ("20", 0.02, "2"),
+        ("20", 0.02, "8.333333"),
+        ("20", 0.02, "2.5"),
+    ] {
+        let options = ["--frame-ms", frame, "--step-ms", step];
+        let exported = SERVOS[1].export("jsbsim", folder.path(), &options);
         let smooth = Smooth::of(&exported, frame_s);
         let commands = smooth.command(0.0);
         let positions = run(folder.path(), "limited", &exported, &commands);

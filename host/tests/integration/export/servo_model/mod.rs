@@ -10,5 +10,6 @@ mod scripts;
 mod smooth;
 mod statements;
 mod subjects;
+mod warnings;
 
 pub(super) use subjects::AIRCRAFT;

@@ -64,11 +64,14 @@ fn a_negative_step_or_frame_is_refused_in_words() {
         sentence.contains("--step-ms must be a number of milliseconds"),
         "{sentence}"
     );
-    let sentence = refused(&AIRCRAFT.file, &["--to", "c", "--frame-ms", "-1"]);
-    assert!(
-        sentence.contains("--frame-ms must be a number of milliseconds"),
-        "{sentence}"
-    );
+    // The second is a frame in seconds.
+    for frame in ["-1", "0.02"] {
+        let sentence = refused(&AIRCRAFT.file, &["--to", "c", "--frame-ms", frame]);
+        assert!(
+            sentence.contains("--frame-ms must be a number of milliseconds"),
+            "{sentence}"
+        );
+    }
 }
 
 #[test]

@@ -37,12 +37,13 @@ impl Smooth {
         }
     }
 
-    /// The command of each step, held for a frame of `frame_s`, 0 for none.
+    /// The command of each step, new in the first step of a frame of `frame_s`, 0 for none.
     pub fn command(&self, frame_s: f64) -> Vec<f64> {
         let command = |step: usize| {
             let mut time_s = step as f64 * self.step_s;
             if frame_s > 0.0 {
-                time_s = (time_s / frame_s + 1e-6).floor() * frame_s;
+                let edge_s = (time_s / frame_s + 1e-6).floor() * frame_s;
+                time_s = (edge_s / self.step_s - 1e-6).ceil() * self.step_s;
             }
             let turns = time_s / self.step_s / self.steps as f64;
             self.middle + self.amplitude * (TAU * turns).sin()

@@ -1,0 +1,47 @@
+//! What the recording had: beyond it, no file is known to be right.
+
+use crate::data::units::Units;
+use crate::presentation::summary;
+use servoid_identification::servo_model::{CommandRange, ReachedSpeeds};
+
+/// "from -20.0 to 60.0 deg".
+pub(super) fn range_in_words(range: CommandRange, units: Units<'_>) -> String {
+    let size = range.amplitude();
+    let [least, largest] = [range.least, range.largest].map(|end| beside(end, size));
+    let unit = units
+        .input
+        .map(|unit| format!(" {unit}"))
+        .unwrap_or_default();
+    format!("from {least} to {largest}{unit}")
+}
+
+/// "40 deg/s upwards and 38 deg/s downwards", in a `unit` of which there are `each` to one of the position; `None` where no sample shows a speed.
+pub(super) fn speeds_in_words(reached: ReachedSpeeds, each: f64, unit: &str) -> Option<String> {
+    let speeds = [reached.upwards, reached.downwards];
+    let [up, down] = speeds.map(|speed| summary::digits(each * speed, 2));
+    (speeds[0] + speeds[1] > 0.0)
+        .then(|| format!("{up} {unit}/s upwards and {down} {unit}/s downwards"))
+}
+
+/// That a file has no limit of the speed, a sentence without its stop.
+pub(super) fn no_limit(
+    commands: Option<CommandRange>,
+    reached: Option<ReachedSpeeds>,
+    units: Units<'_>,
+) -> String {
+    let unit = units.output.unwrap_or("units of the position");
+    let up_to = (reached.and_then(|reached| speeds_in_words(reached, 1.0, unit)))
+        .map(|speeds| format!(" up to {speeds}"));
+    let under = commands.map(|range| format!(" (commands {})", range_in_words(range, units)));
+    format!(
+        "no limit of the speed was reached{}{}, so this file has none, and a servo has one",
+        up_to.unwrap_or_default(),
+        under.unwrap_or_default()
+    )
+}
+
+/// A number with the digits that count beside the size `size`: three of that.
+pub(super) fn beside(value: f64, size: f64) -> String {
+    let decimals = 2 - size.abs().max(f64::MIN_POSITIVE).log10().floor() as i32;
+    format!("{value:.*}", decimals.clamp(0, 12) as usize)
+}
