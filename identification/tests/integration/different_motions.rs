@@ -75,7 +75,7 @@ fn random_levels(seed: u64, of_nine: bool) -> Vec<f64> {
 #[test]
 fn the_draw_of_random_levels_withholds_no_verdict() {
     let verdicts = |gain: f64| -> Vec<Comparison> {
-        let compared = (0..16u64).into_par_iter().map(|pair| {
+        let compared = (0..8u64).into_par_iter().map(|pair| {
             let side = |seed: u64, gain: f64| {
                 let servo = Linear::second_order(gain, 0.0255, 0.6, 60.0);
                 let input = random_levels(seed, pair % 2 == 0);
