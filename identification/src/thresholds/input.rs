@@ -77,7 +77,8 @@ pub const GAIN_DRIFT_PERCENT: f64 = 2.0;
 /// Share of the changes of the output that a lag must explain for the servo to be called a slow one.
 ///
 /// Protects: servos that are limited, or not linear, from the advice to record longer. Evidence: the recordings of "Gains that change, and slow servos" in
-/// docs/method.md, in which a lag explains up to 94 % of servos whose speed is limited, and 98 % or more of lags.
+/// docs/method.md, in which a lag explains up to 94 % of servos whose speed is limited, and less than 95 % of slow lags only where they hardly move
+/// beside their noise, as under a PRBS.
 pub const EXPLAINED_BY_LAG: f64 = 0.95;
 
 /// Time constants in the longest settling time, below which the response is not over: a lag is within 2 % after four.
