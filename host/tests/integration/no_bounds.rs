@@ -5,7 +5,7 @@ use crate::support::{arg, json, run, servoid};
 use serde_json::Value;
 use servoid_identification::Record;
 use servoid_test_support::closed_loop::{Course, Loop};
-use servoid_test_support::drifting_servos::{DriftingServo, Motion};
+use servoid_test_support::drifting_servos::{Command, DriftingServo, Motion};
 use servoid_test_support::loggers::Logger;
 use servoid_test_support::plants::{self, Noise, Plant};
 use std::path::{Path, PathBuf};
@@ -127,6 +127,7 @@ impl Withdrawn {
             Self::ResponseNotOver => with_slow_end(seed),
             Self::SlowServo => DriftingServo {
                 motion: Motion::Lag(4.0),
+                command: Command::Levels(5.0),
                 ..DriftingServo::default()
             }
             .record(seed.into()),
