@@ -138,8 +138,8 @@ pub(super) fn slow_servo(evidence: &Evidence<'_>) -> Option<Advice> {
         explained,
         100.0 * EXPLAINED_BY_LAG,
         format!(
-            "Record holds of different lengths, some of {:.0} s or more, for {:.0} s in all, {}.",
-            LAG_BESIDE_SETTLING * seconds,
+            "Record holds of different lengths, some of {} s or more, for {:.0} s in all, {}.",
+            two_digits(LAG_BESIDE_SETTLING * seconds),
             ROWS_PER_SAMPLE as f64 * settling,
             match rows > 1.0 {
                 true => format!(
