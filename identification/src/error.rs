@@ -84,11 +84,12 @@ pub enum Error {
     SearchEnded,
     /// The record is too short for an automatic choice of the structure.
     #[error(
-        "an automatic choice of the settling time needs at least {needed} samples in one piece, and {}: record \
-         longer and without gaps, or state the settling time in samples",
+        "an automatic choice of the settling time needs at least {needed} samples in one piece, and {}, or state the settling time in samples",
         match samples < needed {
-            true => format!("the record has {samples}"),
-            false => format!("runs and gaps part the {samples} of the record into shorter ones"),
+            true => format!("the record has {samples}: record longer"),
+            false => format!(
+                "runs and gaps part the {samples} of the record into shorter ones: record longer and without gaps"
+            ),
         }
     )]
     TooShortForAuto {
@@ -169,13 +170,13 @@ pub enum Error {
         /// Samples of history.
         rows: usize,
     },
-    /// The input does not excite as many frequencies as asked for.
+    /// The input does not excite as many frequencies as asked for, or as the settling time has.
     #[error(
-        "the input excites {excited} of the {asked} frequencies asked for (up to {highest_hz:.3} \
-         Hz): ask for at most {excited}, or record a reference with sharper and more steps"
+        "the input excites {excited} of the {asked} frequencies that are to be determined (up to {highest_hz:.3} \
+         Hz): record a reference with sharper and more steps, or ask for at most {excited} frequencies"
     )]
     NotExcited {
-        /// Frequencies asked for.
+        /// Frequencies to be determined.
         asked: usize,
         /// Odd number of frequencies that the input does excite.
         excited: usize,

@@ -9,6 +9,7 @@
 //! - [`drawn_lines`]: such recordings whose numbers are drawn.
 //! - [`scattering_runs`]: several runs of one servo that differ, or do not.
 //! - [`changing_servos`]: several runs of servos whose dynamics change.
+//! - [`drifting_servos`]: servos whose gain changes along a recording, slow ones, and others.
 //! - [`loggers`]: recordings of one servo by loggers with faults of time.
 //! - [`compared_ends`]: comparisons of servos whose responses have slow ends.
 //! - [`servo_means`]: comparisons of servos whose runs scatter.
@@ -29,6 +30,7 @@ pub mod closed_loop;
 pub mod compared_ends;
 pub mod coverage;
 pub mod drawn_lines;
+pub mod drifting_servos;
 pub mod figures_coverage;
 pub mod hard_lines;
 #[cfg(feature = "rig")]

@@ -6,7 +6,9 @@ use crate::data::dataset::Dataset;
 use crate::data::rest_error::{CommandedRest, rests_of};
 use servoid_identification::Options;
 use servoid_identification::column::mean;
-use servoid_identification::results::{Advice, Check, Model, pointwise_critical, six_digits};
+use servoid_identification::results::{
+    Advice, Check, Model, Reason, Withheld, pointwise_critical, six_digits,
+};
 
 /// A part of the commanded way that matters, which is the margin of a comparison unless another one is asked for. Dead band and friction of a servo
 /// that is not loaded leave less.
@@ -19,7 +21,10 @@ const BEYOND_CHANCE: f64 = 4.0;
 /// scatter of the rests and the scale of the sensor explain.
 pub(super) fn advice(data: &Dataset, model: &Model) -> Option<Advice> {
     let unit = data.about.units().common()?;
-    if !model.stops.is_empty() {
+    // A servo that changes along the recording rests elsewhere at each end of it, and a slow one is still on its way.
+    let changes = model.level().withdrawn() == Some(Reason::GainDrift);
+    let is_slow = model.metrics.withheld == Some(Withheld::ResponseNotOver);
+    if !model.stops.is_empty() || changes || is_slow {
         return None;
     }
     let rests = rests_of(&data.record);

@@ -5,6 +5,7 @@ use crate::support::{arg, json, run, servoid};
 use serde_json::Value;
 use servoid_identification::Record;
 use servoid_test_support::closed_loop::{Course, Loop};
+use servoid_test_support::drifting_servos::{Command, DriftingServo, Motion};
 use servoid_test_support::loggers::Logger;
 use servoid_test_support::plants::{self, Noise, Plant};
 use std::path::{Path, PathBuf};
@@ -28,17 +29,21 @@ enum Withdrawn {
     LagDrift,
     /// A stop within the range of the commands.
     TravelEnd,
+    /// A gain that falls along the recording.
+    GainDrift,
     /// A controller that computes the command from the output.
     InputFollowsOutput,
     /// A square wave whose holds end before the servo has come to rest.
     EndUnseen,
     /// A tenth of the response takes much longer than the holds.
     ResponseNotOver,
+    /// A lag of four seconds.
+    SlowServo,
 }
 
 impl Withdrawn {
     /// But for [`Self::InputUnexcited`], which the quick tests have.
-    const OTHERS: [Self; 10] = [
+    const OTHERS: [Self; 12] = [
         Self::FrequenciesLeftOut,
         Self::ErrorsNotNoise,
         Self::QuantisationAboveNoise,
@@ -46,9 +51,11 @@ impl Withdrawn {
         Self::HeldOutput,
         Self::LagDrift,
         Self::TravelEnd,
+        Self::GainDrift,
         Self::InputFollowsOutput,
         Self::EndUnseen,
         Self::ResponseNotOver,
+        Self::SlowServo,
     ];
 
     fn reason(self) -> &'static str {
@@ -61,9 +68,10 @@ impl Withdrawn {
             Self::HeldOutput => "held_output",
             Self::LagDrift => "lag_drift",
             Self::TravelEnd => "travel_end",
+            Self::GainDrift => "gain_drift",
             Self::InputFollowsOutput => "input_follows_output",
             Self::EndUnseen => "end_unseen",
-            Self::ResponseNotOver => "response_not_over",
+            Self::ResponseNotOver | Self::SlowServo => "response_not_over",
         }
     }
 
@@ -80,7 +88,7 @@ impl Withdrawn {
         let run = &record.runs()[0];
         let mut rows = String::from("time_s,u [us],y [deg]\n");
         for (k, (command, output)) in (0..).zip(run.input().iter().zip(run.output())) {
-            let time = f64::from(k) * plants::PERIOD;
+            let time = f64::from(k) * record.sample_period_s();
             rows += &format!("{time:.3},{command},{output:.4}\n");
         }
         let file = dir.join(format!("{}-{seed}.csv", self.reason().replace('_', "-")));
@@ -109,9 +117,20 @@ impl Withdrawn {
                 stop: 9.0,
                 ..logger
             }),
+            Self::GainDrift => DriftingServo {
+                change: -0.05,
+                ..DriftingServo::default()
+            }
+            .record(seed.into()),
             Self::InputFollowsOutput => in_closed_loop(seed),
             Self::EndUnseen => under_equal_holds(seed),
             Self::ResponseNotOver => with_slow_end(seed),
+            Self::SlowServo => DriftingServo {
+                motion: Motion::Lag(4.0),
+                command: Command::Levels(5.0),
+                ..DriftingServo::default()
+            }
+            .record(seed.into()),
         }
     }
 }

@@ -4,9 +4,11 @@
 //! Nothing else makes bounds valid; everything else derives its own from the level that is given here.
 
 use crate::diagnostics::flat_end::TravelEnd;
+use crate::diagnostics::gain_drift::GainDrift;
 use crate::diagnostics::misfit::Misfit;
 use crate::diagnostics::rise_at_end::rise_at_end;
 use crate::diagnostics::servo_stopped::ServoStopped;
+use crate::diagnostics::slow_servo::SlowServo;
 use crate::diagnostics::time_fault::TimeFault;
 use crate::estimation::{Excitation, FsfBasis};
 use crate::results::{Bounds, Interval, Metrics, Reason, SelectedBy, Withheld};
@@ -30,6 +32,10 @@ pub(crate) struct ValidityEvidence<'a> {
     pub(crate) time_fault: Option<TimeFault>,
     /// Stops within the range of the commands.
     pub(crate) travel_ends: [Option<TravelEnd>; 2],
+    /// A gain that changes along the record.
+    pub(crate) gain_drift: Option<GainDrift>,
+    /// What makes the response longer than any settling time.
+    pub(crate) slow_servo: Option<SlowServo>,
     /// Whether the input is such that nothing is known of the response beyond N.
     pub(crate) end_is_unseen: bool,
     /// Whether the input follows the output.
@@ -63,6 +69,10 @@ pub(crate) struct Validity {
     pub(crate) time_fault: Option<TimeFault>,
     /// Stops within the range of the commands.
     pub(crate) travel_ends: [Option<TravelEnd>; 2],
+    /// A gain that changes along the record, where that is why there are no bounds.
+    pub(crate) gain_drift: Option<GainDrift>,
+    /// What makes the response longer than any settling time, where that is why there are no bounds.
+    pub(crate) slow_servo: Option<SlowServo>,
     /// Why metrics are left out, where they are.
     pub(crate) withheld: Option<Withheld>,
     /// Whether the final value is supported all the same.
@@ -93,12 +103,16 @@ impl Validity {
             Some(fault.reason())
         } else if evidence.travel_ends.iter().any(Option::is_some) {
             Some(Reason::TravelEnd)
+        } else if evidence.slow_servo.is_some() {
+            Some(Reason::ResponseNotOver)
         } else if unexcited_above_hz.is_some() {
             Some(Reason::InputUnexcited)
         } else if left_out_above_hz.is_some() {
             Some(Reason::FrequenciesLeftOut)
         } else if evidence.closed_loop {
             Some(Reason::InputFollowsOutput)
+        } else if evidence.gain_drift.is_some() {
+            Some(Reason::GainDrift)
         } else if evidence.misfit.is_some() {
             Some(Reason::ErrorsNotNoise)
         } else if evidence.quantised && evidence.excitation.is_smooth() {
@@ -115,8 +129,10 @@ impl Validity {
         let disagreeing = evidence
             .misfit
             .filter(|misfit| misfit.disagreement(evidence.step) > DISAGREEMENT);
+        let slow_servo = (evidence.slow_servo).filter(|_| reason == Some(Reason::ResponseNotOver));
         let (withheld, gain_is_supported) = match disagreeing {
             _ if time_fault.is_some() => (Some(Withheld::TimeFault), true),
+            _ if slow_servo.is_some() => (Some(Withheld::ResponseNotOver), false),
             _ if evidence.lags_are_mixed && evidence.misfit.is_none() => {
                 (Some(Withheld::InputUnexcited), false)
             }
@@ -152,6 +168,8 @@ impl Validity {
             } else {
                 evidence.travel_ends
             },
+            gain_drift: (evidence.gain_drift).filter(|_| reason == Some(Reason::GainDrift)),
+            slow_servo,
             withheld,
             gain_is_supported,
         }

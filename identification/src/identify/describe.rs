@@ -8,7 +8,7 @@ use super::task::Task;
 use crate::data::{Run, Timing};
 use crate::diagnostics::{
     AllowedEnd, Bank, Explanation, PriorOutcome, Resolution, RunComparison, ServoStopped,
-    TimeFault, TravelEnd, Validity, ValidityEvidence, contradicted_rest,
+    SlowServo, TimeFault, TravelEnd, Validity, ValidityEvidence, contradicted_rest, gain_drift,
 };
 use crate::estimation::{Excitation, Noise};
 use crate::numerics::matrix_rows::to_rows;
@@ -16,7 +16,7 @@ use crate::results::{
     FrequencyBounds, FrequencyResponse, MODEL_SCHEMA, Measured, MetricBounds, Metrics, Model,
     ParameterBounds, Residuals, SelectedBy, StepBounds, StepResponse, Structure,
 };
-use crate::selection::hidden_end;
+use crate::selection::{hidden_end, longest_settling};
 use crate::thresholds::UNSETTLED_END;
 
 /// Whether bounds hold, decided before any are drawn.
@@ -28,6 +28,8 @@ pub(super) fn validity(
 ) -> Validity {
     let (plan, estimate) = (&fitted.candidate.plan, &fitted.estimate);
     let moments = &estimate.information.moments;
+    let unsettled =
+        fitted.slow_end.is_some() || still_moves(fitted, responses, allowances.step.rounding);
     let evidence = ValidityEvidence {
         basis: plan.basis,
         selected_by: plan.selected_by,
@@ -35,12 +37,13 @@ pub(super) fn validity(
         misfit: fitted.misfit.as_ref(),
         excitation: excitation(fitted, allowances),
         quantised: allowances.quantisation.is_some(),
-        unsettled: fitted.slow_end.is_some()
-            || still_moves(fitted, responses, allowances.step.rounding),
+        unsettled,
         stopped: task.recorded.and_then(ServoStopped::of),
         time_fault: (task.recorded.zip(task.record))
             .and_then(|(recorded, record)| TimeFault::of(recorded, record, moments, &estimate.fit)),
         travel_ends: travel_ends(task, fitted),
+        gain_drift: (task.record).and_then(|record| gain_drift(record, moments, &estimate.fit)),
+        slow_servo: slow_servo(task, fitted, unsettled),
         end_is_unseen: fitted.end_is_unseen,
         closed_loop: is_closed_loop(fitted),
         // What a caller leaves out is in the errors, and inputs to come show it where they were planned.
@@ -53,6 +56,14 @@ pub(super) fn validity(
         truncation_bias: allowances.step.truncation,
     };
     Validity::new(&evidence, task.options.level)
+}
+
+/// A servo that is slower than the longest settling time, where something speaks against bounds.
+fn slow_servo(task: &Task<'_>, fitted: &Fitted, unsettled: bool) -> Option<SlowServo> {
+    let asked = (fitted.misfit.is_some() || unsettled) && !is_closed_loop(fitted);
+    let record = task.recorded.filter(|_| asked)?;
+    let longest = longest_settling(record, task.options.longest_settling).ok()?;
+    SlowServo::of(record, longest)
 }
 
 fn travel_ends(task: &Task<'_>, fitted: &Fitted) -> [Option<TravelEnd>; 2] {

@@ -68,6 +68,10 @@ pub enum Check {
     HeldOutput,
     /// Whether the lag of the output is the same all along the record.
     LagDrift,
+    /// Whether the gain is the same all along the record.
+    GainDrift,
+    /// Whether the servo is slower than the record can show, or its output the integral of the input.
+    SlowServo,
     /// Whether any model predicts the record.
     Prediction,
     /// Whether the response goes on beyond the longest time that can be judged, or the settling time that was given.
@@ -261,6 +265,8 @@ impl Advice {
                 | Check::EarlyMotion
                 | Check::HeldOutput
                 | Check::LagDrift
+                | Check::GainDrift
+                | Check::SlowServo
                 | Check::CommandsBetweenRows
                 | Check::TravelEnd
                 | Check::Feedback

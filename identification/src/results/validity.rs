@@ -26,6 +26,8 @@ pub enum Reason {
     TravelEnd,
     /// The same where a servo model explains it by a load that holds the drive, and has no stop.
     LoadHoldsDrive,
+    /// The gain changes along the record, as under a supply that sags.
+    GainDrift,
     /// The input lacks the frequencies that part of the response consists of.
     InputUnexcited,
     /// The number of frequencies that was asked for leaves out more than can be bounded, though the input has it.
@@ -65,7 +67,11 @@ impl Reason {
     /// Whether it speaks against the record, and so against the bounds of any model of it, and not of a linear one alone.
     #[must_use]
     pub fn is_of_the_record(self) -> bool {
-        !self.leaves_a_servo() || matches!(self, Self::TravelEnd | Self::LoadHoldsDrive)
+        !self.leaves_a_servo()
+            || matches!(
+                self,
+                Self::TravelEnd | Self::LoadHoldsDrive | Self::GainDrift
+            )
     }
 
     /// The reason in a few words, for beside a number.
@@ -81,6 +87,7 @@ impl Reason {
                 "the servo does not go as far as its outermost commands, as at a stop or under a load that holds it"
             }
             Self::LoadHoldsDrive => "a load holds the servo short of some commands",
+            Self::GainDrift => "the servo's gain changes along the recording",
             Self::InputUnexcited => "the reference does not excite all of the response",
             Self::FrequenciesLeftOut => {
                 "part of the response lies at frequencies that were left out"

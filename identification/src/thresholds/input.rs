@@ -68,6 +68,24 @@ pub const LAG_DRIFT_SIGNIFICANCE: f64 = 1e-5;
 /// Change of the lag over a run that matters \[samples\]; see [`LAG_DRIFT_SIGNIFICANCE`].
 pub const LAG_DRIFT_SAMPLES: f64 = 0.25;
 
+/// Change of the gain over a run that matters \[%\]; see [`LAG_DRIFT_SIGNIFICANCE`].
+///
+/// Protects: users from findings of no consequence, since the estimate is that of the mean gain; less is within the changes of one servo from day to day.
+/// Evidence: by choice, not tuned; "Gains that change, and slow servos" in docs/method.md has what is found below and above it.
+pub const GAIN_DRIFT_PERCENT: f64 = 2.0;
+
+/// Share of the changes of the output that a lag must explain for the servo to be called a slow one.
+///
+/// Protects: servos that are limited, or not linear, from the advice to record longer. Evidence: the recordings of "Gains that change, and slow servos" in
+/// docs/method.md, in which a lag explains up to 94 % of servos whose speed is limited, and less than 95 % of slow lags only where they hardly move
+/// beside their noise, as under a PRBS.
+pub const EXPLAINED_BY_LAG: f64 = 0.95;
+
+/// Time constants in the longest settling time, below which the response is not over: a lag is within 2 % after four.
+///
+/// Protects: lags that the longest settling time holds, and fast servos that are not linear, of which a lag may explain 99 %. Evidence: as [`EXPLAINED_BY_LAG`].
+pub const LAG_BESIDE_SETTLING: f64 = 4.0;
+
 /// Ratio of the ranges of the command in both halves of a run up to which its lag is asked for.
 ///
 /// Protects: servos that are not linear, which answer another motion sooner or later, from a drift of the lag. Evidence: table "Times that are

@@ -1,7 +1,8 @@
 //! Outputs that drift, and outputs that have no end.
 
-use servoid_identification::results::{Check, Model};
+use servoid_identification::results::{Check, Model, Reason, Withheld};
 use servoid_identification::{Detrend, Error, Options, Record, Run, identify, identify_explained};
+use servoid_test_support::drifting_servos::{Beside, Command, Course, DriftingServo, Motion};
 use servoid_test_support::plants::{Noise, PERIOD, Plant, random, simulate, staircase};
 
 fn options(detrend: Detrend) -> Options {
@@ -116,7 +117,58 @@ fn an_integrator_is_named() {
     let record = Record::of_run(PERIOD, input, output).unwrap();
     let model = identify(&record, &options(Detrend::Auto)).unwrap();
     let checks: Vec<&Check> = model.advice.iter().map(|found| &found.check).collect();
-    assert_eq!(checks[0], &Check::StillRising, "{checks:?}");
+    assert_eq!(checks[0], &Check::SlowServo, "{checks:?}");
+    assert_eq!(model.bounds.withdrawn(), Some(Reason::ResponseNotOver));
+    assert!(model.metrics.dc_gain.value.is_none());
+}
+
+/// A gain that falls evenly, or at once; and one that does not change, beside noise that does.
+#[test]
+fn a_gain_that_changes_along_the_record_takes_the_level() {
+    let sound = DriftingServo::default();
+    let falls = |change, course| DriftingServo {
+        change,
+        course,
+        ..sound
+    };
+    let louder = DriftingServo {
+        beside: Beside::LateNoise(10.0),
+        ..sound
+    };
+    for (servo, reason) in [
+        (falls(-0.04, Course::Evenly), Some(Reason::GainDrift)),
+        (falls(-0.05, Course::AtOnce(0.6)), Some(Reason::GainDrift)),
+        (sound, None),
+        (louder, None),
+    ] {
+        for seed in 70..73 {
+            let model = identify(&servo.record(seed), &Options::default()).unwrap();
+            assert_eq!(model.bounds.withdrawn(), reason, "{:?}", model.advice);
+            assert!(reason.is_none() || model.advice[0].check == Check::GainDrift);
+        }
+    }
+}
+
+/// A lag of four seconds, under levels of two seconds, in rows of which the settling time has three seconds.
+#[test]
+fn a_slow_servo_is_named_with_its_time_constant() {
+    let servo = DriftingServo {
+        motion: Motion::Lag(4.0),
+        command: Command::Levels(5.0),
+        ..DriftingServo::default()
+    };
+    let record = servo.record(80);
+    let model = identify(&record, &Options::default()).unwrap();
+    assert_eq!(model.bounds.withdrawn(), Some(Reason::ResponseNotOver));
+    assert_eq!(model.advice[0].check, Check::SlowServo);
+    let said = &model.advice[0].finding;
+    assert!(
+        ["3.8 s", "3.9 s", "4.0 s", "4.1 s", "4.2 s"]
+            .iter()
+            .any(|seconds| said.contains(seconds)),
+        "{said}"
+    );
+    assert_eq!(model.metrics.withheld, Some(Withheld::ResponseNotOver));
 }
 
 #[test]

@@ -171,6 +171,7 @@ pub const ROOMS: [(&str, &[&str]); 11] = [
             "servos",
             "trial",
             "loggers",
+            "drifting_servos",
             "closed_loop",
             "oracle",
             "coverage",

@@ -23,6 +23,11 @@ pub(super) fn model_error(evidence: &Evidence<'_>) -> Option<Advice> {
         Some(_) => " The input is too smooth to show whether the servo or the input is the cause.",
         None => "",
     };
+    // That the reference lacks power has been said, and is reason enough.
+    let what = match evidence.validity.unexcited_above_hz {
+        Some(_) => "Nor are the errors noise",
+        None => "No bounds can be given, because the errors are not noise",
+    };
     let (chosen_by, use_of_model) = match misfit.candidates.first() {
         Some(best) => (
             "how well it predicts parts not seen",
@@ -57,7 +62,7 @@ pub(super) fn model_error(evidence: &Evidence<'_>) -> Option<Advice> {
     Some(Advice::new(
         Check::ModelError,
         format!(
-            "No bounds can be given, because the errors are not noise: {reason}. The structure was chosen by \
+            "{what}: {reason}. The structure was chosen by \
              {chosen_by}, and {taken} least squares was taken.{smooth}{by_drift}"
         ),
         value,

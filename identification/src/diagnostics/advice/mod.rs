@@ -15,8 +15,8 @@ pub(crate) use evidence::Evidence;
 
 use crate::results::Advice;
 
-/// All findings on a model. That the servo stops, or that times are not what they seem, stands alone: whatever else is
-/// found may be its consequence.
+/// All findings on a model. That the servo stops, changes, or is slower than the record shows, or that times are not what they seem, stands alone:
+/// whatever else is found may be its consequence.
 pub(crate) fn gather_advice(evidence: &Evidence<'_>) -> Vec<Advice> {
     if let Some(stopped) = response::servo_stopped(evidence) {
         return vec![stopped];
@@ -24,15 +24,21 @@ pub(crate) fn gather_advice(evidence: &Evidence<'_>) -> Vec<Advice> {
     if let Some(fault) = time_fault::time_fault(evidence) {
         return vec![fault];
     }
+    if let Some(slow) = response::slow_servo(evidence) {
+        return vec![slow];
+    }
+    if let Some(drift) = response::gain_drift(evidence) {
+        return vec![drift];
+    }
     [
         excitation::output_leads(evidence),
         excitation::feedback(evidence),
         response::travel_end(evidence, 0),
         response::travel_end(evidence, 1),
         response::still_rising(evidence),
+        excitation::excitation(evidence),
         errors::model_error(evidence),
         errors::not_linear(evidence),
-        excitation::excitation(evidence),
         excitation::left_out(evidence),
         excitation::smooth(evidence),
         errors::metrics(evidence),

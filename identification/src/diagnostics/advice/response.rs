@@ -6,7 +6,10 @@ use crate::numerics::four_digits;
 use crate::options::Frequencies;
 use crate::results::{Advice, Bounds, Check, Reason, SelectedBy, Withheld};
 use crate::selection::{Choice, hidden_end};
-use crate::thresholds::{DETECTION, HIDDEN_TAIL, MARGIN, SLOW_END_SIGNIFICANCE, STILL_RISING};
+use crate::thresholds::{
+    DETECTION, EXPLAINED_BY_LAG, GAIN_DRIFT_PERCENT, HIDDEN_TAIL, LAG_BESIDE_SETTLING,
+    LONGEST_SETTLING, MARGIN, ROWS_PER_SAMPLE, SLOW_END_SIGNIFICANCE, STILL_RISING,
+};
 
 /// The choice of the settling time, unless it was overruled because the errors are not noise.
 fn trusted_choice<'a>(evidence: &Evidence<'a>) -> Option<&'a Choice> {
@@ -102,9 +105,82 @@ pub(super) fn travel_end(evidence: &Evidence<'_>, which: usize) -> Option<Advice
     ))
 }
 
+/// A servo that is slower than the longest settling time, or the integral of its input.
+pub(super) fn slow_servo(evidence: &Evidence<'_>) -> Option<Advice> {
+    let found = evidence.validity.slow_servo?;
+    let explained = 100.0 * found.explained;
+    let Some(seconds) = found.time_constant_s else {
+        return Some(Advice::new(
+            Check::SlowServo,
+            format!(
+                "No bounds can be given, because the output does not come to rest under a command: over this recording it is the integral of the input, \
+                 which sets its speed ({} of the output a second for each unit of the input; that explains {explained:.1} % of its changes). Or it is \
+                 slower than this recording shows.",
+                two_digits(found.speed_per_input.abs())
+            ),
+            explained,
+            100.0 * EXPLAINED_BY_LAG,
+            "If the input is a speed, take the speed of the output as the output: its change from row to row over the time between them, in rows so far \
+             apart that the change exceeds the noise. If it is a position, record holds in which the output comes to rest.",
+        ));
+    };
+    // A lag is over after four time constants, and the settling time that is chosen has a margin.
+    let settling = MARGIN * LAG_BESIDE_SETTLING * seconds;
+    let period = evidence.model.sample_period_s;
+    let rows = (settling / (period * LONGEST_SETTLING as f64)).ceil();
+    Some(Advice::new(
+        Check::SlowServo,
+        format!(
+            "No bounds can be given, because the servo is slow: a time constant of about {} s explains {explained:.1} % of the changes of its output, and its \
+             response goes on beyond the longest settling time that this recording allows.",
+            two_digits(seconds)
+        ),
+        explained,
+        100.0 * EXPLAINED_BY_LAG,
+        format!(
+            "Record holds of different lengths, some of {} s or more, for {:.0} s in all, {}.",
+            two_digits(LAG_BESIDE_SETTLING * seconds),
+            ROWS_PER_SAMPLE as f64 * settling,
+            match rows > 1.0 {
+                true => format!(
+                    "in rows {} ms apart or more, since the settling time has at most {LONGEST_SETTLING} of them (awk 'NR == 1 || NR % {rows:.0} == 0' FILE.csv \
+                     keeps one of {rows:.0} rows)",
+                    two_digits(1e3 * rows * period)
+                ),
+                false => "in rows as these".to_owned(),
+            }
+        ),
+    ))
+}
+
+/// A gain that changes along the record.
+pub(super) fn gain_drift(evidence: &Evidence<'_>) -> Option<Advice> {
+    let found = evidence.validity.gain_drift?;
+    let direction = if found.change > 0.0 { "rises" } else { "falls" };
+    let course = match found.at_s {
+        Some(seconds) => format!("at about {seconds:.1} s of a run"),
+        None => "from the beginning to the end of a run".to_owned(),
+    };
+    Some(Advice::new(
+        Check::GainDrift,
+        format!(
+            "No bounds can be given, because the servo changes along the recording: its gain {direction} by {} % {course} (p = {:.0e}). The response is \
+             that of its mean.",
+            two_digits(100.0 * found.change.abs()),
+            found.p.max(1e-12)
+        ),
+        100.0 * found.change,
+        GAIN_DRIFT_PERCENT,
+        "Look at the supplies of servo and sensor, and whether one gets warm. Cut the recording in two: 'servoid compare BEGINNING.csv END.csv' shows by how much \
+         they differ, and each has bounds of its own where it does not change.",
+    ))
+}
+
 /// An integrator, or a record that is too short for its servo.
 pub(super) fn still_rising(evidence: &Evidence<'_>) -> Option<Advice> {
-    let rise = rise_at_end(&evidence.model.step.value)?;
+    // A step response that the reference does not determine has no end to speak of.
+    let is_determined = evidence.validity.withheld != Some(Withheld::InputUnexcited);
+    let rise = rise_at_end(&evidence.model.step.value).filter(|_| is_determined)?;
     let seconds = evidence.model.step.value.len() as f64 * evidence.model.sample_period_s;
     Some(Advice::new(
         Check::StillRising,
@@ -272,6 +348,14 @@ pub(super) fn truncated(evidence: &Evidence<'_>) -> Option<Advice> {
             FOR_DETAIL,
         ),
         Frequencies::Auto if by_prediction => (reach(" that predict best"), FOR_DETAIL),
+        // From where on the reference lacks power has been said; the model may end before that.
+        Frequencies::Auto if evidence.validity.unexcited_above_hz.is_some() => (
+            match highest > 0.0 {
+                true => reach(" of this model"),
+                false => "This model has nothing of the response but a gain".to_owned(),
+            },
+            "Use a reference with sharp edges, without a filter before the servo.",
+        ),
         Frequencies::Auto => (
             match highest > 0.0 {
                 true => format!(

@@ -65,6 +65,8 @@ pub use interval::Interval;
 pub enum Withheld {
     /// All but the gain: times are not what they are taken for.
     TimeFault,
+    /// All of them: the servo is slower than the record can show.
+    ResponseNotOver,
     /// All of them: they rest on frequencies that the input does not excite.
     InputUnexcited,
     /// All of them: they rest on frequencies that were left out because the caller asked for so few.
@@ -81,6 +83,7 @@ impl Withheld {
     pub fn because(self) -> &'static str {
         match self {
             Self::TimeFault => "times of this recording are not what they seem",
+            Self::ResponseNotOver => "the servo is slower than this recording can show",
             Self::InputUnexcited => "the reference does not excite what they rest on",
             Self::FrequenciesLeftOut => "they rest on frequencies that were left out",
             Self::EstimatorsDisagree => "two ways to estimate them disagree",

@@ -1,0 +1,199 @@
+//! What the errors of a model show of a servo, block by block of each run, and how that changes along the runs.
+//!
+//! A change is held against the scatter from block to block, whatever causes that. A motion that itself changes along the run may do as much
+//! to a servo that is not linear. So what goes with the size of the motion of a block is taken out first, and a record whose command has another
+//! range or goes another way in its second half is not asked.
+
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+use crate::data::{Record, Run};
+use crate::diagnostics::simulation_error::Simulated;
+use crate::thresholds::{RANGES_ALIKE, WAYS_ALIKE};
+
+/// Blocks of a record.
+const BLOCKS: usize = 24;
+
+/// The shortest block, in lengths of the history: its ends are those of other blocks, too.
+const HISTORIES: usize = 2;
+
+/// What a block shows.
+pub(super) struct Block {
+    run: usize,
+    /// Its middle \[samples\].
+    pub(super) at: f64,
+    /// Coefficient of a regressor in the errors.
+    value: f64,
+    /// Root of the sum of squares of the regressor: the size of the motion.
+    size: f64,
+    /// The inverse of the variance of `value`, but for what the colour of the noise makes of all alike.
+    weight: f64,
+}
+
+/// The blocks of `runs`, by a response of so many samples, each with the coefficient of `regressor` in its errors.
+pub(super) fn in_blocks(
+    runs: &[Simulated<'_>],
+    history: usize,
+    regressor: fn(&Simulated<'_>) -> Vec<f64>,
+) -> Vec<Block> {
+    let samples: usize = runs.iter().map(|run| run.errors.len()).sum();
+    let length = (samples / BLOCKS).max(HISTORIES * history);
+    let of_run = |(index, run): (usize, &Simulated<'_>)| {
+        let regressor = regressor(run);
+        let parts = (run.errors.chunks_exact(length)).zip(regressor.chunks_exact(length));
+        let of_part = |(number, (errors, regressor)): (usize, (&[f64], &[f64]))| {
+            Block::of(errors, regressor).map(|block| Block {
+                run: index,
+                at: (number as f64 + 0.5) * length as f64,
+                ..block
+            })
+        };
+        parts.enumerate().filter_map(of_part).collect::<Vec<_>>()
+    };
+    runs.iter().enumerate().flat_map(of_run).collect()
+}
+
+impl Block {
+    /// `None` where nothing moves, or too much is missing.
+    fn of(errors: &[f64], regressor: &[f64]) -> Option<Self> {
+        let pairs = errors.iter().zip(regressor);
+        let known: Vec<(f64, f64)> = (pairs.map(|(e, x)| (*e, *x)))
+            .filter(|(e, x)| !(e * x).is_nan())
+            .collect();
+        let count = known.len() as f64;
+        let mean = |of: fn(&(f64, f64)) -> f64| known.iter().map(of).sum::<f64>() / count;
+        let (of_errors, of_regressor) = (mean(|pair| pair.0), mean(|pair| pair.1));
+        let (mut squares, mut products, mut size) = (0.0, 0.0, 0.0);
+        for (error, regressor) in &known {
+            let (error, regressor) = (error - of_errors, regressor - of_regressor);
+            squares += error * error;
+            products += error * regressor;
+            size += regressor * regressor;
+        }
+        let value = products / size;
+        // Noise may be louder in one block than in another.
+        let weight = size * (count - 2.0) / (squares - value * products);
+        (weight.is_finite() && weight > 0.0).then_some(Self {
+            run: 0,
+            at: 0.0,
+            value,
+            size: size.sqrt(),
+            weight,
+        })
+    }
+}
+
+/// Whether the command moves as far and as much in both halves of each run.
+pub(super) fn command_is_even(record: &Record) -> bool {
+    record.runs().iter().all(is_even)
+}
+
+fn is_even(run: &Run<'_>) -> bool {
+    let (first, second) = run.input().split_at(run.len() / 2);
+    let range = |part: &[f64]| {
+        let known = part.iter().filter(|value| !value.is_nan());
+        let (low, high) = known.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+            (low.min(*value), high.max(*value))
+        });
+        high - low
+    };
+    let way = |part: &[f64]| {
+        let steps = part.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+        steps.filter(|step| !step.is_nan()).sum::<f64>()
+    };
+    let alike = |of: &dyn Fn(&[f64]) -> f64, most: f64| {
+        let (a, b) = (of(first), of(second));
+        a.max(b) <= most * a.min(b)
+    };
+    alike(&range, RANGES_ALIKE) && alike(&way, WAYS_ALIKE)
+}
+
+/// The coefficient of a `time` of each block in the values, each run with a mean of its own and all with one effect of the size of the motion, and the
+/// probability of one as far from 0.
+pub(super) fn course(
+    blocks: &[Block],
+    runs: usize,
+    time: &dyn Fn(&Block) -> f64,
+) -> Option<(f64, f64)> {
+    let degrees = blocks.len().checked_sub(runs + 3)?;
+    let row = |block: &Block| [time(block), block.size, block.value];
+    let own = |run: usize| blocks.iter().filter(move |block| block.run == run);
+    let centre = |run: usize| {
+        let mut sums = [0.0; 3];
+        let mut weights = 0.0;
+        for block in own(run) {
+            weights += block.weight;
+            for (sum, value) in sums.iter_mut().zip(row(block)) {
+                *sum += block.weight * value;
+            }
+        }
+        sums.map(|sum| sum / weights)
+    };
+    let centres: Vec<[f64; 3]> = (0..runs).map(centre).collect();
+    let centred = |block: &Block| {
+        let (row, centre) = (row(block), centres[block.run]);
+        std::array::from_fn::<f64, 3, _>(|i| row[i] - centre[i])
+    };
+    let sum = |of: &dyn Fn([f64; 3]) -> f64| -> f64 {
+        blocks
+            .iter()
+            .map(|block| block.weight * of(centred(block)))
+            .sum()
+    };
+    let (sizes, both) = (sum(&|[_, v, _]| v * v), sum(&|[t, v, _]| t * v));
+    // Of blocks of one size throughout there is no effect of it.
+    let share = |product: f64| if sizes > 0.0 { product / sizes } else { 0.0 };
+    let (of_time, of_value) = (share(both), share(sum(&|[_, v, value]| v * value)));
+    let square = sum(&|[t, v, _]| (t - of_time * v).powi(2));
+    let slope = sum(&|[t, v, value]| (t - of_time * v) * (value - of_value * v)) / square;
+    let left = sum(&|[t, v, value]| (value - of_value * v - slope * (t - of_time * v)).powi(2));
+    let t = slope / (left / degrees as f64 / square).sqrt();
+    // Without degrees of freedom, or without any scatter, nothing is known of chance.
+    let distribution = StudentsT::new(0.0, 1.0, degrees as f64).ok()?;
+    t.is_finite()
+        .then(|| (slope, 2.0 * distribution.sf(t.abs())))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::StandardNormal;
+
+    /// The probability of a step before the last three of 24 blocks, at which the coefficient changes by `change`, and the noise is `louder` times as loud.
+    fn p(change: f64, louder: f64, seed: u64) -> f64 {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut normal = || random.sample::<f64, _>(StandardNormal);
+        let block = |number: usize| {
+            let (coefficient, noise) = match number < 21 {
+                true => (0.0, 0.1),
+                false => (change, 0.1 * louder),
+            };
+            let regressor: Vec<f64> = (0..100).map(|_| normal()).collect();
+            let errors = regressor.iter().map(|x| coefficient * x + noise * normal());
+            let errors: Vec<f64> = errors.collect();
+            let found = Block::of(&errors, &regressor).unwrap();
+            Block {
+                at: number as f64,
+                ..found
+            }
+        };
+        let blocks: Vec<Block> = (0..24).map(block).collect();
+        let after = |block: &Block| f64::from(u8::from(block.at > 20.5));
+        course(&blocks, 1, &after).unwrap().1
+    }
+
+    #[test]
+    fn a_coefficient_that_changes_is_found() {
+        assert!((0..20).all(|seed| p(0.1, 1.0, seed) < 1e-5));
+    }
+
+    #[test]
+    fn noise_that_gets_louder_is_no_change() {
+        for louder in [0.02, 1.0, 40.0] {
+            let chances = (0..200).filter(|seed| p(0.0, louder, *seed) < 0.01);
+            // Two are expected; nine or more are so in one of 4000 trials.
+            assert!(chances.count() < 9, "{louder}");
+        }
+    }
+}
