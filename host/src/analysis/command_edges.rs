@@ -16,7 +16,7 @@ use super::commands_at_pulses::{RunInFrames, is_linear_at_pulses};
 use super::duration_in_words::in_words;
 use super::pulse_frames::{PulseFrames, TimedAnswer};
 use crate::data::dataset::Dataset;
-use servoid_identification::results::{Advice, Check, Model};
+use servoid_identification::results::{Advice, Check, Model, Reason};
 use servoid_identification::{Identification, Options, Run};
 use std::collections::BTreeSet;
 
@@ -60,9 +60,10 @@ pub(super) fn command_edges(
     options: &Options,
 ) -> Option<CommandEdges> {
     let model = &found.model;
-    // Steps of a coarse sensor scatter from stroke to stroke, too.
     let (at_rows, polled) = (data.about.commands_at_rows, data.about.polled);
-    if !(at_rows || polled) || found.explanation.resolution.is_some() {
+    // Where a gain changes, strokes pass where the model does sooner and later; steps of a coarse sensor scatter from stroke to stroke, too.
+    let gain_changes = model.bounds.withdrawn() == Some(Reason::GainDrift);
+    if !(at_rows || polled) || gain_changes || found.explanation.resolution.is_some() {
         return None;
     }
     let scatter = Scatter::of(data.record.runs(), model)?;
@@ -278,7 +279,7 @@ mod tests {
     use crate::analysis::{compared, identified};
     use crate::data::dataset::{ArrayRun, Arrays, of_arrays};
     use servoid_identification::comparison::ComparisonOptions;
-    use servoid_identification::results::{Reason, Withheld};
+    use servoid_identification::results::Withheld;
     use servoid_identification::{Options, Record, identify};
 
     /// A lag of 30 ms under levels of 0.2 to 0.4 s, in rows of 10 ms; a command takes effect up to `wait` rows after its row, or before where

@@ -177,7 +177,12 @@ fn unlikely_duration(model: &Model) -> Option<Advice> {
         return None;
     }
     let (limit, which, other_cause) = match time > *usual.end() {
-        true => (*usual.end(), "longer than any R/C servo takes", ""),
+        true => (
+            *usual.end(),
+            "longer than any R/C servo takes",
+            " If it is, the input may be a speed, which sets how fast the output turns and not where it stops: then take the speed of the output \
+             as the output.",
+        ),
         false => (
             *usual.start(),
             "shorter than any R/C servo can",
