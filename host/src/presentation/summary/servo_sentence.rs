@@ -103,6 +103,10 @@ fn what_was_seen(
 ) -> Vec<String> {
     let agreed = speeds.and_then(|speeds| agreed(model, speeds));
     let kind = limited_to(model, agreed, units, 3).unwrap_or_else(|| match speeds {
+        // The speed that follows is not to be read as the limit.
+        Some(speeds) if is_never_reached(model, &speeds) => {
+            "did not reach its top speed".to_owned()
+        }
         Some(_) => "is limited in its speed".to_owned(),
         None => kind(model).to_owned(),
     });
