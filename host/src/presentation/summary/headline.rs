@@ -83,8 +83,11 @@ pub(crate) fn headline_of_comparison(a: &str, b: &str, found: &Comparison, units
             differ.as_deref().unwrap_or("their references differ")
         );
     }
+    // Step responses are of changes alone, so a verdict on them does not show that one servo rests elsewhere.
     let apart_at_rest = found.advice.iter().find(|item| item.is_of_zeros());
-    let apart_at_rest = apart_at_rest.map_or_else(String::new, |item| format!(" {}", item.finding));
+    let apart_at_rest = apart_at_rest.map_or_else(String::new, |item| {
+        format!(" {}", first_sentence(&item.finding))
+    });
     let by_steps = match found.verdict {
         Verdict::Different => format!(
             "{a} and {b} are {least:.1} to {most:.1} % of the step apart where they differ most{stroke} ({sure}, said {of}); {margin} % would have counted as the same."
@@ -97,6 +100,12 @@ pub(crate) fn headline_of_comparison(a: &str, b: &str, found: &Comparison, units
         ),
     };
     by_steps + &apart_at_rest
+}
+
+/// The first of several sentences, which a telephone has room for.
+fn first_sentence(text: &str) -> String {
+    text.split_once(". ")
+        .map_or_else(|| text.to_owned(), |(first, _)| format!("{first}."))
 }
 
 /// The strokes that a difference was found in, where it is not in the response to all of them.
