@@ -29,19 +29,18 @@ pub(super) fn advice(sides: [&ModelMetadata; 2], level: f64) -> Option<Advice> {
         return None;
     }
     let [a, b] = sides;
-    let boards = match a.board_id.as_ref().zip(b.board_id.as_ref()) {
-        Some((a, b)) if a == b => "with different calibrations of its sensor, by one board",
-        _ => "by different boards, or by some that do not state their number",
+    let reason = match a.board_id.as_ref().zip(b.board_id.as_ref()) {
+        Some((a, b)) if a == b => "each side has a calibration of its own",
+        _ => "they were recorded by different boards, or by some that do not state their number",
     };
     Some(Advice::new(
         Check::Calibration,
         format!(
-            "The sides were recorded {boards}: the scales of their sensors may be off from each other by ±{apart_percent:.1} % ({} % confidence). \
-             Bounds of the differences of step responses, gains and speeds contain that; the test of chance by the scatter of runs does not.",
+            "The scales of the two sides may be off from each other by ±{apart_percent:.1} % ({} % confidence), because {reason}. Bounds of the differences of step responses, gains and speeds contain that; the test of chance by the scatter of runs does not.",
             percent(level)
         ),
         apart_percent,
         0.0,
-        "Record both sides with one board, sensor and rig file, whose error is the same in both, or calibrate ('servoid calibrate').",
+        "One board, sensor and rig file for both sides err alike, and need no such bound; else calibrate with more angles, and wider ones.",
     ))
 }

@@ -5,12 +5,13 @@ use super::output::{Output, Talk, sides_are_open, wrong_usage};
 use super::servo_search::ServoSearch;
 use crate::analysis::Compared;
 use crate::data::dataset::listed;
+use crate::data::dataset::suggested_columns::quoted;
 use crate::data::model_file::{ModelFile, is_model};
 use anyhow::{Result, bail};
 use clap::Args;
 use servoid_identification::Options;
 use servoid_identification::comparison::ComparisonOptions;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Compare two servos, or one servo under two conditions
 ///
@@ -90,7 +91,10 @@ impl Compare {
             }
             _ => {
                 if let Some(model) = a.iter().chain(b).find(|file| is_model(file)) {
-                    bail!("{model:?} is a model: compare two models, or recordings on both sides");
+                    bail!(
+                        "{model:?} is a model: compare two models, or recordings on both sides{}",
+                        self.models_of(a, b)
+                    );
                 }
                 let talk = self.output.talk;
                 let [a, b] = self.table.load_sides([a, b], &self.second, talk)?;
@@ -101,6 +105,31 @@ impl Compare {
         self.output.write_json(self.out.as_ref(), &compared)?;
         let text = compared.as_text(names);
         self.output.talk.result(text, &compared)
+    }
+}
+
+impl Compare {
+    /// What makes two models of a model and one recording, as a user types it.
+    fn models_of(&self, a: &[PathBuf], b: &[PathBuf]) -> String {
+        let (model, recording) = match (a, b) {
+            ([a], [b]) if is_model(a) => (a, b),
+            ([a], [b]) => (b, a),
+            _ => return String::new(),
+        };
+        let Ok(file) = ModelFile::read(model) else {
+            return String::new();
+        };
+        let made = recording.with_extension("json");
+        let name = |path: &Path| quoted(&path.display().to_string());
+        let of = |path: &PathBuf| name(if path == recording { &made } else { path });
+        let sides: Vec<String> = a.iter().chain(b).map(of).collect();
+        format!(
+            "; here: servoid identify {}{} -o {}, then servoid compare {}",
+            name(recording),
+            self.table.as_typed_like(&file.read_as),
+            name(&made),
+            sides.join(" ")
+        )
     }
 }
 

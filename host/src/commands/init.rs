@@ -29,7 +29,7 @@ use std::path::{Path, PathBuf};
   servoid init --sensor-kind as5600
   servoid init --pulse-rate 333
   servoid init --pulse-type narrow --pulse-rate 560
-  servoid init --condition aircraft --travel=-20:20 -o aircraft.toml
+  servoid init --travel=-20:20
   servoid init --yes --servo \"ALIGN DS610\" --neutral 1520 --pulses 900:2100 -o bench.toml")]
 pub(super) struct Init {
     /// The rig file to write

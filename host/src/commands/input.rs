@@ -1,7 +1,6 @@
 //! The input of commands: recordings, CSV files of other programs, and models.
 
 use super::output::{Talk, stem, wrong_usage};
-use crate::data::dataset::suggested_columns::quoted;
 use crate::data::dataset::{self, Dataset, DatasetError, DatasetOptions, TimeUnit};
 use crate::instrument::simulated_servo::SimulatedServoError;
 use anyhow::{Result, anyhow};
@@ -88,29 +87,7 @@ impl SecondSideArgs {
 impl TableArgs {
     /// These options as a user types them, each with a space before it.
     pub(super) fn as_typed(&self) -> String {
-        let number = |number: f64| number.to_string();
-        let given = [
-            ("--input", self.input.clone()),
-            ("--output", self.output.clone()),
-            ("--period", self.period.map(number)),
-            ("--time", self.time.clone()),
-            (
-                "--time-unit",
-                self.time_unit.map(|unit| unit.names().0.to_owned()),
-            ),
-            ("--run", self.run.clone()),
-            ("--controller", self.controller.clone()),
-            ("--at-rest", self.at_rest.map(number)),
-        ];
-        let typed = given.into_iter().filter_map(|(option, value)| {
-            let value = quoted(&value?);
-            Some(format!(" {option} {value}"))
-        });
-        let flags = [(self.polled, " --polled"), (self.with_rest, " --with-rest")];
-        let flags = flags
-            .iter()
-            .filter_map(|(given, flag)| given.then_some(*flag));
-        typed.collect::<String>() + &flags.collect::<String>()
+        self.options().as_typed()
     }
 
     /// How these options say that files are to be read.
@@ -146,6 +123,11 @@ impl TableArgs {
         let data = dataset::load_as(files, &self.options(), model)?;
         say_remarks(&data, talk);
         Ok(data)
+    }
+
+    /// These options, and what they leave open as the file of a model was read, as a user types them for a file of this kind.
+    pub(super) fn as_typed_like(&self, model: &DatasetOptions) -> String {
+        self.options().or(model).as_typed()
     }
 
     /// The two sides of a comparison.

@@ -5,7 +5,7 @@ use super::input::{SecondSideArgs, TableArgs, name_of};
 use super::output::{Output, Talk, sides_are_open, stem, wrong_usage};
 use super::servo_search::ServoSearch;
 use crate::analysis::{compared, compared_models, compared_servos, identified, servo_fit};
-use crate::data::dataset::{Dataset, listed};
+use crate::data::dataset::{Dataset, DatasetOptions, listed};
 use crate::data::model_file::{ModelFile, is_model};
 use crate::presentation::report::{self, Page, Servo};
 use anyhow::Result;
@@ -72,7 +72,11 @@ impl Report {
                 vec![self.servo(a, data_a)?, self.servo(b, data_b)?]
             }
             ref sides => {
-                let servos = sides.iter().map(|side| self.read(side));
+                // A recording beside a model is read as the file of the model was.
+                let models = sides.iter().copied().find_map(model_file);
+                let like = models.map(|model| ModelFile::read(model)).transpose()?;
+                let like = like.map(|model| model.read_as).unwrap_or_default();
+                let servos = sides.iter().map(|side| self.read(side, &like));
                 servos.collect::<Result<_>>()?
             }
         };
@@ -103,9 +107,10 @@ impl Report {
         talk.result(text, &serde_json::json!({ "file": self.out }))
     }
 
-    fn read(&self, files: &[PathBuf]) -> Result<Servo> {
+    fn read(&self, files: &[PathBuf], like: &DatasetOptions) -> Result<Servo> {
         let Some(file) = model_file(files) else {
-            return self.servo(files, self.table.load(files, self.output.talk)?);
+            let data = self.table.load_as(like, files, self.output.talk)?;
+            return self.servo(files, data);
         };
         let found = ModelFile::read(file)?;
         let servo_model = found.servo_model()?;

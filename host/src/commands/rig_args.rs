@@ -136,6 +136,9 @@ fn port_of(given: Option<&str>, file: &RigFile) -> Result<String> {
 /// The one condition without a rotor.
 const BENCH: &str = "bench";
 
+/// That of the other simulated servo with a name of its own.
+const AIRCRAFT: &str = "aircraft";
+
 impl RigArgs {
     /// The rig file, named or found, for who does not move the servo.
     pub(super) fn unmoved(&self, talk: Talk) -> Result<RigSource> {
@@ -157,11 +160,20 @@ impl RigArgs {
     }
 
     /// The rig of `file`, if its port is known and it may move.
-    pub(super) fn require(&self, file: RigFile) -> Result<Rig> {
+    pub(super) fn require(&self, file: RigFile, talk: Talk) -> Result<Rig> {
         let address = port_of(self.port.as_deref(), &file)?;
         let simulated = port::simulated_servo(&address);
         let condition = self.condition.clone().or_else(|| file.condition.clone());
         let condition = condition.unwrap_or_else(|| simulated.unwrap_or(BENCH).to_owned());
+        let of_file = self.condition.is_none().then_some(condition.as_str());
+        if let Some((stated, servo)) = of_file.zip(simulated)
+            && [BENCH, AIRCRAFT].contains(&servo)
+            && stated != servo
+        {
+            talk.say(format_args!(
+                "the condition is {stated:?}, by the rig file, and the simulated servo is that of {servo:?}: --condition {servo} states it"
+            ));
+        }
         // The servo may be loaded under any other condition.
         if condition != BENCH && simulated.is_none() && !self.arm {
             bail!(

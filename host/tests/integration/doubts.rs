@@ -59,7 +59,12 @@ fn exchanged_columns_have_no_headline_but_that() {
         first < second && second < text.find("NO BOUNDS").unwrap(),
         "{text}"
     );
-    assert_eq!(&checks(&document)[..2], ["output_leads", "prediction"]);
+    let found = checks(&document);
+    assert_eq!(&found[..2], ["output_leads", "prediction"]);
+    // What follows from the exchange is not advised beside it.
+    for check in ["feedback", "smooth_reference", "metrics", "model_error"] {
+        assert!(!found.contains(&check), "{check}: {text}");
+    }
     let (text, document) = identified(&chirp, ["u", "y"], &[]);
     assert!(text.starts_with("This servo is limited"), "{text}");
     assert!(!checks(&document).contains(&"output_leads"));
@@ -189,6 +194,14 @@ fn a_response_that_takes_longer_than_any_servo_is_named() {
     let (text, document) = identified(&bare, names, &["--period", "0.2"]);
     assert!(text.contains("longer than any R/C servo takes"), "{text}");
     assert_eq!(checks(&document)[0], "duration");
+    assert!(!text.contains("is half way after"), "{text}");
+    let (text, _) = identified(&bare, names, &["--period", "2"]);
+    assert!(
+        text.contains("times and frequencies are left out")
+            && !text.contains("time to 50 %")
+            && !text.contains("is half way after"),
+        "{text}"
+    );
     let (text, document) = identified(&bare, names, &["--period", "0.002"]);
     assert!(!checks(&document).contains(&"duration"), "{text}");
 }
@@ -349,4 +362,50 @@ fn the_scale_the_direction_and_the_place_of_a_servo_are_doubted() {
     assert!(!said.contains("Calibrate ('servoid calibrate')"), "{said}");
     let said = capture(&narrow);
     assert!(said.contains("warning: the position lies"), "{said}");
+}
+
+/// The page says no time of an end that the record does not show, which the table beside it has with a lower bound alone.
+#[test]
+fn a_page_has_no_settling_time_where_the_end_is_open() {
+    let dir = tempfile::tempdir().unwrap();
+    let page = dir.path().join("page.html");
+    let recording = data("dcmotor_speed_prbs.csv");
+    let columns = ["--input", "u", "--output", "y"];
+    run(&[
+        &["report", "-q", arg(&recording), "-o", arg(&page)],
+        &columns[..],
+    ]
+    .concat());
+    let page = std::fs::read_to_string(&page).unwrap();
+    let screen = page.split("id=\"verdict\"").nth(1).unwrap();
+    let (verdict, numbers) = screen.split_once("</p>").unwrap();
+    assert!(numbers.contains("105.0 or more"), "{verdict}");
+    assert!(
+        verdict.contains("is half way after") && !verdict.contains("stays within"),
+        "{verdict}"
+    );
+}
+
+/// That there are no bounds is the answer, and comes before what follows from it.
+#[test]
+fn the_first_line_on_a_stop_is_that_there_are_no_bounds() {
+    let dir = tempfile::tempdir().unwrap();
+    let [file, page] = ["stop.csv", "stop.html"].map(|name| dir.path().join(name));
+    let servo = "bench?stops-deg=-30:4";
+    let stairs = ["--reference", "stairs", "--amplitude", "20", "--seed", "5"];
+    run(&[
+        &["simulate", "-q", "--servo", servo, "-o", arg(&file)],
+        &stairs[..],
+    ]
+    .concat());
+    let text = run(&["identify", "-q", arg(&file)]);
+    let mut lines = text.lines().skip(1);
+    let first = lines.next().unwrap_or_default();
+    assert!(
+        first.starts_with("No bounds can be given, because"),
+        "{text}"
+    );
+    run(&["report", "-q", arg(&file), "-o", arg(&page)]);
+    let page = std::fs::read_to_string(&page).unwrap();
+    assert!(page.contains("id=\"verdict\">No bounds can be given. The output stops at"));
 }

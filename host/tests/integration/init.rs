@@ -44,6 +44,13 @@ fn the_rig_file_of_the_folder_is_found() {
         said.contains("rig.toml is not that of sim:aircraft"),
         "{said}"
     );
+    let aircraft = ["capture", "--rig", "rig.toml", "--port", "sim:aircraft"];
+    let other_condition = "the condition is \"bench\", by the rig file";
+    let said = here(&[&aircraft[..], &["-o", "doubtful.csv"]].concat());
+    assert!(said.contains(other_condition), "{said}");
+    let stated = ["--condition", "aircraft", "-o", "stated.csv"];
+    let said = here(&[&aircraft[..], &stated[..]].concat());
+    assert!(!said.contains(other_condition), "{said}");
     for (file, us_per_degree) in [("found", "11.0"), ("without", "10.0"), ("other", "10.0")] {
         let recording = std::fs::read_to_string(dir.path().join(format!("{file}.csv"))).unwrap();
         let expected = format!("us_per_degree = {us_per_degree}");

@@ -8,12 +8,13 @@ use crate::support::data;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-const PAGES: [&str; 5] = [
+const PAGES: [&str; 6] = [
     "a-csv-file.md",
     "a-board.md",
     "the-same-servo.md",
     "for-a-simulator.md",
     "no-bounds.md",
+    "fast-enough.md",
 ];
 
 const RECORDINGS: [&str; 3] = [

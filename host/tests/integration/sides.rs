@@ -1,6 +1,6 @@
 //! Two sides that are held against each other and come from different programs.
 
-use crate::support::{arg, refusal, run, servoid};
+use crate::support::{arg, data, refusal, run, servoid};
 use std::path::{Path, PathBuf};
 
 /// A recording of the linear servo, and another one as a table of another program.
@@ -251,7 +251,7 @@ fn two_sensors_of_a_data_sheet_make_no_two_servos_of_one() {
     assert!(
         found["advice"]
             .to_string()
-            .contains("scales of their sensors")
+            .contains("The scales of the two sides")
     );
     let found = verdict_of(&one, &slow);
     assert_eq!(found["verdict"], "different", "{}", found["summary"]);
@@ -287,4 +287,62 @@ fn columns_of_two_sides_may_have_different_names() {
         &second[..],
     ]
     .concat());
+}
+
+/// A sensor whose zero is off makes the same steps elsewhere: the first screen of the page says it beside the verdict.
+#[test]
+fn a_page_says_that_the_second_rests_elsewhere() {
+    let dir = tempfile::tempdir().unwrap();
+    let [a, b, page] = ["a.csv", "b.csv", "page.html"].map(|name| dir.path().join(name));
+    run(&["simulate", "-q", "--servo", "bench", "-o", arg(&a)]);
+    let off = "bench?sensor-zero-deg=8";
+    run(&[
+        "simulate",
+        "-q",
+        "--servo",
+        off,
+        "--seed",
+        "2",
+        "-o",
+        arg(&b),
+    ]);
+    run(&["report", "-q", arg(&a), arg(&b), "-o", arg(&page)]);
+    let page = std::fs::read_to_string(&page).unwrap();
+    let screen = page.split("id=\"verdict\"").nth(1).unwrap();
+    let (verdict, _) = screen.split_once("</p>").unwrap();
+    assert!(
+        verdict.contains("<b>same</b>") && verdict.contains("The second rests -"),
+        "{verdict}"
+    );
+}
+
+/// The columns of a recording were said when its model was made; a recording like it need not say them again.
+#[test]
+fn a_recording_beside_a_model_is_read_as_the_file_of_the_model() {
+    let dir = tempfile::tempdir().unwrap();
+    let [model, page] = ["m.json", "page.html"].map(|name| dir.path().join(name));
+    let recording = data("dcmotor_speed_prbs.csv");
+    let columns = ["--input", "u", "--output", "y"];
+    run(&[
+        &["identify", "-q", arg(&recording), "-o", arg(&model)],
+        &columns[..],
+    ]
+    .concat());
+    run(&[
+        "report",
+        "-q",
+        arg(&model),
+        arg(&recording),
+        "-o",
+        arg(&page),
+    ]);
+    assert!(page.exists());
+    let said = refusal(&["compare", arg(&model), arg(&recording)]);
+    assert!(
+        said.contains(
+            "is a model: compare two models, or recordings on both sides; here: servoid identify"
+        ) && said.contains("--input u --output y -o ")
+            && said.contains("then servoid compare "),
+        "{said}"
+    );
 }

@@ -55,7 +55,7 @@ fn one_servo_under_strokes_of_two_sizes_is_not_called_two() {
     for (file, model) in [&small, &large].into_iter().zip(&models) {
         let text = run(&["identify", "-q", arg(file), "-o", arg(model)]);
         assert!(
-            text.contains(", the only size recorded, the servo begins"),
+            text.contains(", the only size recorded, the servo passes 5 %"),
             "{text}"
         );
     }
@@ -110,6 +110,21 @@ fn large_strokes_have_their_top_speed_and_a_true_reason_for_what_is_left_out() {
     assert!(!text.contains("may be zero"), "{text}");
     assert!(
         text.contains("which the servo did not reach in this recording"),
+        "{text}"
+    );
+    // The fastest motion of strokes that were too small is not to be read as the limit.
+    let stairs = dir.path().join("stairs.csv");
+    let larger = ["--reference", "stairs", "--amplitude", "30", "-o"];
+    run(&[
+        &["simulate", "-q", "--servo", "bench"],
+        &larger[..],
+        &[arg(&stairs)],
+    ]
+    .concat());
+    let text = run(&["identify", "-q", "--servo-model", arg(&stairs)]);
+    assert!(
+        text.starts_with("This servo did not reach its top speed and moved at up to 5")
+            && text.contains("did not reach its top speed: record larger strokes"),
         "{text}"
     );
     let page = dir.path().join("large.html");

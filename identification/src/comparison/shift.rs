@@ -28,7 +28,7 @@ use super::difference::Curves;
 /// The definition, for readers of a document.
 pub(super) const DEFINITION: &str = "the delay that brings the first step response closest to the \
     second, each relative to its own final value (least squares over all samples of the response, so \
-    that the steep part decides); a slower servo has one without more dead time, which is what the delay (5 %) shows";
+    that the steep part decides); a slower servo has one without more dead time";
 
 /// Places tried at the first look, on each side of none.
 const PLACES: usize = 200;

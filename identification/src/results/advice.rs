@@ -286,6 +286,31 @@ impl Advice {
         self.check == Check::Feedback
     }
 
+    /// Whether it says that times and frequencies are not those of a servo.
+    #[must_use]
+    pub fn doubts_times(&self) -> bool {
+        matches!(self.check, Check::Period | Check::Duration)
+    }
+
+    /// Whether it says that two servos rest apart under the same commands.
+    #[must_use]
+    pub fn is_of_zeros(&self) -> bool {
+        self.check == Check::Zeros
+    }
+
+    /// Whether it follows from columns that are exchanged: then the input is the motion, and what is asked of a command is not.
+    #[must_use]
+    pub fn follows_from_exchange(&self) -> bool {
+        matches!(
+            self.check,
+            Check::Feedback
+                | Check::SmoothReference
+                | Check::Excitation
+                | Check::ModelError
+                | Check::Metrics
+        )
+    }
+
     /// Whether the finding is of the scale of the sensor.
     #[must_use]
     pub fn is_of_sensor_scale(&self) -> bool {

@@ -14,7 +14,7 @@ use std::time::Duration;
 const WHOLE: &str = "a whole number, 0 or above";
 const NOISE: &str = "full, white or none";
 const SCATTER: &str = "all, or a list of clock, supply, friction, sensor and rotor";
-const FAULT: &str = "open or short, @ and seconds, such as open@3.5, or open@3.5-6 if it is repaired, with a comma between several";
+const FAULT: &str = "open, short or frozen, @ and seconds, such as open@3.5, or open@3.5-6 if it is repaired, with a comma between several";
 
 impl FromStr for SimulationOptions {
     type Err = OptionsError;
@@ -280,7 +280,7 @@ mod tests {
             ),
             (
                 "bench?fault=open@-1",
-                "the option `fault` must be open or short, @ and seconds",
+                "the option `fault` must be open, short or frozen, @ and seconds",
             ),
             (
                 "bench?supply=0",

@@ -180,7 +180,7 @@ impl Calibrate {
     }
 
     fn measure(&self, source: &RigSource) -> Result<Measured> {
-        let rig = self.rig.require(source.file.clone())?;
+        let rig = self.rig.require(source.file.clone(), self.output.talk)?;
         let pulses = self.positions(&rig.file);
         if !self.angles.is_empty() && self.angles.len() != pulses.len() {
             let angles = if self.angles.len() == 1 {

@@ -109,13 +109,11 @@ impl About {
             true => "the second turns the other way (its scale has the other sign)".to_owned(),
             false => format!("the scale of the second is {percent:+.2} % from that of the first"),
         };
-        let rough = a.scale_sd_percent.max(b.scale_sd_percent);
         Some(Advice::new(
             Check::Calibration,
             format!(
                 "The sides have different calibrations of the sensor: {scale}, and its zero is \
-                 {zero:+.2} degrees; the rougher scale has a standard deviation of {rough:.2} %. Where the sensor is the same, gains and levels \
-                 differ by that much for this reason alone."
+                 {zero:+.2} degrees. Where the sensor is the same, gains and levels differ by that much for this reason alone."
             ),
             percent,
             0.0,

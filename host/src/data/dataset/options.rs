@@ -1,5 +1,6 @@
 //! How to read files of other programs.
 
+use super::suggested_columns::quoted;
 use super::time_column::TimeUnit;
 use serde::{Deserialize, Serialize};
 
@@ -43,6 +44,34 @@ impl DatasetOptions {
     /// Whether nothing is said.
     pub fn are_default(&self) -> bool {
         *self == Self::default()
+    }
+
+    /// These options as a user types them, each with a space before it.
+    #[must_use]
+    pub fn as_typed(&self) -> String {
+        let number = |number: f64| number.to_string();
+        let given = [
+            ("--input", self.input.clone()),
+            ("--output", self.output.clone()),
+            ("--period", self.period_s.map(number)),
+            ("--time", self.time.clone()),
+            (
+                "--time-unit",
+                self.time_unit.map(|unit| unit.names().0.to_owned()),
+            ),
+            ("--run", self.run.clone()),
+            ("--controller", self.controller.clone()),
+            ("--at-rest", self.at_rest.map(number)),
+        ];
+        let typed = given.into_iter().filter_map(|(option, value)| {
+            let value = quoted(&value?);
+            Some(format!(" {option} {value}"))
+        });
+        let flags = [(self.polled, " --polled"), (self.with_rest, " --with-rest")];
+        let flags = flags
+            .iter()
+            .filter_map(|(given, flag)| given.then_some(*flag));
+        typed.collect::<String>() + &flags.collect::<String>()
     }
 
     /// These, and the columns, times and runs that they leave open as in `other`. Where a servo stood before a run is a fact of that

@@ -54,8 +54,8 @@ pub fn put_into(rig_file: &str, found: &Found<'_>) -> Result<String, String> {
             explain(limits, key, "the servo stops beyond this pulse");
         }
     }
-    if found.limits_us != [None; 2] {
-        let remark = travel_in_words(&document);
+    if found.limits_us != [None; 2] || found.us_per_degree.is_some() {
+        let remark = travel_in_words(&document, found.limits_us);
         replace_travel(section(&mut document, "limits")?, remark.as_deref());
     }
     if let Some((sensor, remark)) = found.sensor {
@@ -99,8 +99,8 @@ fn set(table: &mut dyn TableLike, key: &str, number: impl Into<Value>, remark: &
 /// How the line begins by which 'servoid init' says how far the limits reach, and a word that it has.
 const TRAVEL: [&str; 2] = ["# From ", " degrees: "];
 
-/// How far the limits reach; `None` where the file does not say what a degree is.
-fn travel_in_words(document: &DocumentMut) -> Option<String> {
+/// How far the limits reach, of which a calibration found these; `None` where the file does not say what a degree is.
+fn travel_in_words(document: &DocumentMut, found_us: [Option<u16>; 2]) -> Option<String> {
     let number = |section: &str, key: &str| {
         let value = document.get(section)?.get(key)?.as_value()?;
         value
@@ -115,9 +115,13 @@ fn travel_in_words(document: &DocumentMut) -> Option<String> {
     let [a, b] = ends.map(|end| end.map(|us| (us - neutral) / scale));
     let (low, high) = (a?.min(b?), a?.max(b?));
     let [begins, has] = TRAVEL;
-    Some(format!(
-        "{begins}{low:.1} to {high:.1}{has}up to where the servo stops, by its calibration."
-    ))
+    let remark = match found_us {
+        [None, None] => {
+            "the same pulses as before, by the calibrated scale. Make sure that the linkage allows that."
+        }
+        _ => "up to where the servo stops, by its calibration.",
+    };
+    Some(format!("{begins}{low:.1} to {high:.1}{has}{remark}"))
 }
 
 /// Puts this line in the place of the one that said how far earlier limits reached, where there is one.
@@ -173,5 +177,24 @@ mod tests {
             !after.contains("cautious") && after.contains("# Mine.\nshortest_us = 1400  # short"),
             "{after}"
         );
+    }
+
+    #[test]
+    fn the_reach_of_the_same_pulses_follows_the_scale() {
+        let before = "[servo]\nneutral_us = 1500\nus_per_degree = 10.0\n[limits]\n# From -10.0 to 10.0 degrees: a cautious default.\nshortest_us = 1400\nlongest_us = 1600\n";
+        let found = Found {
+            us_per_degree: Some(Estimate {
+                value: 5.0,
+                lower: 4.9,
+                upper: 5.1,
+            }),
+            ..Found::default()
+        };
+        let after = put_into(before, &found).unwrap();
+        assert!(
+            after.contains("# From -20.0 to 20.0 degrees: the same pulses as before"),
+            "{after}"
+        );
+        assert!(!after.contains("cautious"), "{after}");
     }
 }

@@ -37,6 +37,8 @@ pub(super) fn plotly_json(figure: &Figure) -> Value {
             // The last tick and the value under the pointer carry the unit.
             "dtick": ticks(panel),
             "ticksuffix": unit(&panel.x_label),
+            // Without a format the library writes 0.5 as 5 between decades.
+            "tickformat": panel.x_logarithmic.then_some("~g"),
             "showticksuffix": "last",
             "hoverformat": ".4~g",
         });
@@ -310,5 +312,27 @@ mod tests {
         assert!(even["hovertemplate"].as_str().unwrap().ends_with(" %"));
         assert_eq!(drawn["data"][1]["x"], json!([0.0, 1.0, 1.5]));
         assert_eq!(drawn["layout"]["xaxis"]["ticksuffix"], " s");
+        assert!(drawn["layout"]["xaxis"]["tickformat"].is_null());
+    }
+
+    #[test]
+    fn ticks_between_decades_are_whole_numbers_of_their_own() {
+        let panel = Panel {
+            x_label: "frequency (Hz)".into(),
+            x_logarithmic: true,
+            curves: vec![Curve::solid("a", Ink::Model, [(0.4, 1.0), (30.0, 0.1)])],
+            ..Panel::default()
+        };
+        let figure = Figure {
+            name: "x".into(),
+            title: "x".into(),
+            panels: vec![panel],
+        };
+        let axis = &plotly_json(&figure)["layout"]["xaxis"];
+        // The library has the digit alone without a format: 5 for 0.5.
+        assert_eq!(
+            (&axis["dtick"], &axis["tickformat"]),
+            (&json!("D2"), &json!("~g"))
+        );
     }
 }

@@ -48,7 +48,7 @@ pub fn page(page: &Page<'_>) -> Result<String> {
         format!("<p class=\"faint\">{remark}</p>\n"),
     ];
     let made_by = format!(
-        "servoid {}. Bounds of the responses are those of a linear servo: they cover noise and, from three runs on, what changes from run to run, not a servo that saturates.",
+        "servoid {}. Bounds of the responses are those of a linear servo: they cover noise and, from three runs on, what changes from run to run, not a servo that saturates. They need a command that was planned, not one that was computed from the measured motion.",
         env!("CARGO_PKG_VERSION")
     );
     let values: [(&str, &str); 6] = [

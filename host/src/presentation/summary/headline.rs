@@ -1,31 +1,33 @@
 //! The answer in a sentence or two, for the head of a page.
 
 use super::comparison::subject_in_words;
-use super::first_finding::{first_finding, said_before};
-use super::metrics::settling_time;
-use super::model_sentence::{certainty, hides_step};
+use super::first_finding::{answers_first, first_finding, said_before};
+use super::model_sentence::{certainty, half_way_and_settled, has_likely_times, hides_step};
 use super::numbers::percent;
 use super::servo_sentence::servo_sentence;
 use super::strokes::which_step;
 use crate::data::model_metadata::ModelMetadata;
 use crate::data::units::Units;
 use servoid_identification::comparison::{Comparison, ComparisonBounds, Direction, Verdict};
-use servoid_identification::results::{Bounds, Interval, Model};
+use servoid_identification::results::{Bounds, Model};
 use servoid_identification::servo_model::ServoModel;
 
 /// How fast a servo is, and how sure that is.
 pub(crate) fn headline_of_model(model: &Model, of: &ModelMetadata) -> String {
     if let Some(item) = first_finding(model) {
-        return format!("{} {}", item.finding, item.remedy);
+        let answer = match answers_first(model) && !item.finding.starts_with(NO_BOUNDS) {
+            true => format!("{NO_BOUNDS}. "),
+            false => String::new(),
+        };
+        return format!("{answer}{} {}", item.finding, item.remedy);
     }
     if hides_step(model) {
         return certainty(model);
     }
-    let ms = |time: Interval| time.value.map(|seconds| format!("{:.0} ms", 1e3 * seconds));
-    let half = ms(model.metrics.t50_s).map(|time| format!("is half way after {time}"));
-    let settled = ms(settling_time(&model.metrics))
-        .map(|time| format!("stays within 2 % of its end after {time}"));
-    let parts: Vec<String> = half.into_iter().chain(settled).collect();
+    let parts = match has_likely_times(model) {
+        true => half_way_and_settled(&model.metrics),
+        false => Vec::new(),
+    };
     let motion = match parts.is_empty() {
         true => String::new(),
         false => format!(
@@ -37,6 +39,9 @@ pub(crate) fn headline_of_model(model: &Model, of: &ModelMetadata) -> String {
     let before = said_before(model).map_or_else(String::new, |item| format!("{} ", item.finding));
     before + &motion + &certainty(model)
 }
+
+/// How an answer begins that has none.
+const NO_BOUNDS: &str = "No bounds can be given";
 
 /// The same of a servo model beside a linear one.
 pub(crate) fn headline_of_servo(servo: &ServoModel, model: &Model, units: Units<'_>) -> String {
@@ -78,7 +83,12 @@ pub(crate) fn headline_of_comparison(a: &str, b: &str, found: &Comparison, units
             differ.as_deref().unwrap_or("their references differ")
         );
     }
-    match found.verdict {
+    // Step responses are of changes alone, so a verdict on them does not show that one servo rests elsewhere.
+    let apart_at_rest = found.advice.iter().find(|item| item.is_of_zeros());
+    let apart_at_rest = apart_at_rest.map_or_else(String::new, |item| {
+        format!(" {}", first_sentence(&item.finding))
+    });
+    let by_steps = match found.verdict {
         Verdict::Different => format!(
             "{a} and {b} are {least:.1} to {most:.1} % of the step apart where they differ most{stroke} ({sure}, said {of}); {margin} % would have counted as the same."
         ),
@@ -88,7 +98,14 @@ pub(crate) fn headline_of_comparison(a: &str, b: &str, found: &Comparison, units
         Verdict::Undecided => format!(
             "{a} and {b} are {least:.1} to {most:.1} % of the step apart where they differ most{stroke} ({sure}, said {of}), and the margin of {margin} % lies between."
         ),
-    }
+    };
+    by_steps + &apart_at_rest
+}
+
+/// The first of several sentences, which a telephone has room for.
+fn first_sentence(text: &str) -> String {
+    text.split_once(". ")
+        .map_or_else(|| text.to_owned(), |(first, _)| format!("{first}."))
 }
 
 /// The strokes that a difference was found in, where it is not in the response to all of them.

@@ -1,6 +1,7 @@
 //! The six numbers that people ask for first, of one servo or of two.
 
 use super::comparison::verdict;
+use super::first_finding::first_finding;
 use super::headline::stroke_in_words;
 use super::metrics::{self, MetricEntry, NONE};
 use super::numbers::{four_digits, percent, with_bounds};
@@ -10,7 +11,7 @@ use super::top_speeds::is_unreached;
 use super::what_to_record::shown_by;
 use crate::data::units::Units;
 use servoid_identification::comparison::{Comparison, QuantityPair, ServoModelComparison};
-use servoid_identification::results::{Interval, Metrics, Model};
+use servoid_identification::results::{Advice, Interval, Metrics, Model};
 use servoid_identification::servo_model::{Quantity, QuantityKind, ServoModel};
 
 /// A number for people.
@@ -61,8 +62,12 @@ const OF_A_MACHINE: [QuantityKind; 10] = [
 /// Of a linear model.
 pub(crate) fn of_response(model: &Model, units: Units<'_>) -> Vec<KeyFigure> {
     let gain = units.gain().unwrap_or_default();
+    let times_are_doubtful = first_finding(model).is_some_and(Advice::doubts_times);
     let figure = |entry: &MetricEntry| {
-        let (value, bounds) = entry.cell(&entry.of(&model.metrics));
+        let (value, bounds) = match times_are_doubtful && entry.is_of_time() {
+            true => (NONE.to_owned(), "left out".to_owned()),
+            false => entry.cell(&entry.of(&model.metrics)),
+        };
         let below = match (value.as_str(), bounds.is_empty()) {
             (NONE, true) => reason_of_none(&model.metrics).to_owned(),
             (_, true) => "no bounds".to_owned(),
@@ -229,11 +234,7 @@ pub(crate) fn of_comparison(b: &str, found: &Comparison, units: Units<'_>) -> Ve
     }
     let figure = |entry: &MetricEntry| {
         let difference = found.differences.iter().find(|d| entry.is(&d.metric))?;
-        let (value, bounds) = entry.cell(&Interval {
-            value: difference.difference,
-            lower: difference.lower,
-            upper: difference.upper,
-        });
+        let (value, bounds) = entry.cell_of_difference(difference);
         Some(KeyFigure {
             label: entry.name().to_owned(),
             value: with_unit(

@@ -1,10 +1,11 @@
 //! Tables of gain, delay, rise time and the like.
 
-use super::numbers::{decimals, head_of_bounds};
+use super::first_finding::first_finding;
+use super::numbers::{decimals, digits_beside, head_of_bounds, widest_shown_with};
 use super::strokes::stroke_in_words;
 use crate::data::model_metadata::ModelMetadata;
-use servoid_identification::comparison::Comparison;
-use servoid_identification::results::{Interval, Metrics, Model, Reason};
+use servoid_identification::comparison::{Comparison, MetricDifference};
+use servoid_identification::results::{Advice, Interval, Metrics, Model, Reason};
 
 /// One line of a table of metrics.
 pub(super) struct MetricEntry {
@@ -55,6 +56,9 @@ pub(super) const NONE: &str = "-";
 /// Behind a bound without another.
 const OR_MORE: &str = " or more";
 
+/// Said in the place of times that rest on a time between samples which is that of no recording of a servo.
+const TIMES_LEFT_OUT: &str = "times and frequencies are left out: the time between samples is not that of a recording of a servo";
+
 /// The key of the time after which a response stays at its end.
 const SETTLING_TIME: &str = "settling_time_s";
 
@@ -84,6 +88,11 @@ impl MetricEntry {
     /// Its name, without a unit.
     pub(super) fn name(&self) -> &'static str {
         self.name
+    }
+
+    /// Whether it is a time or a frequency.
+    pub(super) fn is_of_time(&self) -> bool {
+        matches!(self.unit.0, "ms" | "Hz")
     }
 
     /// Whether the model's document calls it so.
@@ -142,6 +151,37 @@ impl MetricEntry {
         (value, bounds)
     }
 
+    /// A difference with its bounds, in the digits that its interval leaves and both sides have.
+    pub(super) fn cell_of_difference(&self, found: &MetricDifference) -> (String, String) {
+        let (value, lower, upper) = (found.difference, found.lower, found.upper);
+        let interval = Interval {
+            value,
+            lower,
+            upper,
+        };
+        let ends = value.zip(lower.zip(upper));
+        let Some((value, (lower, upper))) = ends else {
+            return self.cell(&interval);
+        };
+        let (_, scale, digits) = self.unit;
+        let of_sides = match (self.key, found.a) {
+            ("dc_gain", Some(gain)) => decimals(gain, 4),
+            _ => digits,
+        };
+        let ends = [lower, upper].map(|end| scale * end);
+        let least = widest_shown_with(of_sides);
+        let shown = |number: f64, width: f64| digits_beside(number, 4, Some(width));
+        let width = (scale * (upper - lower)).max(least);
+        // An end that is rounded to 0 no longer says whether the difference is sure.
+        let hidden = |end: &f64| *end != 0.0 && shown(*end, width).parse() == Ok(0.0);
+        let width = match ends.iter().any(hidden) {
+            true => least,
+            false => width,
+        };
+        let [lower, upper] = ends.map(|end| shown(end, width));
+        (shown(scale * value, width), format!("{lower} .. {upper}"))
+    }
+
     fn rough(&self, value: f64) -> String {
         let (_, scale, digits) = self.unit;
         let leading = (scale * value).abs().log10().floor();
@@ -177,7 +217,9 @@ pub(super) fn table(model: &Model, of: &ModelMetadata) -> String {
     let strokes = stroke_in_words(of).map(|stroke| format!("strokes of {stroke}"));
     let strokes = strokes.unwrap_or_default();
     let mut text = format!("\n  {strokes:22} {:>10}       {head}\n", "value");
-    for row in &ROWS {
+    let times_are_doubtful = first_finding(model).is_some_and(Advice::doubts_times);
+    let shown = |row: &&MetricEntry| !(times_are_doubtful && row.is_of_time());
+    for row in ROWS.iter().filter(shown) {
         let interval = (row.of)(metrics);
         let (value, bounds) = row.cell(&interval);
         // A unit beside no number would read as one.
@@ -197,6 +239,9 @@ pub(super) fn table(model: &Model, of: &ModelMetadata) -> String {
         };
         let line = format!("  {:22} {value:>10} {unit:5} {bounds}{radians}", row.name);
         text += &format!("{}\n", line.trim_end());
+    }
+    if times_are_doubtful {
+        text += &format!("  {TIMES_LEFT_OUT}\n");
     }
     text.extend(withheld_line(metrics).map(|line| format!("  {line}\n")));
     text
@@ -245,19 +290,49 @@ pub(crate) fn difference_rows(found: &Comparison, gain: &str) -> Vec<TableRow> {
                 row.bounds(&Interval::new(lower, lower, upper))
             })
         };
-        let (value, lower, upper) = (difference.difference, difference.lower, difference.upper);
         Some(TableRow {
             label: row.label(gain),
             cells: vec![
                 (row.value(difference.a), side(difference.a_bounds)),
                 (row.value(difference.b), side(difference.b_bounds)),
-                row.cell(&Interval {
-                    value,
-                    lower,
-                    upper,
-                }),
+                row.cell_of_difference(difference),
             ],
         })
     };
     ROWS.iter().filter_map(of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_difference_has_the_digits_of_its_interval_and_keeps_the_sign_of_its_ends() {
+        let shown = |key: &str, a: f64, [difference, lower, upper]: [f64; 3]| {
+            let found = MetricDifference {
+                metric: key.to_owned(),
+                a: Some(a),
+                a_bounds: None,
+                b: Some(a + difference),
+                b_bounds: None,
+                difference: Some(difference),
+                lower: Some(lower),
+                upper: Some(upper),
+            };
+            let (value, bounds) = entry(key).unwrap().cell_of_difference(&found);
+            format!("{value} {bounds}")
+        };
+        let gain = [0.001_873, -0.128_965, 0.132_71];
+        assert_eq!(shown("dc_gain", 1.0078, gain), "0.002 -0.129 .. 0.133");
+        let quarter_turn = [-0.0004, -0.018, 0.015].map(|hertz| hertz * std::f64::consts::TAU);
+        assert_eq!(
+            shown("phase_minus_90_rad_s", 25.8, quarter_turn),
+            "0.000 -0.018 .. 0.015"
+        );
+        let settling = [0.0946, 0.0004, 0.1305];
+        assert_eq!(
+            shown("settling_time_s", 0.09, settling),
+            "94.6 0.4 .. 130.5"
+        );
+    }
 }

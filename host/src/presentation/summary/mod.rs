@@ -49,6 +49,7 @@ pub(crate) use servo_model::{run_offsets_in_words, terms_in_words};
 pub(crate) use servoid_identification::results::with_unit;
 
 use crate::data::model_metadata::ModelMetadata;
+use first_finding::answers_first;
 use layout::findings;
 use servoid_identification::results::{
     Advice, Bounds, Model, Precedence, SelectedBy, Validation, six_digits,
@@ -88,7 +89,11 @@ pub fn of_model(source: &str, model: &Model, of: &ModelMetadata, extent: Extent<
         some => some + "\n",
     };
     let of_servo = extent.of_servo;
-    let mut text = format!("{source}\n{first}{of_servo}{sentence}\n{}", extent.picture);
+    let head = match first_finding(model).is_some() && answers_first(model) {
+        true => format!("{sentence}\n{first}{of_servo}"),
+        false => format!("{first}{of_servo}{sentence}\n"),
+    };
+    let mut text = format!("{source}\n{head}{}", extent.picture);
     match model.level() {
         Bounds::Withdrawn(reason) => {
             let because = reason.because();

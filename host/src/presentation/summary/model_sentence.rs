@@ -6,7 +6,9 @@ use super::numbers::{digits, percent};
 use super::strokes::which_step;
 use crate::data::model_metadata::ModelMetadata;
 use crate::data::units::Units;
-use servoid_identification::results::{Bounds, Interval, Model, Reason, StepBounds};
+use servoid_identification::results::{
+    Advice, Bounds, Interval, Metrics, Model, Reason, StepBounds,
+};
 
 /// What kind of servo, how fast, how sure.
 #[must_use]
@@ -34,18 +36,12 @@ pub(super) fn hides_step(model: &Model) -> bool {
 /// How the servo answers a step of the command.
 fn motion(model: &Model, of: &ModelMetadata) -> String {
     let metrics = &model.metrics;
-    let ms = |time: Interval| time.value.map(|seconds| format!("{:.0} ms", 1e3 * seconds));
     let mut parts = Vec::new();
-    parts.extend(ms(metrics.delay_s).map(|time| format!("begins to move after {time}")));
-    parts.extend(ms(metrics.t50_s).map(|time| format!("is half way after {time}")));
-    // A response of which the record shows no end stays there at some later time.
-    let settled = settling_time(metrics);
-    let has_end = metrics.bounds.withdrawn().is_some() || settled.upper.is_some();
-    parts.extend(
-        ms(settled)
-            .filter(|_| has_end)
-            .map(|time| format!("stays within 2 % of its end after {time}")),
-    );
+    if has_likely_times(model) {
+        let begins = in_ms(metrics.delay_s);
+        parts.extend(begins.map(|time| format!("passes 5 % of its way after {time}")));
+        parts.extend(half_way_and_settled(metrics));
+    }
     parts.extend(
         metrics
             .overshoot_percent
@@ -69,6 +65,27 @@ fn motion(model: &Model, of: &ModelMetadata) -> String {
             )
         }
     }
+}
+
+/// Whether the response takes times that a servo can take, which a finding says where it does not.
+pub(super) fn has_likely_times(model: &Model) -> bool {
+    !model.advice.iter().any(Advice::doubts_times)
+}
+
+/// When a servo is half way, and when it stays at its end, as parts of a sentence.
+pub(super) fn half_way_and_settled(metrics: &Metrics) -> Vec<String> {
+    let half = in_ms(metrics.t50_s).map(|time| format!("is half way after {time}"));
+    // A response of which the record shows no end stays there at some later time.
+    let settled = settling_time(metrics);
+    let has_end = metrics.bounds.withdrawn().is_some() || settled.upper.is_some();
+    let settled = in_ms(settled)
+        .filter(|_| has_end)
+        .map(|time| format!("stays within 2 % of its end after {time}"));
+    half.into_iter().chain(settled).collect()
+}
+
+fn in_ms(time: Interval) -> Option<String> {
+    time.value.map(|seconds| format!("{:.0} ms", 1e3 * seconds))
 }
 
 /// Where the response ends; or that it does not, as far as that can be judged.

@@ -65,6 +65,11 @@ pub(crate) fn digits(value: f64, count: usize) -> String {
 /// Digits of the width of an interval that are shown: what is smaller says nothing.
 const OF_WIDTH: usize = 3;
 
+/// The width of an interval beside which a number has so many decimals at the most.
+pub(super) fn widest_shown_with(decimals: usize) -> f64 {
+    10f64.powi(OF_WIDTH as i32 - 1 - decimals as i32)
+}
+
 /// Digits beyond which nothing of a servo is known, however narrow an interval.
 const MOST_DIGITS: usize = 6;
 
@@ -127,5 +132,9 @@ mod tests {
         assert_eq!(shown(Some(0.4)), ["12.64", "12.64", "12.64"]);
         assert_eq!(shown(Some(40.0)), ["12.6", "12.6", "12.6"]);
         assert_eq!(shown(Some(0.0)), ["12.64", "12.64", "12.64"]);
+        assert_eq!(
+            digits_beside(-0.0004, 4, Some(widest_shown_with(3))),
+            "0.000"
+        );
     }
 }

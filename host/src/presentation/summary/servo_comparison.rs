@@ -197,8 +197,13 @@ pub(crate) fn servo_model_rows(found: &ServoModelComparison, units: Units<'_>) -
             let (lower, upper) = interval.and_then(|found| found.lower.zip(found.upper))?;
             Some(scale * (upper - lower))
         };
+        // Without intervals, digits far below what the two sides are apart say nothing.
+        let apart = pair.a.zip(pair.b).map(|(a, b)| scale * (a - b).abs());
         let shown = |value: Option<f64>, interval: Option<Interval>| {
-            let digits = |v| digits_beside(scale * v, 4, width(interval));
+            let digits = |v| match bounds {
+                Some(_) => digits_beside(scale * v, 4, width(interval)),
+                None => digits_beside(scale * v, 3, apart),
+            };
             value.map_or("-".to_owned(), digits)
         };
         let in_unit = |value: Option<f64>, interval: Option<Interval>| {

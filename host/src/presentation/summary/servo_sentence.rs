@@ -104,6 +104,10 @@ fn what_was_seen(
     let agreed = speeds.and_then(|speeds| agreed(model, speeds));
     let lacks_something = model.covariance.withdrawn() == Some(Reason::ErrorsNotNoise);
     let kind = limited_to(model, agreed, units, 3).unwrap_or_else(|| match speeds {
+        // The speed that follows is not to be read as the limit.
+        Some(speeds) if is_never_reached(model, &speeds) => {
+            "did not reach its top speed".to_owned()
+        }
         Some(_) => "is limited in its speed".to_owned(),
         // A stop in the travel looks like a drive that a load holds.
         None if lacks_something && model.terms.limit => "is not linear".to_owned(),

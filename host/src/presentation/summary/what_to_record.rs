@@ -1,5 +1,6 @@
 //! What to record where a servo model leaves something open.
 
+use super::top_speeds::has_unreached_top_speeds;
 use servoid_identification::results::Reason;
 use servoid_identification::servo_model::{Quantity, QuantityKind, ServoModel};
 
@@ -9,6 +10,7 @@ pub(crate) fn advice_on_servo_model(model: &ServoModel) -> Vec<&'static str> {
         true => vec![LINEAR_IS_SHARPER],
         false => {
             let mut advice = what_to_record(&model.quantities);
+            advice.extend(has_unreached_top_speeds(model).then_some(LARGER_STROKES));
             advice.extend(holds_alike(model).then_some(STAIRS_DO_NOT_SEPARATE));
             advice
         }
@@ -25,6 +27,10 @@ fn holds_alike(model: &ServoModel) -> bool {
     let misses = model.covariance.withdrawn() == Some(Reason::ErrorsNotNoise);
     is_held && (misses || model.quantities.iter().any(is_open))
 }
+
+/// Said of a servo that was faster than any stroke let it show.
+const LARGER_STROKES: &str =
+    "The servo did not reach its top speed: record larger strokes, as far as the travel allows.";
 
 /// Said of a servo that a dead band or friction holds, where the record does not show which.
 const STAIRS_DO_NOT_SEPARATE: &str = "Dead band and friction rest alike, and stairs hardly distinguish them: a large slow motion that goes on does, such as \
