@@ -142,9 +142,9 @@ pub(super) fn slow_servo(evidence: &Evidence<'_>) -> Option<Advice> {
             two_digits(LAG_BESIDE_SETTLING * seconds),
             ROWS_PER_SAMPLE as f64 * settling,
             match rows > 1.0 {
+                // Rows left out of a file move its commands to other rows.
                 true => format!(
-                    "in rows {} ms apart or more, since the settling time has at most {LONGEST_SETTLING} of them (awk 'NR == 1 || NR % {rows:.0} == 0' FILE.csv \
-                     keeps one of {rows:.0} rows)",
+                    "in rows {} ms apart or more, since the settling time has at most {LONGEST_SETTLING} of them, and with commands that change at these rows",
                     two_digits(1e3 * rows * period)
                 ),
                 false => "in rows as these".to_owned(),
@@ -171,8 +171,7 @@ pub(super) fn gain_drift(evidence: &Evidence<'_>) -> Option<Advice> {
         ),
         100.0 * found.change,
         GAIN_DRIFT_PERCENT,
-        "Look at the supplies of servo and sensor, and whether one gets warm. Cut the recording in two: 'servoid compare BEGINNING.csv END.csv' shows by how much \
-         they differ, and each has bounds of its own where it does not change.",
+        "Look at the supplies of servo and sensor, and whether one gets warm, and record again where neither changes.",
     ))
 }
 
