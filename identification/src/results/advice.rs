@@ -253,6 +253,7 @@ impl Advice {
                 | Check::LeftOut
                 | Check::Repeats
                 | Check::Settled
+                | Check::Drift
         );
         is_of_the_response || self.is_of_the_record()
     }

@@ -1,5 +1,6 @@
 //! Outputs that drift, and outputs that have no end.
 
+use servoid_identification::comparison::{ComparisonOptions, compare};
 use servoid_identification::results::{Check, Model, Reason, Withheld};
 use servoid_identification::{Detrend, Error, Options, Record, Run, identify, identify_explained};
 use servoid_test_support::drifting_servos::{Beside, Command, Course, DriftingServo, Motion};
@@ -51,6 +52,18 @@ fn a_drift_is_taken_out_and_named_and_bounds_hold() {
     }
     // Eight curves at 99 %: two outside happen once in 400 times.
     assert!(inside >= 7, "{inside} of 8");
+}
+
+/// The rests of such sides differ for their drift alone.
+#[test]
+fn a_comparison_names_the_drift_of_a_side() {
+    let sides = [3.0, -3.0].map(|change| drifting(change, Noise::White, 27));
+    let found = compare(&sides[0], &sides[1], &ComparisonOptions::default()).unwrap();
+    let drifts = found
+        .advice
+        .iter()
+        .filter(|found| found.check == Check::Drift);
+    assert_eq!(drifts.count(), 2);
 }
 
 /// Runs that drift each in its own way are known as well as those that drift alike.
