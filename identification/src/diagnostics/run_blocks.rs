@@ -6,6 +6,7 @@
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
+use crate::data::column::span;
 use crate::data::{Record, Run};
 use crate::diagnostics::simulation_error::Simulated;
 use crate::thresholds::{RANGES_ALIKE, WAYS_ALIKE};
@@ -89,13 +90,7 @@ pub(super) fn command_is_even(record: &Record) -> bool {
 
 fn is_even(run: &Run<'_>) -> bool {
     let (first, second) = run.input().split_at(run.len() / 2);
-    let range = |part: &[f64]| {
-        let known = part.iter().filter(|value| !value.is_nan());
-        let (low, high) = known.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
-            (low.min(*value), high.max(*value))
-        });
-        high - low
-    };
+    let range = |part: &[f64]| span(part.iter().copied()).unwrap_or_default();
     let way = |part: &[f64]| {
         let steps = part.windows(2).map(|pair| (pair[1] - pair[0]).abs());
         steps.filter(|step| !step.is_nan()).sum::<f64>()

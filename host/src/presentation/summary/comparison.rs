@@ -59,12 +59,12 @@ pub(crate) fn how_compared(found: &Comparison) -> &'static str {
     match found.levels {
         Some(_) => {
             "Difference: second less first. The comparison takes one settling time and number of \
-             frequencies for both sides: a side by itself, with a structure of its own, has metrics \
-             that differ a little."
+             frequencies for both sides: a side by itself, with a structure of its own, has other \
+             metrics: its settling time may be quite another."
         }
         None => {
             "Difference: second less first. Each side has the structure of its own model: the \
-             recordings, compared with one structure for both, give metrics that differ a little."
+             recordings, compared with one structure for both, give other metrics, the settling time above all."
         }
     }
 }
