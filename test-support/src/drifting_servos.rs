@@ -4,7 +4,6 @@ use crate::plants::{Noise, normal, random};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use servoid_identification::{Record, Run};
-use std::f64::consts::TAU;
 
 /// Time between samples \[s\].
 pub const PERIOD: f64 = 0.005;
@@ -15,7 +14,7 @@ const STEPS: usize = 10;
 /// Delay of the servo \[samples\].
 const DELAY: usize = 2;
 
-/// The command, within ±10 but for the sines.
+/// The command, within ±10.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Command {
     /// Any level, each held for so many times 0.15 to 0.5 s.
@@ -26,17 +25,10 @@ pub enum Command {
     Telegraph,
     /// ±5, drawn anew every 40 ms.
     Prbs,
-    /// Fifteen sines from 0.1 to 8 Hz, as of a stick that is moved much.
-    Stick,
-    /// Equal holds of 0.5 s at ±5.
-    Square,
 }
 
 impl Command {
     fn samples(self, count: usize, random: &mut ChaCha8Rng) -> Vec<f64> {
-        if self == Self::Stick {
-            return stick(count, random);
-        }
         let mut input: Vec<f64> = Vec::with_capacity(count + 1000);
         let mut number = 0;
         while input.len() < count {
@@ -49,7 +41,6 @@ impl Command {
                 Self::Staircase => (5.0 * f64::from((number % 8 - 4i32).abs()) - 10.0, 0.4),
                 Self::Telegraph => (sign, random.random_range(0.1..0.6)),
                 Self::Prbs => (if random.random_bool(0.5) { 5.0 } else { -5.0 }, 0.04),
-                Self::Square | Self::Stick => (sign, 0.5),
             };
             input.extend(std::iter::repeat_n(level, (held_s / PERIOD) as usize));
             number += 1;
@@ -57,22 +48,6 @@ impl Command {
         input.truncate(count);
         input
     }
-}
-
-fn stick(count: usize, random: &mut ChaCha8Rng) -> Vec<f64> {
-    let sines: Vec<(f64, f64)> = (0..15)
-        .map(|i| {
-            (
-                0.1 * 80f64.powf(f64::from(i) / 14.0),
-                TAU * random.random::<f64>(),
-            )
-        })
-        .collect();
-    let at = |k: usize| {
-        let of = |(hertz, phase): &(f64, f64)| (TAU * hertz * k as f64 * PERIOD + phase).sin();
-        1.5 * sines.iter().map(of).sum::<f64>()
-    };
-    (0..count).map(at).collect()
 }
 
 /// What moves.

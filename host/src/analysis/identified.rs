@@ -10,7 +10,7 @@ use crate::data::dataset::suggested_columns::quoted;
 use crate::data::sensor_preset::is_of_data_sheet;
 use crate::presentation::summary::percent;
 use anyhow::{Context, Result};
-use servoid_identification::results::{Advice, Check, Model, Reason, Setting, pointwise_critical};
+use servoid_identification::results::{Advice, Check, Model, Reason, pointwise_critical};
 use servoid_identification::{Identification, Options, identify_explained};
 use servoid_protocol::hello::INTERNAL_CLOCK_ERROR;
 
@@ -21,9 +21,8 @@ use servoid_protocol::hello::INTERNAL_CLOCK_ERROR;
 pub fn identified(data: &Dataset, name: &str, options: &Options) -> Result<Identification> {
     let found = identify_explained(&data.record, options);
     let mut found = found.with_context(|| name.to_owned())?;
-    let exchanged = |item: &Advice| item.setting() == Some(Setting::ExchangedColumns);
-    if found.model.advice.iter().any(exchanged) {
-        let advice = &mut found.model.advice;
+    let advice = &mut found.model.advice;
+    if advice.iter().any(Advice::is_of_exchange) {
         advice.retain(|item| !item.follows_from_exchange());
     }
     found.model.advice.extend(data.about.advice.iter().cloned());

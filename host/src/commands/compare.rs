@@ -106,9 +106,7 @@ impl Compare {
         let text = compared.as_text(names);
         self.output.talk.result(text, &compared)
     }
-}
 
-impl Compare {
     /// What makes two models of a model and one recording, as a user types it.
     fn models_of(&self, a: &[PathBuf], b: &[PathBuf]) -> String {
         let (model, recording) = match (a, b) {

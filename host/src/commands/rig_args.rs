@@ -136,8 +136,8 @@ fn port_of(given: Option<&str>, file: &RigFile) -> Result<String> {
 /// The one condition without a rotor.
 const BENCH: &str = "bench";
 
-/// That of the other simulated servo with a name of its own.
-const AIRCRAFT: &str = "aircraft";
+/// The simulated servo on the aircraft, and the condition of what is measured there.
+pub(super) const AIRCRAFT: &str = "aircraft";
 
 impl RigArgs {
     /// The rig file, named or found, for who does not move the servo.

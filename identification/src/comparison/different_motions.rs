@@ -5,7 +5,7 @@ use super::outcome::{Comparison, Sides};
 use super::pair::Identified;
 use super::stroke_sizes::StrokeSizes;
 use super::verdict::Verdict;
-use crate::numerics::four_digits;
+use crate::numerics::{four_digits, with_unit};
 use crate::results::Bounds;
 use crate::thresholds::{EQUALLY_LARGE, SIZES_COMPARED};
 
@@ -98,10 +98,10 @@ pub(super) fn references_of_models_in_words(strokes: [Option<f64>; 2], unit: &st
     match strokes {
         [Some(a), Some(b)] => strokes_differ([in_words(a), in_words(b)], unit),
         [None, None] => "at least one of the two servos is not linear, and models do not show whether both had one reference".to_owned(),
-        [Some(size), None] | [None, Some(size)] => {
-            let space = if unit.is_empty() { "" } else { " " };
-            format!("one model is of strokes of {}{space}{unit} alone, the other of another reference", in_words(size))
-        }
+        [Some(size), None] | [None, Some(size)] => format!(
+            "one model is of strokes of {} alone, the other of another reference",
+            with_unit(in_words(size), unit)
+        ),
     }
 }
 

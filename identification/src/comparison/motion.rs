@@ -6,6 +6,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::data::{HELD, Record, Run, hold_lengths, usual_hold};
+use crate::numerics::with_unit;
 use crate::thresholds::{EQUALLY_LARGE, EQUALLY_LONG, HELD_WITHIN, RANDOM_ENDS};
 
 /// More levels than this are many.
@@ -142,11 +143,11 @@ impl Motion {
     /// known.
     #[must_use]
     pub fn in_words(&self, unit: &str) -> String {
-        let space = if unit.is_empty() { "" } else { " " };
+        let highest = format!("{:+}", rounded(self.highest));
         let range = format!(
-            "from {:+} to {:+}{space}{unit}",
+            "from {:+} to {}",
             rounded(self.lowest),
-            rounded(self.highest)
+            with_unit(highest, unit)
         );
         match self.levels {
             Some(levels) => format!(
@@ -169,8 +170,7 @@ pub(super) fn larger_by([a, b]: [f64; 2]) -> f64 {
 
 /// "the strokes differ, 8 against 10 deg"; `unit` may be empty.
 pub(super) fn strokes_differ([a, b]: [String; 2], unit: &str) -> String {
-    let space = if unit.is_empty() { "" } else { " " };
-    format!("the strokes differ, {a} against {b}{space}{unit}")
+    format!("the strokes differ, {a} against {}", with_unit(b, unit))
 }
 
 /// To a thousandth.

@@ -10,8 +10,7 @@
 //! there are courses (Bonferroni).
 
 use crate::data::{Moments, Record};
-use crate::diagnostics::run_blocks::{Block, command_is_even, course, in_blocks};
-use crate::diagnostics::simulation_error::simulated_whole;
+use crate::diagnostics::run_blocks::{Block, Blocks};
 use crate::estimation::GlsFit;
 use crate::thresholds::{GAIN_DRIFT_PERCENT, LAG_DRIFT_SIGNIFICANCE};
 
@@ -28,25 +27,17 @@ pub(crate) struct GainDrift {
 
 /// The change of the gain along the runs, where it is beyond chance and matters.
 pub(crate) fn gain_drift(record: &Record, moments: &Moments, fit: &GlsFit) -> Option<GainDrift> {
-    if !command_is_even(record) {
-        return None;
-    }
-    let runs = simulated_whole(record, moments, fit);
-    let longest = runs.iter().map(|run| run.errors.len()).max()?;
-    let blocks = in_blocks(&runs, fit.coordinates.basis.settling(), |run| {
-        run.output.clone()
-    });
-    let mut places: Vec<f64> = blocks.iter().map(|block| block.at).collect();
-    places.sort_by(f64::total_cmp);
-    places.dedup();
+    let blocks = Blocks::of(record, moments, fit, |run| run.output.clone())?;
+    let places = blocks.places();
     // A single block at an end is no course.
     let between = places.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
     let inner = between.skip(1).take(places.len().saturating_sub(3));
-    let even = course(&blocks, runs.len(), &|block| block.at)
-        .map(|(slope, p)| (slope * longest as f64, None, p));
+    let even = blocks
+        .course(&|block| block.at)
+        .map(|(slope, p)| (slope * blocks.longest as f64, None, p));
     let steps = inner.filter_map(|place| {
         let after = |block: &Block| f64::from(u8::from(block.at > place));
-        let (change, p) = course(&blocks, runs.len(), &after)?;
+        let (change, p) = blocks.course(&after)?;
         Some((change, Some(place * record.sample_period_s()), p))
     });
     let courses: Vec<_> = even.into_iter().chain(steps).collect();

@@ -10,8 +10,7 @@
 //! Its slope over the run is that of the [blocks](super::run_blocks).
 
 use crate::data::{Moments, Record};
-use crate::diagnostics::run_blocks::{command_is_even, course, in_blocks};
-use crate::diagnostics::simulation_error::simulated_whole;
+use crate::diagnostics::run_blocks::Blocks;
 use crate::estimation::GlsFit;
 use crate::thresholds::{LAG_DRIFT_SAMPLES, LAG_DRIFT_SIGNIFICANCE};
 
@@ -26,18 +25,13 @@ pub(crate) struct LagDrift {
     pub(crate) p: f64,
 }
 
-/// The change of the lag along the runs, where it is beyond chance and matters. A record whose command is not even is not simulated at all.
+/// The change of the lag along the runs, where it is beyond chance and matters.
 pub(crate) fn lag_drift(record: &Record, moments: &Moments, fit: &GlsFit) -> Option<LagDrift> {
-    if !command_is_even(record) {
-        return None;
-    }
-    let runs = simulated_whole(record, moments, fit);
-    let longest = runs.iter().map(|run| run.errors.len()).max()?;
-    let blocks = in_blocks(&runs, fit.coordinates.basis.settling(), |run| run.speed());
-    let (slope, p) = course(&blocks, runs.len(), &|block| block.at)?;
+    let blocks = Blocks::of(record, moments, fit, |run| run.speed())?;
+    let (slope, p) = blocks.course(&|block| block.at)?;
     // Errors that go with the speed are those of a servo that is ahead.
     let slope = -slope;
-    let change = slope * longest as f64;
+    let change = slope * blocks.longest as f64;
     (p < LAG_DRIFT_SIGNIFICANCE && change.abs() > LAG_DRIFT_SAMPLES).then(|| LagDrift {
         rate: slope,
         change_s: change * record.sample_period_s(),

@@ -7,8 +7,9 @@
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::data::column::span;
-use crate::data::{Record, Run};
-use crate::diagnostics::simulation_error::Simulated;
+use crate::data::{Moments, Record, Run};
+use crate::diagnostics::simulation_error::{Simulated, simulated_whole};
+use crate::estimation::GlsFit;
 use crate::thresholds::{RANGES_ALIKE, WAYS_ALIKE};
 
 /// Blocks of a record.
@@ -30,27 +31,62 @@ pub(super) struct Block {
     weight: f64,
 }
 
-/// The blocks of `runs`, by a response of so many samples, each with the coefficient of `regressor` in its errors.
-pub(super) fn in_blocks(
-    runs: &[Simulated<'_>],
-    history: usize,
-    regressor: fn(&Simulated<'_>) -> Vec<f64>,
-) -> Vec<Block> {
-    let samples: usize = runs.iter().map(|run| run.errors.len()).sum();
-    let length = (samples / BLOCKS).max(HISTORIES * history);
-    let of_run = |(index, run): (usize, &Simulated<'_>)| {
-        let regressor = regressor(run);
-        let parts = (run.errors.chunks_exact(length)).zip(regressor.chunks_exact(length));
-        let of_part = |(number, (errors, regressor)): (usize, (&[f64], &[f64]))| {
-            Block::of(errors, regressor).map(|block| Block {
-                run: index,
-                at: (number as f64 + 0.5) * length as f64,
-                ..block
-            })
+/// The blocks of a record.
+pub(super) struct Blocks {
+    blocks: Vec<Block>,
+    /// Number of runs.
+    runs: usize,
+    /// The longest run \[samples\].
+    pub(super) longest: usize,
+}
+
+impl Blocks {
+    /// Those of `record`, each with the coefficient of `regressor` in the errors of `fit`. `None`, and nothing is simulated, where the command does not
+    /// move as far and as much in both halves of each run.
+    pub(super) fn of(
+        record: &Record,
+        moments: &Moments,
+        fit: &GlsFit,
+        regressor: fn(&Simulated<'_>) -> Vec<f64>,
+    ) -> Option<Self> {
+        if !record.runs().iter().all(is_even) {
+            return None;
+        }
+        let runs = simulated_whole(record, moments, fit);
+        let lengths = || runs.iter().map(|run| run.errors.len());
+        let history = fit.coordinates.basis.settling();
+        let length = (lengths().sum::<usize>() / BLOCKS).max(HISTORIES * history);
+        let of_run = |(index, run): (usize, &Simulated<'_>)| {
+            let regressor = regressor(run);
+            let parts = (run.errors.chunks_exact(length)).zip(regressor.chunks_exact(length));
+            let of_part = |(number, (errors, regressor)): (usize, (&[f64], &[f64]))| {
+                Block::of(errors, regressor).map(|block| Block {
+                    run: index,
+                    at: (number as f64 + 0.5) * length as f64,
+                    ..block
+                })
+            };
+            parts.enumerate().filter_map(of_part).collect::<Vec<_>>()
         };
-        parts.enumerate().filter_map(of_part).collect::<Vec<_>>()
-    };
-    runs.iter().enumerate().flat_map(of_run).collect()
+        Some(Self {
+            blocks: runs.iter().enumerate().flat_map(of_run).collect(),
+            runs: runs.len(),
+            longest: lengths().max()?,
+        })
+    }
+
+    /// The middles of blocks \[samples\], ascending, each once.
+    pub(super) fn places(&self) -> Vec<f64> {
+        let mut places: Vec<f64> = self.blocks.iter().map(|block| block.at).collect();
+        places.sort_by(f64::total_cmp);
+        places.dedup();
+        places
+    }
+
+    /// The coefficient of a `time` of each block in the values, and the probability of one as far from 0.
+    pub(super) fn course(&self, time: &dyn Fn(&Block) -> f64) -> Option<(f64, f64)> {
+        course(&self.blocks, self.runs, time)
+    }
 }
 
 impl Block {
@@ -83,11 +119,7 @@ impl Block {
     }
 }
 
-/// Whether the command moves as far and as much in both halves of each run.
-pub(super) fn command_is_even(record: &Record) -> bool {
-    record.runs().iter().all(is_even)
-}
-
+/// Whether the command moves as far and as much in both halves of a run.
 fn is_even(run: &Run<'_>) -> bool {
     let (first, second) = run.input().split_at(run.len() / 2);
     let range = |part: &[f64]| span(part.iter().copied()).unwrap_or_default();
@@ -104,11 +136,7 @@ fn is_even(run: &Run<'_>) -> bool {
 
 /// The coefficient of a `time` of each block in the values, each run with a mean of its own and all with one effect of the size of the motion, and the
 /// probability of one as far from 0.
-pub(super) fn course(
-    blocks: &[Block],
-    runs: usize,
-    time: &dyn Fn(&Block) -> f64,
-) -> Option<(f64, f64)> {
+fn course(blocks: &[Block], runs: usize, time: &dyn Fn(&Block) -> f64) -> Option<(f64, f64)> {
     let degrees = blocks.len().checked_sub(runs + 3)?;
     let row = |block: &Block| [time(block), block.size, block.value];
     let own = |run: usize| blocks.iter().filter(move |block| block.run == run);

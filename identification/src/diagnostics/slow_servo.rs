@@ -63,12 +63,12 @@ fn windows(run: &Run, length: usize, period: f64) -> Vec<[f64; 4]> {
         let within = start..start + length;
         let integral = |values: &[f64]| period * values[within.clone()].iter().sum::<f64>();
         // An input holds until the next sample; an output between two has their mean.
-        let half_ends = 0.5 * period * (y[start + length] - y[start]);
+        let change = y[start + length] - y[start];
         [
             integral(u),
-            integral(y) + half_ends,
+            integral(y) + 0.5 * period * change,
             period * length as f64,
-            y[start + length] - y[start],
+            change,
         ]
     };
     let known = |window: &[f64; 4]| window.iter().all(|value| !value.is_nan());

@@ -299,6 +299,12 @@ impl Advice {
         self.check == Check::Zeros
     }
 
+    /// Whether it says that the columns of input and output are exchanged.
+    #[must_use]
+    pub fn is_of_exchange(&self) -> bool {
+        self.check == Check::OutputLeads
+    }
+
     /// Whether it follows from columns that are exchanged: then the input is the motion, and what is asked of a command is not.
     #[must_use]
     pub fn follows_from_exchange(&self) -> bool {

@@ -4,6 +4,7 @@ mod range;
 
 pub(super) use range::{RANGE_FORM, Range};
 
+use super::rig_args::AIRCRAFT;
 use crate::data::rig_file::{
     LONGEST_DELAY_MS, LimitsSection, PulseTypeName, RigFile, RigFileError, SensorSection,
     ServoSection, USUAL_RATE_HZ,
@@ -56,9 +57,6 @@ const DEFAULT_TRAVEL_DEG: Range = Range {
     low: -10.0,
     high: 10.0,
 };
-
-/// The simulated servo on the aircraft, and the condition of what is measured there.
-const ON_AIRCRAFT: &str = "aircraft";
 
 /// Neutral of most narrow-pulse servos (µs).
 const NARROW_NEUTRAL_US: u16 = 760;
@@ -238,8 +236,8 @@ impl RigAnswers {
 
     /// Takes what is known of the rig at this port: a simulated servo on the aircraft is under load, and one that takes narrow pulses takes no others.
     pub(super) fn take_port(&mut self, port: &str) {
-        if simulated_servo(port) == Some(ON_AIRCRAFT) {
-            self.condition = ON_AIRCRAFT.into();
+        if simulated_servo(port) == Some(AIRCRAFT) {
+            self.condition = AIRCRAFT.into();
         }
         if simulates_narrow_pulses(port) {
             self.pulse_type = PulseTypeName::Narrow;

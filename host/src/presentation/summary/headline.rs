@@ -2,6 +2,7 @@
 
 use super::comparison::subject_in_words;
 use super::first_finding::{answers_first, first_finding, said_before};
+use super::layout::first_sentence;
 use super::model_sentence::{certainty, half_way_and_settled, has_likely_times, hides_step};
 use super::numbers::percent;
 use super::servo_sentence::servo_sentence;
@@ -100,12 +101,6 @@ pub(crate) fn headline_of_comparison(a: &str, b: &str, found: &Comparison, units
         ),
     };
     by_steps + &apart_at_rest
-}
-
-/// The first of several sentences, which a telephone has room for.
-fn first_sentence(text: &str) -> String {
-    text.split_once(". ")
-        .map_or_else(|| text.to_owned(), |(first, _)| format!("{first}."))
 }
 
 /// The strokes that a difference was found in, where it is not in the response to all of them.

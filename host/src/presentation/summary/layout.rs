@@ -32,6 +32,12 @@ pub(super) fn findings_with(advice: &[Advice], options: &str) -> String {
     advice.iter().map(finding).collect()
 }
 
+/// The first of several sentences.
+pub(crate) fn first_sentence(text: &str) -> String {
+    text.split_once(". ")
+        .map_or_else(|| text.to_owned(), |(first, _)| format!("{first}."))
+}
+
 /// "a, b and c".
 pub(crate) fn listed_words(words: &[impl AsRef<str>]) -> String {
     let words: Vec<&str> = words.iter().map(AsRef::as_ref).collect();

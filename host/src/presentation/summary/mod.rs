@@ -41,7 +41,7 @@ pub(crate) use key_figures::{
     KEY_FIGURES, KeyFigure, of_both, of_both_machines, of_comparison as key_figures_of_comparison,
     of_machine, of_response,
 };
-pub(crate) use layout::{listed_words, wrapped};
+pub(crate) use layout::{first_sentence, listed_words, wrapped};
 pub(crate) use metrics::{difference_rows, metric_rows, withheld_line};
 pub(crate) use numbers::{decimals, digits, four_digits, head_of_bounds, percent, probability};
 pub(crate) use quantity_table::{QuantityRow, quantities, quantity_rows};

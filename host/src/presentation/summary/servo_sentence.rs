@@ -67,13 +67,17 @@ pub fn servo_sentence(model: &ServoModel, linear: &Model, units: Units<'_>) -> S
 /// Whether the servo model has more than a linear servo and no linear one does worse: errors of the linear model are noise, its own are not, and
 /// it predicts no better.
 fn is_linear_beside(model: &ServoModel, linear: &Model) -> bool {
-    let lacks_something = model.covariance.withdrawn() == Some(Reason::ErrorsNotNoise);
     let predicts_better = model.linear_models.as_ref().is_none_or(|found| {
         let mut linear = found.models.iter();
         linear.all(|linear| linear.held_out_percent < found.servo_model_percent)
     });
     let suffices = linear.linear && linear.bounds.valid().is_some();
-    !model.is_linear() && lacks_something && suffices && !predicts_better
+    !model.is_linear() && lacks_something(model) && suffices && !predicts_better
+}
+
+/// Whether its errors show that the model lacks something of the servo.
+fn lacks_something(model: &ServoModel) -> bool {
+    model.covariance.withdrawn() == Some(Reason::ErrorsNotNoise)
 }
 
 /// What the model says of the servo, where its intervals hold.
@@ -102,7 +106,6 @@ fn what_was_seen(
     units: Units<'_>,
 ) -> Vec<String> {
     let agreed = speeds.and_then(|speeds| agreed(model, speeds));
-    let lacks_something = model.covariance.withdrawn() == Some(Reason::ErrorsNotNoise);
     let kind = limited_to(model, agreed, units, 3).unwrap_or_else(|| match speeds {
         // The speed that follows is not to be read as the limit.
         Some(speeds) if is_never_reached(model, &speeds) => {
@@ -110,7 +113,7 @@ fn what_was_seen(
         }
         Some(_) => "is limited in its speed".to_owned(),
         // A stop in the travel looks like a drive that a load holds.
-        None if lacks_something && model.terms.limit => "is not linear".to_owned(),
+        None if lacks_something(model) && model.terms.limit => "is not linear".to_owned(),
         None => kind(model).to_owned(),
     });
     std::iter::once(kind)

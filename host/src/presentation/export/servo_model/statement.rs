@@ -60,7 +60,9 @@ impl ServoExport<'_> {
         ));
         found.extend(self.guessed_angle(target));
         let findings = self.of_sensor.iter();
-        found.extend(findings.map(|finding| first_sentence(finding)));
+        // What follows in a finding is no limit of a number, and a warning has its own stop.
+        let first = findings.map(|finding| summary::first_sentence(finding));
+        found.extend(first.map(|finding| finding.trim_end_matches('.').to_owned()));
         found
     }
 
@@ -359,12 +361,6 @@ pub(super) fn line(at_zero: f64, each: f64) -> String {
     // A negative zero is 0.
     let at_zero = six_digits(at_zero) + 0.0;
     format!("{at_zero} {sign} {}", six_digits(each.abs()))
-}
-
-/// The first sentence of a text, without its stop: what follows is no limit of a number.
-fn first_sentence(text: &str) -> String {
-    let first = text.split_once(". ").map_or(text, |(first, _)| first);
-    first.trim_end_matches('.').to_owned()
 }
 
 /// "deg of the position", or "units of the position" where that is all that is known.
