@@ -29,8 +29,9 @@ const SMALL: f64 = 0.25;
 /// Share of the scatter that may be noise.
 const MOST_NOISE: f64 = 0.25;
 
-/// Half way, in standard deviations of few dozen numbers, between the kurtosis of an even scatter and that of a bell.
-const EVEN_KURTOSIS: f64 = 2.4;
+/// Kurtosis of a scatter that counts as even: 1.8 is that of one, 3 that of a bell, 1 that of two times alone, as of a servo that changes. The ends are half way
+/// to these.
+const EVEN_KURTOSIS: std::ops::Range<f64> = 1.4..2.4;
 
 /// Scatters that are taken for one row \[rows\]: they are known to a fifth or so.
 const ONE_ROW: std::ops::RangeInclusive<f64> = 0.7..=1.3;
@@ -148,7 +149,7 @@ fn of_wait(rows: f64, finding: &str, longest_s: f64) -> Advice {
         *ONE_ROW.start(),
         format!(
             "For a simulation that has such a frame, take {mean_wait} from the delay. Better, write each command at the pulse with which it \
-             begins."
+             begins. If a logger with a clock of its own wrote the file, say --polled: else all times are half a row too early."
         ),
     )
 }
@@ -175,11 +176,11 @@ impl Scatter {
         if answers.len() < FEWEST {
             return None;
         }
-        let mean = |of: &dyn Fn(&CommandAnswer) -> f64| -> f64 {
-            answers.iter().map(of).sum::<f64>() / answers.len() as f64
+        let deviations = deviations(&answers);
+        let moment = |power: i32| {
+            let powers = deviations.iter().map(|late| late.powi(power));
+            powers.sum::<f64>() / answers.len() as f64
         };
-        let middle = mean(&|answer| answer.late);
-        let moment = |power: i32| mean(&|answer| (answer.late - middle).powi(power));
         let (variance, fourth) = (moment(2), moment(4));
         let of_noise = of_noise(&answers);
         (of_noise < MOST_NOISE * variance).then(|| Self {
@@ -196,7 +197,7 @@ impl Scatter {
     }
 
     fn is_even(&self) -> bool {
-        self.kurtosis < EVEN_KURTOSIS && self.is_free_of_strokes()
+        EVEN_KURTOSIS.contains(&self.kurtosis) && self.is_free_of_strokes()
     }
 
     fn is_free_of_strokes(&self) -> bool {
@@ -260,6 +261,19 @@ impl Scatter {
     }
 }
 
+/// The times of the answers about their mean in each half of each run \[samples\]: where runs differ, or a servo changes, its answers to all commands
+/// are later, and no moment of a command is.
+fn deviations(answers: &[CommandAnswer]) -> Vec<f64> {
+    let runs = answers.chunk_by(|a, b| a.at.0 == b.at.0);
+    let halves = runs.flat_map(|run| run.chunks(run.len().div_ceil(2)));
+    let about_mean = |half: &[CommandAnswer]| {
+        let middle = half.iter().map(|answer| answer.late).sum::<f64>() / half.len() as f64;
+        let late = half.iter().map(|answer| answer.late - middle);
+        late.collect::<Vec<f64>>()
+    };
+    halves.flat_map(about_mean).collect()
+}
+
 /// Of the times of the answers with a property of their strokes.
 fn squared_correlation(answers: &[CommandAnswer], of: fn(&CommandAnswer) -> f64) -> f64 {
     let count = answers.len() as f64;
@@ -276,7 +290,7 @@ fn squared_correlation(answers: &[CommandAnswer], of: fn(&CommandAnswer) -> f64)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::{compared, identified};
+    use crate::analysis::{Identified, IdentifyRequest, compared, identified};
     use crate::data::dataset::{ArrayRun, Arrays, of_arrays};
     use servoid_identification::comparison::ComparisonOptions;
     use servoid_identification::results::Withheld;
@@ -400,7 +414,7 @@ mod tests {
     }
 
     /// The same servo behind pulses every 23.7 ms, with which commands begin, under holds of `rows(stroke)`; no faster than `top` a step of 0.1 ms up, and `down` down.
-    fn behind_pulses(rows: fn(u32) -> u32, [top, down]: [f64; 2]) -> Model {
+    fn data_behind_pulses(rows: fn(u32) -> u32, [top, down]: [f64; 2]) -> Dataset<'static> {
         let random = |k: u32| (f64::from(k) * f64::from(k) * 0.7548776662).fract();
         let (mut input, mut output) = (Vec::new(), Vec::new());
         let (mut angle, mut in_force) = (0.0, 0.0);
@@ -430,6 +444,11 @@ mod tests {
         })
         .unwrap();
         data.about.commands_at_rows = true;
+        data
+    }
+
+    fn behind_pulses(rows: fn(u32) -> u32, limits: [f64; 2]) -> Model {
+        let data = data_behind_pulses(rows, limits);
         let found = identified(&data, "pulses", &Options::default());
         found.unwrap().model
     }
@@ -471,6 +490,50 @@ mod tests {
                 assert!(!advised(&model, "next pulse"), "{:?}", model.advice);
             }
         }
+    }
+
+    /// Exact commands of two lags of 20 and 30 ms, one after the other or in runs of their own: answers to the slower one are later.
+    #[test]
+    fn a_servo_that_changes_waits_for_nothing() {
+        let random = |k: u32| (f64::from(k) * f64::from(k) * 0.7548776662).fract();
+        let of_lag = |rows: f64, seed: u32| {
+            let mut angle = 0.0;
+            let levels = (0..60).flat_map(|stroke| {
+                let level = 10.0 * random(7 * stroke + seed) - 5.0;
+                std::iter::repeat_n(level, 20 + stroke as usize % 21)
+            });
+            let rows = levels.zip(0u32..).map(|(level, row)| {
+                let seen = angle + 0.04 * (random(91 * row + seed) - 0.5);
+                angle = level + (angle - level) * f64::exp(-1.0 / rows);
+                (level, seen)
+            });
+            rows.unzip::<f64, f64, Vec<f64>, Vec<f64>>()
+        };
+        let [(u, y), (v, z)] = [of_lag(2.0, 1), of_lag(3.0, 2)];
+        let run = |(u, y): (&[f64], &[f64])| Run::new(u.to_vec(), y.to_vec()).unwrap();
+        let apart = vec![run((&u, &y)), run((&v, &z))];
+        let behind = vec![run((&[u, v].concat(), &[y, z].concat()))];
+        for runs in [apart, behind] {
+            let record = Record::new(0.01, runs).unwrap();
+            let model = identify(&record, &Options::default()).unwrap();
+            let found = Scatter::of(record.runs(), &model);
+            assert!(found.is_none_or(|found| !found.is_even()));
+        }
+    }
+
+    /// The response under pulses has their mean wait, and no delay with poles is like it.
+    #[test]
+    fn a_low_order_model_of_commands_that_wait_has_no_intervals() {
+        let data = data_behind_pulses(|stroke| 20 + stroke % 21, [f64::INFINITY; 2]);
+        let request = IdentifyRequest {
+            flight_model: true,
+            ..IdentifyRequest::default()
+        };
+        let found = Identified::of(&data, "pulses", &request, || ()).unwrap();
+        assert!(found.model.bounds.valid().is_some());
+        let low_order = found.flight_model.unwrap().unwrap();
+        assert_eq!(low_order.bounds.withdrawn(), Some(Reason::CommandsWait));
+        assert!(low_order.is_consistent() && low_order.delay_s.lower.is_none());
     }
 
     /// Five strokes in one order, under equal holds behind pulses: each has its own times, as those of a servo that is not linear.

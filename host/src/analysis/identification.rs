@@ -12,7 +12,7 @@ use serde::Serialize;
 use servoid_identification::diagnostics::{Explanation, PriorOutcome};
 use servoid_identification::flight_model::{self, FlightModel, FlightModelOptions};
 use servoid_identification::nonlinear::{DirectionModel, Limits, split_by_direction};
-use servoid_identification::results::{Advice, Model, StepResponse};
+use servoid_identification::results::{Advice, Model, Reason, StepResponse};
 use servoid_identification::servo_model::Watch;
 use servoid_identification::{Identification, Options};
 
@@ -212,6 +212,10 @@ fn fit_flight_model(
         frame_period_s: ModelMetadata::from(&data.about).pulse_frame_s,
         ..FlightModelOptions::default()
     };
+    // Its waits for pulses are in the response, and no delay with poles is like them: how far off its figures are, noise does not say.
+    let waits = model.advice.iter().any(Advice::is_of_waits);
+    let withdrawn = waits.then(|| model.clone().withdrawn_for(Reason::CommandsWait));
+    let model = withdrawn.as_ref().unwrap_or(model);
     let fitted = flight_model::fit(&data.record, model, &options)?;
     Ok(fitted.with_delay_error(data.about.sensor_delay_uncertainty_s))
 }

@@ -90,6 +90,7 @@ fn none_because(reason: Reason) -> String {
         Reason::BeyondRecord => "plan with a model of a recording with strokes as large as these",
         Reason::ServoStopped => "take a model of what is before the servo stops",
         Reason::CommandsBetweenRows => "read the model's recording with --polled",
+        Reason::CommandsWait => "write each command at the pulse with which it begins",
         Reason::GainDrift => "take a model of a part in which the servo does not change",
         Reason::EarlyMotion | Reason::LagDrift => "write command and position by one clock",
         Reason::TravelEnd => "take strokes on this side of the stop",

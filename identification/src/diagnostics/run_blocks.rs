@@ -2,7 +2,7 @@
 //!
 //! A change is held against the scatter from block to block, whatever causes that. A motion that itself changes along the run may do as much
 //! to a servo that is not linear. So what goes with the size of the motion of a block is taken out first, and a record whose command has another
-//! range or goes another way in its second half is not asked.
+//! range, goes another way or moves more often in its second half is not asked.
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -42,7 +42,7 @@ pub(super) struct Blocks {
 
 impl Blocks {
     /// Those of `record`, each with the coefficient of `regressor` in the errors of `fit`. `None`, and nothing is simulated, where the command does not
-    /// move as far and as much in both halves of each run.
+    /// move as far, as much and as often in both halves of each run.
     pub(super) fn of(
         record: &Record,
         moments: &Moments,
@@ -119,19 +119,21 @@ impl Block {
     }
 }
 
-/// Whether the command moves as far and as much in both halves of a run.
+/// Whether the command moves as far, as much and as often in both halves of a run.
 fn is_even(run: &Run<'_>) -> bool {
     let (first, second) = run.input().split_at(run.len() / 2);
     let range = |part: &[f64]| span(part.iter().copied()).unwrap_or_default();
-    let way = |part: &[f64]| {
+    let steps = |part: &[f64]| {
         let steps = part.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-        steps.filter(|step| !step.is_nan()).sum::<f64>()
+        steps.filter(|step| *step > 0.0).collect::<Vec<f64>>()
     };
+    let way = |part: &[f64]| steps(part).iter().sum();
+    let moves = |part: &[f64]| steps(part).len() as f64;
     let alike = |of: &dyn Fn(&[f64]) -> f64, most: f64| {
         let (a, b) = (of(first), of(second));
         a.max(b) <= most * a.min(b)
     };
-    alike(&range, RANGES_ALIKE) && alike(&way, WAYS_ALIKE)
+    alike(&range, RANGES_ALIKE) && alike(&way, WAYS_ALIKE) && alike(&moves, WAYS_ALIKE)
 }
 
 /// The coefficient of a `time` of each block in the values, each run with a mean of its own and all with one effect of the size of the motion, and the
@@ -209,6 +211,26 @@ mod tests {
     #[test]
     fn a_coefficient_that_changes_is_found() {
         assert!((0..20).all(|seed| p(0.1, 1.0, seed) < 1e-5));
+    }
+
+    /// Levels that are held for so many samples in the first half and in the second.
+    fn is_even_with_holds(first: usize, second: usize) -> bool {
+        let mut random = ChaCha8Rng::seed_from_u64(7);
+        let mut input = Vec::new();
+        for (hold, end) in [(first, 4000), (second, 8000)] {
+            while input.len() < end {
+                let level = random.random_range(-10.0..10.0);
+                input.extend(std::iter::repeat_n(level, hold));
+            }
+        }
+        is_even(&Run::new(input, vec![0.0; 8000]).unwrap())
+    }
+
+    /// A servo whose speed is limited answers quick strokes, which it does not end, sooner than whole ones.
+    #[test]
+    fn a_command_that_moves_more_often_is_another_motion() {
+        assert!(is_even_with_holds(80, 80));
+        assert!(!is_even_with_holds(80, 20));
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Findings with their numbers, and what to do about each, as plain data.
 
+use crate::thresholds::LONGEST_SETTLING;
 use serde::{Deserialize, Serialize};
 
 /// What was checked. Documents have these names, which are stable between versions. Nothing outside this file asks for them: what
@@ -175,6 +176,8 @@ pub enum Setting {
     Explanation,
     /// A trend is to stay in the output.
     KeptTrend,
+    /// A settling time is to be stated.
+    SettlingTime,
     /// Input and output are to be exchanged.
     ExchangedColumns,
 }
@@ -238,6 +241,8 @@ impl Advice {
             Check::Outliers => Setting::Explanation,
             Check::Drift => Setting::KeptTrend,
             Check::OutputLeads => Setting::ExchangedColumns,
+            // A longer recording would not change that the longest time that is tried by itself is too short.
+            Check::Settled if self.value >= LONGEST_SETTLING as f64 => Setting::SettlingTime,
             _ => return None,
         })
     }
@@ -328,6 +333,12 @@ impl Advice {
     #[must_use]
     pub fn is_of_errors_in_motion(&self) -> bool {
         matches!(self.check, Check::Linearity | Check::ModelError)
+    }
+
+    /// Whether it says that commands wait for moments of their own.
+    #[must_use]
+    pub fn is_of_waits(&self) -> bool {
+        self.check == Check::CommandEdges
     }
 
     /// Where runs are not of one kind, that is why they scatter, and nothing else need be looked for.

@@ -181,6 +181,13 @@ impl Model {
         self.metrics = self.metrics.withdrawn(reason);
     }
 
+    /// The same without bounds, for what is computed of it where theirs would not hold.
+    #[must_use]
+    pub fn withdrawn_for(mut self, reason: Reason) -> Self {
+        self.withdraw(reason);
+        self
+    }
+
     /// Takes all bounds away, because the servo runs into stops at these outputs: its times are those of the stops, too.
     pub fn withdraw_at_stops(&mut self, stops: Vec<f64>) {
         self.withdraw(Reason::TravelEnd);

@@ -22,6 +22,8 @@ pub enum Reason {
     LagDrift,
     /// Commands take effect between the samples, as where a logger polled them.
     CommandsBetweenRows,
+    /// Each command waits for a moment of its own, as for a pulse: a model of low order has no such wait.
+    CommandsWait,
     /// The output stops at an angle within the range of the commands, as at a mechanical stop, or under a load that holds the drive.
     TravelEnd,
     /// The same where a servo model explains it by a load that holds the drive, and has no stop.
@@ -83,6 +85,7 @@ impl Reason {
             Self::HeldOutput => "the position is refreshed less often than it is written",
             Self::LagDrift => "the servo's lag changes along the recording",
             Self::CommandsBetweenRows => "commands change between the rows",
+            Self::CommandsWait => "each command waits for a moment of its own, as for a pulse",
             Self::TravelEnd => {
                 "the servo does not go as far as its outermost commands, as at a stop or under a load that holds it"
             }

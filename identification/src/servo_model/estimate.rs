@@ -22,6 +22,7 @@ use super::stretches::{Stretch, stretches};
 use super::validity::against;
 use crate::data::Record;
 use crate::error::Error;
+use crate::nonlinear::SpeedLimits;
 use crate::results::{Bounds, Noise, Reason, fit_percent, pointwise_critical};
 use crate::thresholds::RUN_OFFSETS_LEAVE;
 use faer::Mat;
@@ -394,6 +395,7 @@ fn describe(
         values: point.values.clone(),
         commands: Some(found.motion.commands),
         reached: Some(ReachedSpeeds::of(parts, record.sample_period_s())),
+        speed_limits: SpeedLimits::of(record, point.physics(0, |_, value| value).gain < 0.0),
         stops: shown.stops,
         run_offsets: point.run_offsets.clone(),
         fit: fit_of(servo, record, spread),

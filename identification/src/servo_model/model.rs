@@ -12,6 +12,7 @@ use super::run_offsets;
 use super::stretches::stretches;
 use crate::data::{Record, Run, Timing};
 use crate::error::Error;
+use crate::nonlinear::SpeedLimits;
 use crate::results::{Bounds, Noise, Reason, Validation, pointwise_critical};
 use crate::thresholds::{LINEAR_MODEL_ADVANTAGE, SERVO_ERROR_BEYOND_RECORD};
 use serde::{Deserialize, Serialize};
@@ -50,6 +51,9 @@ pub struct ServoModel {
     /// How fast the servo moved in the record, whatever the model says of it; `None` in files from before this was kept.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reached: Option<ReachedSpeeds>,
+    /// Speeds that no larger stroke of the record exceeded, whatever the model says of it.
+    #[serde(default, skip_serializing_if = "SpeedLimits::are_none")]
+    pub speed_limits: SpeedLimits,
     /// The stops within the commands of the record, as it shows them by itself.
     #[serde(
         default,

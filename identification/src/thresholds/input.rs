@@ -92,7 +92,7 @@ pub const LAG_BESIDE_SETTLING: f64 = 4.0;
 /// not what they seem, and stops" of docs/method.md, whose one recording in forty without a finding has such a command.
 pub const RANGES_ALIKE: f64 = 1.25;
 
-/// The same of how far the command goes in all: of a few dozen random levels halves differ by up to two times, of sweeps and of holds that
+/// The same of how far the command goes in all, and of how often it moves: of a few dozen random levels halves differ by up to two times, of sweeps and of holds that
 /// get shorter by three times or more. Protects and evidence: as [`RANGES_ALIKE`].
 pub const WAYS_ALIKE: f64 = 2.5;
 

@@ -3,7 +3,7 @@
 use super::layout::wrapped;
 use super::numbers::{head_of_bounds, probability};
 use servoid_identification::flight_model::FlightModel;
-use servoid_identification::nonlinear::{DirectionModel, Limits, Symmetry};
+use servoid_identification::nonlinear::{DirectionModel, Limits, RateVerdict, Symmetry};
 use servoid_identification::results::{Bounds, Interval};
 use servoid_identification::thresholds::ASYMMETRY_FALSE_ALARM;
 use std::f64::consts::TAU;
@@ -61,6 +61,10 @@ pub fn of_flight_model(flight: &FlightModel) -> String {
     text + "  " + &flight.statement + "\n"
 }
 
+/// Said of different answers where the speed does not grow with the stroke: the test has one response for strokes of all sizes.
+const SIZES_DIFFER: &str = " The speed does not grow with the stroke here, so strokes up and down of other sizes do that, too: hold the speeds below \
+    against each other.";
+
 /// Up and down strokes apart, and the limits of a linear model; `unit` is that of input and output.
 #[must_use]
 pub fn of_limits(
@@ -75,7 +79,17 @@ pub fn of_limits(
     let strokes = directions.map_or_else(
         || "Up and down strokes cannot be compared in this recording.".to_owned(),
         |directions| match &directions.symmetry {
-            Bounds::Valid(symmetry) => of_symmetry(symmetry),
+            Bounds::Valid(symmetry) => {
+                let limited = [&limits.rate_up, &limits.rate_down].iter().any(|rate| {
+                    matches!(rate.verdict, RateVerdict::Limited | RateVerdict::GrowsLess)
+                });
+                let doubt = if symmetry.asymmetric && limited {
+                    SIZES_DIFFER
+                } else {
+                    ""
+                };
+                of_symmetry(symmetry) + doubt
+            }
             Bounds::Withdrawn(reason) => format!(
                 "Up and down strokes are not compared, because {}.",
                 reason.because()

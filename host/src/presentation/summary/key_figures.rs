@@ -3,10 +3,11 @@
 use super::comparison::verdict;
 use super::first_finding::first_finding;
 use super::headline::stroke_in_words;
+use super::measured_limits::measured_limit;
 use super::metrics::{self, MetricEntry, NONE};
-use super::numbers::{four_digits, percent, with_bounds};
+use super::numbers::{digits, four_digits, percent, with_bounds};
 use super::quantity_table::{QuantityRow, quantity_rows, scale_and_unit};
-use super::sixty_degrees::{per_60_degrees, stroke_of_60_degrees_ms};
+use super::sixty_degrees::{per_60_degrees, seconds_per_60_degrees, stroke_of_60_degrees_ms};
 use super::top_speeds::is_unreached;
 use super::what_to_record::shown_by;
 use crate::data::units::Units;
@@ -110,6 +111,18 @@ pub(crate) fn of_machine(model: &ServoModel, units: Units<'_>) -> Vec<KeyFigure>
     // What the recording determines comes first.
     let (determined, open): (Vec<_>, Vec<_>) = known.partition(|(found, _)| found.determined);
     let figure = |(quantity, row): &&(&Quantity, QuantityRow)| {
+        if let Some(limit) = measured_limit(model, quantity.kind()) {
+            let turn = seconds_per_60_degrees(limit, units);
+            return KeyFigure {
+                label: row.name.clone(),
+                value: with_unit(digits(limit, 3), &row.unit),
+                below: [Some("by its larger strokes".to_owned()), turn]
+                    .into_iter()
+                    .flatten()
+                    .collect::<Vec<_>>()
+                    .join("; "),
+            };
+        }
         let turn = per_60_degrees(quantity, units);
         let extrapolated = is_unreached(model, quantity);
         let below = match (row.interval.is_empty(), turn) {

@@ -12,6 +12,7 @@ fn option(setting: Setting) -> &'static str {
         Setting::InputAtRest => "--at-rest INPUT",
         Setting::Explanation => "--explain",
         Setting::KeptTrend => "--detrend none",
+        Setting::SettlingTime => "--settling SAMPLES",
         Setting::ExchangedColumns => "--input and --output, the other way round",
     }
 }

@@ -6,6 +6,7 @@ mod first_finding;
 mod headline;
 mod key_figures;
 mod layout;
+mod measured_limits;
 mod metrics;
 mod model_sentence;
 mod numbers;

@@ -1,6 +1,7 @@
 //! The servo as a machine, as text for a terminal.
 
 use super::layout::wrapped;
+use super::measured_limits::against_the_model;
 use super::numbers::{digits, four_digits};
 use super::quantity_table::quantities;
 use super::sixty_degrees::whole_stroke;
@@ -43,6 +44,9 @@ pub fn of_servo_model(document: &ServoModelDocument, units: Units<'_>, explain: 
     }
     text += &quantities(&model.quantities, level, units);
     if let Some(sentence) = whole_stroke(model, units) {
+        text += &format!("  {}\n", wrapped(&sentence, 2));
+    }
+    if let Some(sentence) = against_the_model(model, units) {
         text += &format!("  {}\n", wrapped(&sentence, 2));
     }
     if let Some(sentence) = one_unreached(model, units) {

@@ -1,6 +1,7 @@
 //! The servo as a machine, in a sentence or two.
 
 use super::layout::listed_words;
+use super::measured_limits::limits_in_words;
 use super::numbers::{digits, four_digits};
 use super::sixty_degrees::{seconds_per_60_degrees, turn_time_s};
 use super::top_speeds::{determined, is_never_reached, top_speeds};
@@ -105,6 +106,11 @@ fn what_was_seen(
     speeds: Option<[&Quantity; 2]>,
     units: Units<'_>,
 ) -> Vec<String> {
+    if let Some(limits) = limits_in_words(model, units) {
+        return vec![format!(
+            "is limited to {limits} in this recording, in which larger strokes were no faster"
+        )];
+    }
     let agreed = speeds.and_then(|speeds| agreed(model, speeds));
     let kind = limited_to(model, agreed, units, 3).unwrap_or_else(|| match speeds {
         // The speed that follows is not to be read as the limit.

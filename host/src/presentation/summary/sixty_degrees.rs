@@ -1,5 +1,6 @@
 //! How fast a servo turns by 60 degrees, as data sheets state it.
 
+use super::measured_limits::limits_in_words;
 use super::numbers::digits;
 use super::top_speeds::has_unreached_top_speeds;
 use crate::data::units::Units;
@@ -65,13 +66,16 @@ pub(super) fn whole_stroke(model: &ServoModel, units: Units<'_>) -> Option<Strin
             with_unit(digits(recorded, 3), units.output.unwrap_or_default())
         )
     });
-    let unreached = match has_unreached_top_speeds(model) {
-        true => ", which the servo did not reach in this recording, so that it is extrapolated",
-        false => "",
+    let at_speed = match (has_unreached_top_speeds(model), limits_in_words(model, units)) {
+        (true, _) => {
+            "the one at top speed, which the servo did not reach in this recording, so that it is extrapolated".to_owned()
+        }
+        (false, Some(limits)) => format!("that of {limits}"),
+        (false, None) => "the one at top speed".to_owned(),
     };
     Some(format!(
         "A stroke of 60 degrees takes {times}, with delay, acceleration and braking: from the change of the command until the servo stays within 2 % of the stroke from its end.{} \
-         Data sheets leave that out: hold their time for 60 degrees against the one at top speed{unreached}.",
+         Data sheets leave that out: hold their time for 60 degrees against {at_speed}.",
         beyond.unwrap_or_default()
     ))
 }

@@ -1,5 +1,6 @@
 //! The top speeds that a recording determines, and whether the servo reached them.
 
+use super::measured_limits::measured_limit;
 use super::numbers::digits;
 use crate::data::units::Units;
 use servoid_identification::servo_model::{Quantity, QuantityKind, ServoModel};
@@ -27,14 +28,17 @@ pub(super) fn is_never_reached(model: &ServoModel, speeds: &[&Quantity; 2]) -> b
     speeds.iter().all(|speed| is_unreached(model, speed))
 }
 
-/// Whether a quantity is a top speed below which the servo stayed in all of the recording.
+/// Whether a quantity is a top speed below which the servo stayed in all of the recording. Where larger strokes were no faster, it did not.
 pub(super) fn is_unreached(model: &ServoModel, quantity: &Quantity) -> bool {
     let reached = model.reached.and_then(|reached| match quantity.kind()? {
         QuantityKind::TopSpeedUpwards => Some(reached.upwards),
         QuantityKind::TopSpeedDownwards => Some(reached.downwards),
         _ => None,
     });
-    quantity.determined && reached.is_some_and(|reached| reached < AT_TOP_SPEED * quantity.value)
+    let is_shown = measured_limit(model, quantity.kind()).is_some();
+    quantity.determined
+        && !is_shown
+        && reached.is_some_and(|reached| reached < AT_TOP_SPEED * quantity.value)
 }
 
 /// That one of the top speeds was not reached, where the other was: a sentence.

@@ -88,8 +88,16 @@ pub(super) fn scatter(evidence: &Evidence<'_>) -> Option<Advice> {
             ),
             p,
             threshold,
-            "Look for what changes from run to run, such as supply voltage or temperature; compare servos by \
-             several runs each.",
+            match evidence.model.linear {
+                true => {
+                    "Look for what changes from run to run, such as supply voltage or temperature; compare servos by \
+                     several runs each."
+                }
+                false => {
+                    "This servo is not linear, so it answers another motion in another way: record runs of one kind of motion. Where they are, look for what \
+                     changes from run to run, such as supply voltage or temperature."
+                }
+            },
         )
     })
 }

@@ -31,6 +31,9 @@ pub(super) fn settled(evidence: &Evidence<'_>) -> Option<Advice> {
             "The response moves until {moving:.3} s, and this recording shows too little after that, up to {longest:.3} s, to say that it is \
              over."
         ),
+        false if is_at_the_cap(choice) => format!(
+            "The response still moves at {longest:.3} s, the longest time that is looked at where none is stated ({LONGEST_SETTLING} samples)."
+        ),
         false => format!(
             "The response still moves at {longest:.3} s, the longest time that this recording shows."
         ),
@@ -43,6 +46,11 @@ pub(super) fn settled(evidence: &Evidence<'_>) -> Option<Advice> {
         choice.detected as f64,
         choice.longest as f64 / MARGIN,
         match choice.repeats_after {
+            _ if is_at_the_cap(choice) => format!(
+                "State a settling time of {} samples; where that is too much for this recording, record holds of up to {hold:.2} s, and at least {in_all:.1} s \
+                 in all.",
+                2 * choice.longest + 1
+            ),
             Some(_) => format!(
                 "Record holds of different lengths, up to {hold:.2} s, and at least {in_all:.1} s in all: where all are equal, longer ones \
                  show little more."
@@ -52,6 +60,11 @@ pub(super) fn settled(evidence: &Evidence<'_>) -> Option<Advice> {
             ),
         },
     ))
+}
+
+/// Whether the response may be over later than the longest time that is tried by itself, which a longer recording would not change.
+fn is_at_the_cap(choice: &Choice) -> bool {
+    choice.detected >= LONGEST_SETTLING
 }
 
 /// A servo that does not follow any more from some time on.
@@ -274,7 +287,7 @@ pub(super) fn hidden_tail(evidence: &Evidence<'_>) -> Option<Advice> {
         true => (
             format!(
                 "A slow end or a ringing of the response below {percent:.0} % of the final value cannot be seen: the \
-                 errors of a servo that is not linear hide it."
+                 errors that follow the motion hide it."
             ),
             "Record steps of one size that are held until the servo rests.",
         ),

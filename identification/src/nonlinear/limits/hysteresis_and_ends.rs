@@ -79,6 +79,25 @@ pub struct RangeEnd {
     pub remedy: Option<String>,
 }
 
+impl RangeEnd {
+    /// The same end of a servo that is known to rest at the output `stop` there, where the levels alone do not show it: of levels at random, few are
+    /// visited twice.
+    pub(super) fn at_stop(self, stop: f64) -> Self {
+        if self.softens == Some(true) {
+            return self;
+        }
+        Self {
+            softens: Some(true),
+            statement: format!(
+                "The output ends at {stop:.3}, as at a stop: the last command there is {:.3}.",
+                self.command
+            ),
+            remedy: None,
+            ..self
+        }
+    }
+}
+
 /// The level table of a record.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Table {

@@ -10,11 +10,12 @@
 mod hysteresis_and_ends;
 mod open_question;
 mod rate;
+mod speed_limits;
 mod time_to_rest;
 
 use serde::{Deserialize, Serialize};
 
-use crate::data::{EXACTLY, Record, Run, holds, strokes};
+use crate::data::{EXACTLY, Record, Run, Stroke, holds, strokes};
 use crate::diagnostics::followed_after;
 use crate::results::Model;
 use crate::thresholds::MARGIN;
@@ -22,6 +23,7 @@ use time_to_rest::time_to_rest;
 
 pub use hysteresis_and_ends::{Cell, Hysteresis, RangeEnd, Side};
 pub use rate::{Rate, RateVerdict};
+pub use speed_limits::SpeedLimits;
 
 /// The limits of a servo as far as one record shows them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -61,20 +63,14 @@ impl Limits {
     /// ```
     pub fn of(record: &Record, model: &Model, level: f64) -> Self {
         let settling = settling(record, model);
-        let mut strokes = strokes(record, settling);
         let reversed = model.impulse_response().iter().sum::<f64>() < 0.0;
-        if reversed {
-            // The output goes against the command, and that is no travel back.
-            strokes.iter_mut().for_each(|stroke| stroke.travel *= -1.0);
-        }
-        let (up, down): (Vec<_>, Vec<_>) =
-            (strokes.into_iter()).partition(|stroke| (stroke.size > 0.0) != reversed);
+        let [up, down] = strokes_by_direction(record, settling, reversed);
         let table = table(record, model, Some(level));
         Self {
             rate_up: Rate::new("up", &up, level),
             rate_down: Rate::new("down", &down, level),
             hysteresis: table.hysteresis(),
-            ends: table.ends(),
+            ends: table.ends().map(|ends| with_stops(ends, &model.stops)),
             levels: table.cells,
         }
     }
@@ -83,6 +79,36 @@ impl Limits {
     pub fn level_table(record: &Record, model: &Model) -> Vec<Cell> {
         table(record, model, model.level().into_valid()).cells
     }
+}
+
+/// The ends of the range, each with the one of the known `stops` \[output\] at which it rests.
+fn with_stops(ends: [RangeEnd; 2], stops: &[f64]) -> [RangeEnd; 2] {
+    let from = |end: &RangeEnd, stop: f64| (end.reached.value.unwrap_or(f64::NAN) - stop).abs();
+    let [low, high] = &ends;
+    let low_is_nearer = |stop: f64| from(low, stop) < from(high, stop);
+    let of = |low: bool| {
+        stops
+            .iter()
+            .copied()
+            .find(|stop| low_is_nearer(*stop) == low)
+    };
+    let found = [of(true), of(false)];
+    let mut found = found.into_iter();
+    ends.map(|end| match found.next().flatten() {
+        Some(stop) => end.at_stop(stop),
+        None => end,
+    })
+}
+
+/// The strokes towards larger outputs, and those towards smaller ones.
+fn strokes_by_direction(record: &Record, settling: usize, reversed: bool) -> [Vec<Stroke>; 2] {
+    let mut strokes = strokes(record, settling);
+    if reversed {
+        // The output goes against the command, and that is no travel back.
+        strokes.iter_mut().for_each(|stroke| stroke.travel *= -1.0);
+    }
+    let (up, down) = (strokes.into_iter()).partition(|stroke| (stroke.size > 0.0) != reversed);
+    [up, down]
 }
 
 fn table(record: &Record, model: &Model, level: Option<f64>) -> hysteresis_and_ends::Table {

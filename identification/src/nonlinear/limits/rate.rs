@@ -142,7 +142,8 @@ impl Rate {
             rate.speed = mean_speed(&of_size(&|size| size == sizes.1), level);
         } else if is_constant(&above, critical) {
             rate.verdict = RateVerdict::Limited;
-            rate.speed = mean_speed(&above, level);
+            // Of strokes just above the hinge, acceleration and braking reach into the middle.
+            rate.speed = mean_speed(&above[above.len() / 2..], level);
         } else {
             rate.verdict = RateVerdict::GrowsLess;
             rate.speed = mean_speed(

@@ -1,0 +1,60 @@
+//! Speeds that no larger stroke of a record exceeded, as they were measured.
+//!
+//! Whether the speed is limited, the [strokes](super::rate) say by themselves: no model is asked, so that no other term can stand for the limit.
+
+use serde::{Deserialize, Serialize};
+
+use super::rate::{Rate, RateVerdict};
+use super::strokes_by_direction;
+use super::time_to_rest::time_to_rest;
+use crate::data::{Record, Stroke};
+
+/// Confidence level of an interval that is not used: the verdict has one of its own.
+const LEVEL: f64 = 0.99;
+
+/// The speeds to which strokes of a record are limited, each where the record shows it: larger ones were no faster.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SpeedLimits {
+    /// Towards larger outputs \[output/s\].
+    pub upwards: Option<f64>,
+    /// Towards smaller outputs, not negative \[output/s\].
+    pub downwards: Option<f64>,
+}
+
+impl SpeedLimits {
+    /// Those of a record of a servo that goes against its command where it is `reversed`.
+    ///
+    /// ```
+    /// use servoid_identification::Record;
+    /// use servoid_identification::nonlinear::SpeedLimits;
+    /// // At 0.4 a sample of 10 ms, whatever the stroke is.
+    /// let levels = [0.0, 5.0, -4.0, 9.0, 2.0, -7.0, 6.0];
+    /// let u: Vec<f64> = (0..2800).map(|k| levels[k / 100 % 7]).collect();
+    /// let y: Vec<f64> = u.iter().scan(0.0, |y, u| { *y += (u - *y).clamp(-0.4, 0.4); Some(*y) }).collect();
+    /// let found = SpeedLimits::of(&Record::of_run(0.01, &u, &y)?, false);
+    /// assert!((found.upwards.unwrap() - 40.0).abs() < 1.0);
+    /// # Ok::<(), servoid_identification::Error>(())
+    /// ```
+    #[must_use]
+    pub fn of(record: &Record, reversed: bool) -> Self {
+        let Some(settling) = time_to_rest(record) else {
+            return Self::default();
+        };
+        let [up, down] = strokes_by_direction(record, settling, reversed);
+        let limit = |name: &str, strokes: &[Stroke]| {
+            let rate = Rate::new(name, strokes, LEVEL);
+            let is_limited = rate.verdict == RateVerdict::Limited;
+            rate.speed.value.filter(|_| is_limited)
+        };
+        Self {
+            upwards: limit("up", &up),
+            downwards: limit("down", &down),
+        }
+    }
+
+    /// Whether the record shows any.
+    #[must_use]
+    pub fn are_none(&self) -> bool {
+        *self == Self::default()
+    }
+}
