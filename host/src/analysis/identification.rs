@@ -11,7 +11,7 @@ use anyhow::Result;
 use serde::Serialize;
 use servoid_identification::diagnostics::{Explanation, PriorOutcome};
 use servoid_identification::flight_model::{self, FlightModel, FlightModelOptions};
-use servoid_identification::nonlinear::{DirectionModel, Limits, split_by_direction};
+use servoid_identification::nonlinear::{DirectionModel, Hysteresis, Limits, split_by_direction};
 use servoid_identification::results::{Advice, Model, Reason, StepResponse};
 use servoid_identification::servo_model::Watch;
 use servoid_identification::{Identification, Options};
@@ -48,6 +48,8 @@ pub struct Identified {
     pub held_out: Option<HeldOutPrediction>,
     /// Motion that is not linear; the responses to strokes up and down apart are there where the record has both.
     pub limits: Option<(Limits, Option<DirectionModel>)>,
+    /// How far rests depend on the direction of approach, where a servo model was looked for and they do: only play is named by no term of it.
+    pub hysteresis: Option<Hysteresis>,
     explain: bool,
 }
 
@@ -86,11 +88,13 @@ impl Identified {
         {
             Advice::name_load(&mut model.advice, Some(by_load), &remedy);
         }
+        let of_limits = || Limits::of(&data.record, &model, options.level);
         let limits = request.limits.then(|| {
-            let limits = Limits::of(&data.record, &model, options.level);
             // A recording with strokes of one direction only has no split; the summary mentions it.
-            (limits, split_by_direction(&data.record, &model).ok())
+            (of_limits(), split_by_direction(&data.record, &model).ok())
         });
+        let is_open = servo_model.is_some() && !request.limits;
+        let hysteresis = is_open.then(|| of_limits().hysteresis);
         Ok(Self {
             model,
             explanation,
@@ -98,6 +102,7 @@ impl Identified {
             servo_model,
             held_out,
             limits,
+            hysteresis: hysteresis.filter(|hysteresis| hysteresis.found == Some(true)),
             explain: request.explain,
         })
     }
@@ -172,6 +177,11 @@ impl Identified {
             let line = format!("no servo model: {reason}");
             format!("\n{}\n", summary::wrapped(&line, 0))
         }));
+        text.extend(
+            self.hysteresis
+                .as_ref()
+                .and_then(|found| summary::of_hysteresis(found, units)),
+        );
         text.extend(self.explanation().map(|e| explanation::as_text(e, model)));
         // Whoever asked for a prior wants to know what became of it; with --explain it is among the reasons.
         let prior = self.explanation.prior.as_ref().filter(|_| !self.explain);

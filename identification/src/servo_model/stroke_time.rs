@@ -9,27 +9,36 @@ const ENDED: f64 = 0.02;
 /// Time between two outputs \[s\].
 const PERIOD_S: f64 = 0.5e-3;
 
+/// A stroke that is so many times as fast as any in the record may meet a limit that the record does not show.
+const FASTER: f64 = 1.1;
+
 /// The longest time that a stroke is followed, behind the delay \[s\]. A slow winch takes a second for 60 degrees.
 const LONGEST_S: f64 = 3.0;
 
 impl ServoModel {
     /// The times from a change of the command until the output stays within 2 % of a stroke of `size` \[output\] from where it comes to rest, up and
     /// down, about the middle of the commands of the record \[s\]. `None` where the servo does not end such a stroke, or where the
-    /// record does not show how it would: its commands are narrower, and its top speed is not determined.
+    /// record does not show how it would: its commands are narrower, or it had no stroke so fast, and its top speed is not determined.
     #[must_use]
     pub fn stroke_times_s(&self, size: f64) -> Option<[f64; 2]> {
         let commands = self.commands?;
         let servo = self.parameters(0);
         let is_recorded = 2.0 * commands.amplitude() * servo.gain.abs() >= size;
-        if !self.predicts() || !(is_recorded || self.has_top_speed()) {
+        let has_top_speed = self.has_top_speed();
+        if !self.predicts() || !(is_recorded || has_top_speed) {
             return None;
         }
         let half = 0.5 * size / servo.gain;
         let [low, high] = [-half, half].map(|from| commands.middle() + from);
-        Some([
-            stroke_s(&servo, [low, high], size)?,
-            stroke_s(&servo, [high, low], size)?,
-        ])
+        let reached = (self.reached).filter(|_| !has_top_speed);
+        let known = reached.map_or([f64::INFINITY; 2], |reached| {
+            [reached.upwards, reached.downwards].map(|speed| FASTER * speed)
+        });
+        let of = |ends: [f64; 2], fastest: f64| {
+            let stroke = Stroke::of(&servo, ends, size)?;
+            (stroke.fastest <= fastest).then_some(stroke.time_s)
+        };
+        Some([of([low, high], known[0])?, of([high, low], known[1])?])
     }
 
     /// Whether the record determines the top speed in both directions.
@@ -40,23 +49,42 @@ impl ServoModel {
     }
 }
 
-/// The time of a stroke between two commands \[s\]; `None` where it is not of this size.
-fn stroke_s(servo: &ServoParameters, [from, to]: [f64; 2], size: f64) -> Option<f64> {
-    let begin = servo.resting_output(from);
-    let grid = Grid::for_stiffness(PERIOD_S, 0.0, servo.stiffness);
-    let samples = ((servo.delay_s.max(0.0) + LONGEST_S) / PERIOD_S) as usize;
-    let mut outputs = Vec::with_capacity(samples);
-    let start = Start::at_rest(begin, Some(from));
-    simulate(servo, &grid, &start, &vec![to; samples], |_, y| {
-        outputs.push(y)
-    });
-    let end = *outputs.last()?;
-    let near = ENDED * size;
-    let late = outputs.iter().rposition(|y| (y - end).abs() > near)?;
-    let is_whole = ((end - begin).abs() - size).abs() <= near;
-    // One that still moves at the end has not ended.
-    let has_ended = late < samples - samples / 10;
-    (is_whole && has_ended).then(|| (late + 1) as f64 * PERIOD_S)
+/// A stroke between two commands.
+struct Stroke {
+    /// From the change of the command to its end \[s\].
+    time_s: f64,
+    /// The highest mean speed over [`MEAN_S`] \[output/s\].
+    fastest: f64,
+}
+
+/// As the [speeds that were reached](super::reached_speeds) are measured \[s\].
+const MEAN_S: f64 = 0.02;
+
+impl Stroke {
+    /// `None` where it is not of this size.
+    fn of(servo: &ServoParameters, [from, to]: [f64; 2], size: f64) -> Option<Self> {
+        let begin = servo.resting_output(from);
+        let grid = Grid::for_stiffness(PERIOD_S, 0.0, servo.stiffness);
+        let samples = ((servo.delay_s.max(0.0) + LONGEST_S) / PERIOD_S) as usize;
+        let mut outputs = Vec::with_capacity(samples);
+        let start = Start::at_rest(begin, Some(from));
+        simulate(servo, &grid, &start, &vec![to; samples], |_, y| {
+            outputs.push(y)
+        });
+        let end = *outputs.last()?;
+        let near = ENDED * size;
+        let late = outputs.iter().rposition(|y| (y - end).abs() > near)?;
+        let is_whole = ((end - begin).abs() - size).abs() <= near;
+        // One that still moves at the end has not ended.
+        let has_ended = late < samples - samples / 10;
+        let mean = (MEAN_S / PERIOD_S) as usize;
+        let moved = outputs.iter().zip(outputs.iter().skip(mean));
+        let fastest = moved.map(|(y, later)| (later - y).abs() / MEAN_S);
+        (is_whole && has_ended).then(|| Self {
+            time_s: (late + 1) as f64 * PERIOD_S,
+            fastest: fastest.fold(0.0, f64::max),
+        })
+    }
 }
 
 #[cfg(test)]
@@ -82,11 +110,15 @@ mod tests {
     /// A servo of second order with two equal poles at p is within 2 % after the time at which (1 + pt) exp(-pt) is 0.02: pt = 5.834.
     #[test]
     fn a_linear_servo_takes_its_settling_time() {
-        let found = stroke_s(&servo(), [-30.0, 30.0], 60.0).unwrap();
+        let found = Stroke::of(&servo(), [-30.0, 30.0], 60.0).unwrap();
+        let time_s = found.time_s;
         assert!(
-            (found - 0.02 - 5.834 / 80.0).abs() < 2.0 * PERIOD_S,
-            "{found}"
+            (time_s - 0.02 - 5.834 / 80.0).abs() < 2.0 * PERIOD_S,
+            "{time_s}"
         );
+        // p²t exp(-pt) is p/e at its peak, and the mean over 20 ms about it is less.
+        let peak = 60.0 * 80.0 / std::f64::consts::E;
+        assert!((0.85 * peak..peak).contains(&found.fastest));
     }
 
     /// At 400 deg/s the speed takes 150 ms of 60 degrees, and the whole stroke longer by delay, acceleration and braking.
@@ -98,7 +130,7 @@ mod tests {
             motor_damping: 40.0,
         });
         let limited = ServoParameters { limit, ..servo() };
-        let found = stroke_s(&limited, [-30.0, 30.0], 60.0).unwrap();
+        let found = Stroke::of(&limited, [-30.0, 30.0], 60.0).unwrap().time_s;
         assert!((0.19..0.26).contains(&found), "{found}");
     }
 
@@ -109,6 +141,30 @@ mod tests {
             upper: Some(10.0),
         };
         let stopped = ServoParameters { stops, ..servo() };
-        assert_eq!(stroke_s(&stopped, [-30.0, 30.0], 60.0), None);
+        assert!(Stroke::of(&stopped, [-30.0, 30.0], 60.0).is_none());
+    }
+
+    /// A lag that was recorded under `command` of so many degrees by time \[s\].
+    fn times(command: fn(f64) -> f64) -> Option<[f64; 2]> {
+        let input: Vec<f64> = (0..3000).map(|k| command(0.01 * f64::from(k))).collect();
+        let follow = |y: &mut f64, (k, u): (usize, &f64)| {
+            *y += 0.2 * (u - *y);
+            Some(*y + 0.02 * (0.7 * (k * k) as f64).sin())
+        };
+        let output: Vec<f64> = input.iter().enumerate().scan(0.0, follow).collect();
+        let record = crate::Record::of_run(0.01, input, output).unwrap();
+        let model = crate::servo_model::fit(&record, &Default::default()).unwrap();
+        model.stroke_times_s(60.0)
+    }
+
+    /// A tester that sweeps over 90 degrees does not show how fast the servo is.
+    #[test]
+    fn a_slow_sweep_says_nothing_of_a_quick_stroke() {
+        let steps = |t: f64| 30.0 * (f64::from((t / 0.7) as i32 * 7 % 5) - 2.0);
+        assert!(times(steps).is_some());
+        let sweep = |t: f64| {
+            45.0 * (2.0 / std::f64::consts::PI) * (std::f64::consts::TAU * t / 6.0).sin().asin()
+        };
+        assert_eq!(times(sweep), None);
     }
 }

@@ -1,10 +1,13 @@
 //! Results beyond the linear response, as text for a terminal: low-order models, strokes by direction, limits.
 
 use super::layout::wrapped;
-use super::numbers::{head_of_bounds, probability};
+use super::numbers::{digits, head_of_bounds, probability};
+use crate::data::units::Units;
 use servoid_identification::flight_model::FlightModel;
-use servoid_identification::nonlinear::{DirectionModel, Limits, RateVerdict, Symmetry};
-use servoid_identification::results::{Bounds, Interval};
+use servoid_identification::nonlinear::{
+    DirectionModel, Hysteresis, Limits, RateVerdict, Symmetry,
+};
+use servoid_identification::results::{Bounds, Interval, with_unit};
 use servoid_identification::thresholds::ASYMMETRY_FALSE_ALARM;
 use std::f64::consts::TAU;
 
@@ -59,6 +62,20 @@ pub fn of_flight_model(flight: &FlightModel) -> String {
         );
     }
     text + "  " + &flight.statement + "\n"
+}
+
+/// That rests depend on the direction of approach, beside a servo model that has no play among its terms: a sentence.
+#[must_use]
+pub fn of_hysteresis(hysteresis: &Hysteresis, units: Units<'_>) -> Option<String> {
+    let size = with_unit(
+        digits(hysteresis.size.value?, 3),
+        units.output.unwrap_or_default(),
+    );
+    let sentence = format!(
+        "Positions of rest reached from above and from below are {size} apart: by play in the gears, of which the servo model has none, by a dead band or by \
+         friction. Option: --limits."
+    );
+    Some(format!("  {}\n", wrapped(&sentence, 2)))
 }
 
 /// Said of different answers where the speed does not grow with the stroke: the test has one response for strokes of all sizes.

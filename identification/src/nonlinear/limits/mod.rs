@@ -7,6 +7,7 @@
 //! The record needs holds: a command that is exactly constant between its steps. Sweeps and random
 //! references do not show these limits.
 
+mod directed_strokes;
 mod hysteresis_and_ends;
 mod open_question;
 mod rate;
@@ -15,10 +16,11 @@ mod time_to_rest;
 
 use serde::{Deserialize, Serialize};
 
-use crate::data::{EXACTLY, Record, Run, Stroke, holds, strokes};
+use crate::data::{EXACTLY, Record, Run, holds};
 use crate::diagnostics::followed_after;
 use crate::results::Model;
 use crate::thresholds::MARGIN;
+use directed_strokes::strokes_by_direction;
 use time_to_rest::time_to_rest;
 
 pub use hysteresis_and_ends::{Cell, Hysteresis, RangeEnd, Side};
@@ -98,17 +100,6 @@ fn with_stops(ends: [RangeEnd; 2], stops: &[f64]) -> [RangeEnd; 2] {
         Some(stop) => end.at_stop(stop),
         None => end,
     })
-}
-
-/// The strokes towards larger outputs, and those towards smaller ones.
-fn strokes_by_direction(record: &Record, settling: usize, reversed: bool) -> [Vec<Stroke>; 2] {
-    let mut strokes = strokes(record, settling);
-    if reversed {
-        // The output goes against the command, and that is no travel back.
-        strokes.iter_mut().for_each(|stroke| stroke.travel *= -1.0);
-    }
-    let (up, down) = (strokes.into_iter()).partition(|stroke| (stroke.size > 0.0) != reversed);
-    [up, down]
 }
 
 fn table(record: &Record, model: &Model, level: Option<f64>) -> hysteresis_and_ends::Table {

@@ -4,8 +4,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::directed_strokes::strokes_by_direction;
 use super::rate::{Rate, RateVerdict};
-use super::strokes_by_direction;
 use super::time_to_rest::time_to_rest;
 use crate::data::{Record, Stroke};
 
