@@ -367,7 +367,7 @@ impl Spacing {
         if time.scatter() > SCATTER {
             uncertain_s = period_s * time.half_spread();
             remark += &format!(
-                "; its time stamps scatter by {:.0} % of that, and the rows are taken as evenly spaced",
+                "; its time stamps scatter by {:.0} % of that, and the rows are taken as evenly spaced (a logger with a clock of its own sees commands late: --polled)",
                 100.0 * time.scatter()
             );
             // All of the scatter may be that of the writing.
