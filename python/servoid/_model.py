@@ -108,7 +108,8 @@ class FrequencyResponse:
     response : ndarray of complex
         Gain and phase as complex numbers (output per input).
     magnitude_db, phase_deg : ndarray
-        The same in decibels and in degrees of phase.
+        The same in decibels and in degrees of phase, with the hold of the command between two samples: the servo itself has a phase
+        that is greater by ``np.degrees(omega_rad_s * (sample_period_s / 2 - sample_phase_s))``.
     level : float or None
         Level of the bounds; ``None`` where they are withdrawn, and with it the bounds of magnitude and phase.
     """

@@ -143,6 +143,10 @@ impl ExportArgs {
                 json!(written.largest_difference),
             ),
             (
+                "largest_difference_in_strokes".to_owned(),
+                json!(written.largest_difference_in_strokes),
+            ),
+            (
                 "root_mean_square_difference".to_owned(),
                 json!(written.root_mean_square_difference),
             ),

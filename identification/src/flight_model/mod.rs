@@ -69,7 +69,7 @@ pub struct FlightModel {
     pub approximation: bool,
     /// χ²/dof by which the covariance was multiplied; 1 when the order is not rejected.
     pub inflation: f64,
-    /// Largest error of the step response \[% of the step\].
+    /// Largest difference of the step response from the identified one \[% of the step\]; no error from the servo itself.
     pub largest_error_percent: f64,
     /// Period at which the command is held before it reaches this model \[s\].
     pub hold_period_s: Option<f64>,
@@ -324,12 +324,12 @@ impl FittedOrder {
     fn statement(&self, is_tested: bool, hold_period_s: Option<f64>) -> String {
         let quality = if !is_tested {
             format!(
-                "approximation: largest error {:.1} % of the step",
+                "approximation: its step response is at most {:.1} % of the step from the identified one",
                 self.tried.largest_error_percent
             )
         } else if self.tried.is_rejected() {
             format!(
-                "approximation (p < {ORDER_REJECTED}): largest error {:.1} % of the step",
+                "approximation (p < {ORDER_REJECTED}): its step response is at most {:.1} % of the step from the identified one",
                 self.tried.largest_error_percent
             )
         } else {

@@ -22,7 +22,7 @@ pub struct OrderTried {
     pub p: f64,
     /// χ² + parameters · ln(rank).
     pub bic: f64,
-    /// Largest error of the step response \[% of the step\].
+    /// Largest difference of the step response from the identified one \[% of the step\]; no error from the servo itself.
     pub largest_error_percent: f64,
 }
 

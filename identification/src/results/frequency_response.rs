@@ -134,7 +134,7 @@ impl FrequencyResponse {
 
     /// The response of the servo itself, from that of its samples: freed of their hold and phase.
     #[must_use]
-    pub(crate) fn freed_of_hold(mut self, timing: Timing) -> Self {
+    pub fn freed_of_hold(mut self, timing: Timing) -> Self {
         let (mut magnitudes, mut phases) =
             (vec![&mut self.magnitude_db], vec![&mut self.phase_deg]);
         if let Bounds::Valid(bounds) = &mut self.bounds {

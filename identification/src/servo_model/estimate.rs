@@ -435,6 +435,7 @@ fn fit_of(servo: &Found, record: &Record, spread: f64) -> ServoFit {
         held_out_percent: held_out(servo.climbed.best()),
         linear_held_out_percent: servo.climbed.linear().map_or(f64::NAN, held_out),
         rmse: (error / count as f64).sqrt(),
+        largest_residual: Some(known().fold(0.0, |most, e| e.abs().max(most))),
         discrepancy: level.valid().map(|_| found.discrepancy),
         largest_error: largest_error_of(&servo.parts, &possible[0].point, found),
         samples_used: count,

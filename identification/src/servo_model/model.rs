@@ -125,8 +125,11 @@ pub struct ServoFit {
     pub held_out_percent: f64,
     /// The same for a linear servo of second order.
     pub linear_held_out_percent: f64,
-    /// Root mean square of the errors.
+    /// Root mean square of the errors \[output\].
     pub rmse: f64,
+    /// The largest of them \[output\]; `None` in files from before it was kept.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub largest_residual: Option<f64>,
     /// Upper limit of the root mean square of what the equation lacks: the part of the errors that does not average out as
     /// the noise at rest does. A bound like the others: `None` where bounds are withdrawn.
     pub discrepancy: Option<f64>,

@@ -4,7 +4,7 @@
 use super::model::Export;
 use super::statement::{InFile, low_order_covariance};
 use super::text::{Style, number};
-use servoid_identification::results::{Bounds, Model};
+use servoid_identification::results::{Bounds, FrequencyResponse, Model};
 
 const STYLE: Style = Style {
     comment: "# ",
@@ -28,7 +28,7 @@ pub(super) fn write(export: &Export<'_>) -> String {
     if let Ok(flight) = &export.low_order {
         paragraphs.extend(low_order_covariance(flight, &STYLE));
     }
-    let columns = columns(export.model);
+    let columns = columns(export.model, &export.servo_frequency());
     let names: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
     let mut text = format!("{}\n{}\n", STYLE.comment(&paragraphs), names.join(","));
     let rows = columns.iter().map(|(_, column)| column.len()).max();
@@ -40,7 +40,7 @@ pub(super) fn write(export: &Export<'_>) -> String {
     text
 }
 
-fn columns(model: &Model) -> Vec<Column> {
+fn columns(model: &Model, of_servo: &FrequencyResponse) -> Vec<Column> {
     let (step, frequency) = (&model.step, &model.frequency);
     let times = (0..step.value.len()).map(|m| model.timing().seconds(m as f64));
     let mut columns = named([
@@ -52,6 +52,7 @@ fn columns(model: &Model) -> Vec<Column> {
         ("im", frequency.im.clone()),
         ("magnitude_db", frequency.magnitude_db.clone()),
         ("phase_deg", frequency.phase_deg.clone()),
+        ("servo_phase_deg", of_servo.phase_deg.clone()),
         ("noise_ar", model.noise.ar.clone()),
         ("theta", model.theta.clone()),
     ]);
@@ -71,6 +72,12 @@ fn columns(model: &Model) -> Vec<Column> {
             ("magnitude_db_upper", bounds.magnitude_db_upper.clone()),
             ("phase_deg_lower", bounds.phase_deg_lower.clone()),
             ("phase_deg_upper", bounds.phase_deg_upper.clone()),
+        ]));
+    }
+    if let Bounds::Valid(bounds) = &of_servo.bounds {
+        columns.extend(named([
+            ("servo_phase_deg_lower", bounds.phase_deg_lower.clone()),
+            ("servo_phase_deg_upper", bounds.phase_deg_upper.clone()),
         ]));
     }
     if let Bounds::Valid(bounds) = &model.bounds {

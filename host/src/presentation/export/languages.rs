@@ -159,6 +159,7 @@ impl Export<'_> {
     fn values(&self, style: &Style) -> Values {
         let (model, step, frequency) = (self.model, &self.model.step, &self.model.frequency);
         let (taps, id) = (step.value.len(), identifier(self.name));
+        let of_servo = self.servo_frequency();
         vec![
             ("about", style.comment(&self.statement(InFile::default()))),
             ("ID", id.to_ascii_uppercase()),
@@ -175,6 +176,7 @@ impl Export<'_> {
             ("omega", style.list(&frequency.omega_rad_s)),
             ("re", style.list(&frequency.re)),
             ("im", style.list(&frequency.im)),
+            ("servo_phase", style.list(&of_servo.phase_deg)),
         ]
     }
 
@@ -203,19 +205,23 @@ impl Export<'_> {
             ];
             self.section(language.bounds_of_step, values)
         };
-        let frequency = |bounds: &FrequencyBounds| {
+        let of_servo = self.servo_frequency();
+        let of_servo = of_servo.bounds.valid();
+        let frequency = |(bounds, of_servo): (&FrequencyBounds, &FrequencyBounds)| {
             let values = vec![
                 ("magnitude_lower", style.list(&bounds.magnitude_db_lower)),
                 ("magnitude_upper", style.list(&bounds.magnitude_db_upper)),
                 ("phase_lower", style.list(&bounds.phase_deg_lower)),
                 ("phase_upper", style.list(&bounds.phase_deg_upper)),
+                ("servo_phase_lower", style.list(&of_servo.phase_deg_lower)),
+                ("servo_phase_upper", style.list(&of_servo.phase_deg_upper)),
             ];
             self.section(language.bounds_of_frequency, values)
         };
         let model = self.model;
         let of_parameters = model.bounds.valid().map(parameters);
         let of_step = model.step.bounds.valid().map(step);
-        let of_frequency = model.frequency.bounds.valid().map(frequency);
+        let of_frequency = (model.frequency.bounds.valid().zip(of_servo)).map(frequency);
         vec![
             ("bounds_of_parameters", of_parameters.unwrap_or_default()),
             ("bounds_of_step", of_step.unwrap_or_default()),

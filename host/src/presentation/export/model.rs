@@ -3,7 +3,7 @@
 use crate::data::model_metadata::ModelMetadata;
 use servoid_identification::flight_model;
 use servoid_identification::flight_model::{FlightModel, FlightModelOptions};
-use servoid_identification::results::Model;
+use servoid_identification::results::{FrequencyResponse, Model};
 use servoid_identification::servo_model::{CommandRange, ServoModel};
 
 /// A model, ready to be written.
@@ -71,6 +71,12 @@ impl<'a> Export<'a> {
     /// The frame that holds a command \[s\]: 0 where there is none, or none is known.
     pub(super) fn frame_s(&self) -> f64 {
         self.metadata.pulse_frame_s.unwrap_or(0.0)
+    }
+
+    /// The frequency response of the servo itself, freed of the hold of the samples.
+    pub(super) fn servo_frequency(&self) -> FrequencyResponse {
+        let of_samples = self.model.frequency.clone();
+        of_samples.freed_of_hold(self.model.timing())
     }
 
     /// Largest distance of the low-order model's step response from the identified one at any sample

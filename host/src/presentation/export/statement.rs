@@ -71,7 +71,7 @@ impl Export<'_> {
             Ok(flight) => {
                 let error = self.largest_error_percent(flight);
                 let text = format!(
-                    "the low-order model is an approximation: it is wrong by up to {error:.2} % of the step"
+                    "the low-order model is an approximation: its step response differs from the identified one by up to {error:.2} % of the step, and both may differ from the servo"
                 );
                 warn(flight.approximation, &text);
             }
@@ -260,7 +260,7 @@ impl Export<'_> {
             Bounds::Withdrawn(_) => [String::new(), String::new()],
         };
         format!(
-            "Parameters: theta = [G0, Re G1, Im G1, ...], {n} values, where Gl is the frequency response of the samples at l * 2 pi / (N Ts) rad/s{size}. With q = 2 pi l i / N, h(i) = (G0 + 2 sum (Re Gl cos q - Im Gl sin q)) / N: every response is a linear map A of theta{spread}. The hold of the samples is part of that response: at w rad/s the servo alone has a phase that is greater by w (Ts/2 - p), where p is the time by which samples follow the edges of the command.",
+            "Parameters: theta = [G0, Re G1, Im G1, ...], {n} values, where Gl is the frequency response of the samples at l * 2 pi / (N Ts) rad/s{size}. With q = 2 pi l i / N, h(i) = (G0 + 2 sum (Re Gl cos q - Im Gl sin q)) / N: every response is a linear map A of theta{spread}. The hold of the samples is part of that response, of its magnitude and of its phase: it is what a loop that steps with the samples closes over. At w rad/s the servo alone has a phase that is greater by w (Ts/2 - p), where p is the time by which samples follow the edges of the command: for a continuous loop, and beside a data sheet, take that one, which tables and scripts have as the phase of the servo.",
             n = structure.frequencies
         )
     }
@@ -340,7 +340,7 @@ fn low_order(flight: &FlightModel, largest_error_percent: f64) -> String {
         false => " ",
     };
     format!(
-        "{text} {intervals}. Largest error of its step response, at any sample: {largest_error_percent:.3} % of the step.{own}{}",
+        "{text} {intervals}. Largest difference of its step response from the identified one, at any sample: {largest_error_percent:.3} % of the step; how far the identified one is from the servo, its bounds say, where there are any.{own}{}",
         flight.statement
     )
 }

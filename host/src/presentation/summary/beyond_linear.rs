@@ -52,7 +52,7 @@ pub fn of_flight_model(flight: &FlightModel) -> String {
     for tried in &flight.tried {
         let chosen = tried.order == flight.order;
         text += &format!(
-            "  order {}: chi2 {:.1} of {} degrees of freedom, lack of fit {}, largest error {:.2} % of the step{}\n",
+            "  order {}: chi2 {:.1} of {} degrees of freedom, lack of fit {}, at most {:.2} % of the step from the identified response{}\n",
             tried.order,
             tried.chi_square,
             tried.degrees_of_freedom,

@@ -73,6 +73,10 @@ show(servo.LOW_ORDER_COVARIANCE)
 show(np.diag(servo.COVARIANCE))
 assert np.allclose(servo.COVARIANCE, servo.COVARIANCE.T)
 assert np.allclose(servo.simulate([2.0] * 9, before=2.0), 2.0 * servo.STEP[-1])
+lead = servo.OMEGA_RAD_S * (servo.SAMPLE_PERIOD_S / 2 - servo.SAMPLE_PHASE_S)
+turned = servo.RESPONSE * np.exp(1j * (lead - np.radians(servo.SERVO_PHASE_DEG)))
+assert np.max(np.abs(np.angle(turned))) < 1e-9
+assert np.all(servo.SERVO_PHASE_DEG_LOWER <= servo.SERVO_PHASE_DEG)
 ";
 
 #[test]
@@ -118,6 +122,12 @@ assert(abs(dcgain(servo.continuous) - servo.gain) < 1e-12);
 assert(norm(response(:) - servo.response(:)) < 1e-12);
 assert(norm(omega(:) - servo.omega_rad_s(:)) < 1e-12);
 assert(strcmp(servo.name, 'bench 1'));
+% At rest under a pulse of 1500 us until then: no step of 1500.
+assert(max(abs(servo.simulate(1500 * ones(1, 9), 1500) - 1500 * servo.step(end))) < 1e-6);
+assert(norm(servo.simulate(ones(1, 9)) - servo.simulate(ones(1, 9), 0)) == 0);
+lead = servo.omega_rad_s * (servo.sample_period_s / 2 - servo.sample_phase_s);
+turned = servo.response .* exp(1i * (lead - servo.servo_phase_deg * pi / 180));
+assert(max(abs(angle(turned))) < 1e-9);
 ";
 
 #[test]

@@ -41,7 +41,7 @@ fn every_export_says_what_it_is() {
             "20.0 ms",
             "level 99",
             "ovariance of [K, L, ln w, ln zeta",
-            "Largest error",
+            "Largest difference of its step response",
         ] {
             assert!(prose.contains(said), "{target}: {said}");
         }
@@ -159,6 +159,12 @@ fn the_table_has_the_model_to_the_last_digit() {
         column("phase_deg_lower"),
         model.frequency.bounds.valid().unwrap().phase_deg_lower
     );
+    // The servo itself, as terminal and report have it.
+    let of_servo = model.servo_response(&model.frequency.omega_rad_s).unwrap();
+    let pairs = column("servo_phase_deg")
+        .into_iter()
+        .zip(&of_servo.phase_deg);
+    assert!(pairs.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs())) < 1e-6);
     assert_eq!(column("theta"), model.theta);
     for (k, expected) in (1..).zip(&model.bounds.valid().unwrap().covariance) {
         // Of a symmetric matrix columns are rows.

@@ -7,7 +7,7 @@ use super::emulation::{DelayLine, SecondOrder};
 use super::exported::ExportedServo;
 use super::fixed_step::chosen_step_s;
 use super::full_command::{FULL_DEG, FullCommand};
-use super::rate_limit::{FACTOR, best_share};
+use super::rate_limit::{FACTOR, behind_in_larger_strokes, best_share};
 use super::smooth_command::SmoothCommand;
 use super::statement::{Comparison, Frame};
 use super::subject::ServoExport;
@@ -88,10 +88,10 @@ impl Parameters {
         (self.speed_s > 0.0).then(|| speed(full) / self.speed_s)
     }
 
-    /// With this share of its speed.
-    fn slower(&self, share: f64) -> Self {
+    /// With this share of its speed; without a limit where there is none.
+    fn slower(&self, share: Option<f64>) -> Self {
         Self {
-            speed_s: self.speed_s / share,
+            speed_s: share.map_or(0.0, |share| self.speed_s / share),
             ..*self
         }
     }
@@ -143,9 +143,11 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
             .collect()
     };
     let tried = outputs(trial.command());
-    let slower = |share| positions(&full_speed.slower(share).respond(&tried), servo);
-    let exact = trial.exact(servo);
-    let share = best_share(&trial, &exact, full_speed.top(command.full), slower).share;
+    let slower = |share, trial: &Trial| {
+        let tried = outputs(trial.command());
+        positions(&full_speed.slower(share).respond(&tried), servo)
+    };
+    let share = best_share(export, &trial, full_speed.top(command.full), slower).share;
     let parameters = full_speed.slower(share);
     // The trial has its commands at pulses, and no wait.
     let written = Parameters::of(export, command.full, export.frame_s() / 2.0)?.slower(share);
@@ -165,7 +167,7 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     let mut about = about(
         export,
         (&rate, &command),
-        [&parameters, &full_speed].map(|found| speed(command.full) / found.speed_s),
+        rate_in_words(export, &parameters, &full_speed, command.full),
         &apply(export, &line, command.zero),
         &difference,
     );
@@ -181,7 +183,8 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     let remarks = [
         Some(format!("apply gain and offset yourself: {line}")),
         command.assumed(export),
-        one_speed(export, speed(command.full) / written.speed_s),
+        one_speed(export, written.top(command.full)),
+        behind_in_larger_strokes(share),
         limit_the_command(export),
     ];
     Ok(ExportedServo::new(text, difference)?
@@ -194,8 +197,21 @@ fn limit_the_command(export: &ServoExport<'_>) -> Option<String> {
     (!export.parameters.stops.are_none()).then(|| LIMIT_THE_COMMAND.to_owned())
 }
 
+/// Of the limit of these parameters beside the highest one.
+fn rate_in_words(
+    export: &ServoExport<'_>,
+    parameters: &Parameters,
+    full_speed: &Parameters,
+    full: f64,
+) -> String {
+    let limit = parameters.top(full).map(|limit| [limit; 2]);
+    let top = full_speed.top(full).unwrap_or_default();
+    export.rate(limit, [top; 2])
+}
+
 /// That one speed stands for two, where it is that of neither.
-fn one_speed(export: &ServoExport<'_>, speed: f64) -> Option<String> {
+fn one_speed(export: &ServoExport<'_>, speed: Option<f64>) -> Option<String> {
+    let speed = speed?;
     let (larger, smaller) = export.top_speeds()?;
     // Closer ones are as far apart as the speeds that are tried.
     let is_other = larger.min(smaller) < FACTOR * larger.max(smaller);
@@ -245,7 +261,7 @@ fn start(export: &ServoExport<'_>, zero: f64) -> String {
 fn about(
     export: &ServoExport<'_>,
     (rate, command): (&str, &FullCommand),
-    [limit, top]: [f64; 2],
+    rate_limit: String,
     apply: &str,
     difference: &Difference,
 ) -> Vec<String> {
@@ -258,7 +274,7 @@ fn about(
             "In SITL: SIM_SERVO_SPEED is the time for {SPEED_DEG} degrees, or 0 for no limit. SIM_SERVO_DELAY is the delay and two steps more, at {rate} steps in a second (SIM_RATE_HZ): SITL delays by one step less than it is given and rounds down, and its filter is half a step early. SIM_SERVO_FILTER is the cutoff of the Butterworth filter (damping ratio 0.7071) that lags behind a ramp as this servo does, by {} ms. That suits commands that go on moving, as those of an autopilot do. A higher cutoff may be closer to the servo in strokes, and is early in such commands.",
             four_digits(1e3 * lag_s)
         ),
-        export.rate([limit; 2], [top; 2]),
+        rate_limit,
         "Time: the output that a step of SITL gives is that at the beginning of the step, when its command was given.".to_owned(),
         format!(
             "{} These parameters are those of all servos of the aircraft.",

@@ -6,7 +6,7 @@
 use super::emulation::{DelayLine, SecondOrder};
 use super::exported::ExportedServo;
 use super::fixed_step::longest_s;
-use super::rate_limit::{RateFit, best_share};
+use super::rate_limit::{RateFit, behind_in_larger_strokes, best_share};
 use super::smooth_command::SmoothCommand;
 use super::statement::{Comparison, Frame};
 use super::subject::{NO_LIMIT, ServoExport};
@@ -85,20 +85,21 @@ impl Actuator {
         }
     }
 
-    /// With the filter there, at the rates that come closest to `exact`.
-    fn fitted(&self, filter: Filter, trial: &Trial, exact: &[f64]) -> (Self, RateFit) {
+    /// With the filter there, at the rates that come closest to the servo.
+    fn fitted(&self, export: &ServoExport<'_>, filter: Filter, trial: &Trial) -> (Self, RateFit) {
         let full_speed = Self { filter, ..*self };
         let top = self.rates.map(|(up, down)| up.max(down));
-        let found = best_share(trial, exact, top, |share| {
+        let found = best_share(export, trial, top, |share, trial| {
             (full_speed.slower(share)).respond(&trial.command(), trial.step_s)
         });
         (full_speed.slower(found.share), found)
     }
 
-    /// With this share of its rates.
-    fn slower(&self, share: f64) -> Self {
+    /// With this share of its rates; without a limit where there is none.
+    fn slower(&self, share: Option<f64>) -> Self {
+        let rates = self.rates.zip(share);
         Self {
-            rates: self.rates.map(|(up, down)| (share * up, share * down)),
+            rates: rates.map(|((up, down), share)| (share * up, share * down)),
             ..*self
         }
     }
@@ -252,12 +253,11 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         export.options.step_s.unwrap_or(STEP_S),
         [f64::NEG_INFINITY, f64::INFINITY],
     );
-    let exact = trial.exact(&export.parameters);
     let [first, behind] =
-        [Filter::Before, Filter::Behind].map(|filter| any.fitted(filter, &trial, &exact));
-    let actuator = match first.1.difference < behind.1.difference {
-        true => first.0,
-        false => behind.0,
+        [Filter::Before, Filter::Behind].map(|filter| any.fitted(export, filter, &trial));
+    let (actuator, fit) = match first.1.difference < behind.1.difference {
+        true => first,
+        false => behind,
     };
     let positions = actuator.respond(&trial.command(), trial.step_s);
     let slowest = actuator.rates.map(|(up, down)| up.min(down));
@@ -266,8 +266,9 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     let like = export.parameters_with(export.only_constant_load());
     let difference = Difference::of(export, trial, |_| positions.clone(), &like);
     let id = identifier(export.name);
-    let rates = [&actuator, &any].map(|of| of.rates.map_or([0.0; 2], <[f64; 2]>::from));
-    let mut about = about(export, &actuator, rates, &difference);
+    let [limits, tops] = [&actuator, &any].map(|of| of.rates.map(<[f64; 2]>::from));
+    let rate = export.rate(limits, tops.unwrap_or_default());
+    let mut about = about(export, &actuator, rate, &difference);
     about.push(smooth.in_words(export, late_s));
     let centre = actuator.centre;
     let (mut before, input) = before_servo(&id, centre, export.frame_s());
@@ -300,7 +301,8 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     let text = fill(include_str!("../templates/servo_model/servo.xml"), &values);
     Ok(ExportedServo::new(text, difference)?
         .lacking(export, "JSBSim", &LEFT_OUT)
-        .warned(long_steps(export)))
+        .warned(long_steps(export))
+        .with(behind_in_larger_strokes(fit.share)))
 }
 
 /// That the chosen steps are long: JSBSim runs at 120 Hz as a rule, where a quick servo has no shorter ones.
@@ -332,7 +334,7 @@ fn steps(export: &ServoExport<'_>, difference: &Difference) -> String {
 fn about(
     export: &ServoExport<'_>,
     actuator: &Actuator,
-    [limits, tops]: [[f64; 2]; 2],
+    rate: String,
     difference: &Difference,
 ) -> Vec<String> {
     let mut about = export.statement(Target::Jsbsim);
@@ -347,7 +349,7 @@ fn about(
         ),
         export.frame(Frame::InFile),
         actuator.in_words(),
-        export.rate(limits, tops),
+        rate,
         format!(
             "Time: {TIME} {} Set the step before the aircraft is loaded: delays are counted out then.",
             steps(export, difference)

@@ -1,8 +1,9 @@
 //! The comment at the top of every export of a servo model.
 
 use super::exported::ExportedServo;
+use super::rate_limit::FACTOR;
 use super::subject::ServoExport;
-use super::trial_command::{Difference, FINER, Trial};
+use super::trial_command::{Difference, FINER, REVERSALS, Trial};
 use crate::data::unitless_command::UnitlessCommand;
 use crate::presentation::export::doubts;
 use crate::presentation::export::recorded::{self, beside};
@@ -12,7 +13,7 @@ use crate::presentation::export::text::number;
 use crate::presentation::summary;
 use crate::presentation::summary::four_digits;
 use servoid_identification::results::{Bounds, six_digits};
-use servoid_identification::servo_model::{Quantity, QuantityKind};
+use servoid_identification::servo_model::QuantityKind;
 
 /// How the difference of an export from the servo model was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,6 +51,7 @@ impl ServoExport<'_> {
             found.push(format!(
                 "no intervals can be given, as {because}: this file has none"
             ));
+            found.push(self.left_errors());
         }
         found.extend(self.unknown_speed());
         found.extend(self.metadata.frame_warning());
@@ -66,19 +68,27 @@ impl ServoExport<'_> {
         found
     }
 
+    /// The size of the errors that are left in the recording, of a model whose errors no interval contains.
+    fn left_errors(&self) -> String {
+        let fit = &self.model.fit;
+        let unit = self.output_unit();
+        let rms = format!("{} {unit} rms", four_digits(fit.rmse));
+        let size = match fit.largest_residual {
+            Some(largest) => format!("up to {} {unit} ({rms})", four_digits(largest)),
+            None => rms,
+        };
+        format!(
+            "this servo model leaves errors of {size} in its own recording; motion that the recording has not, such as strokes that turn round before the servo rests, may have larger ones and was not tested"
+        )
+    }
+
     /// That larger or quicker strokes than the recorded ones are not known, where that is so.
     fn unknown_speed(&self) -> Option<String> {
         if self.parameters.limit.is_none() {
             let (commands, reached) = (self.model.commands, self.model.reached);
             return Some(recorded::no_limit(commands, reached, self.metadata.units()));
         }
-        let speeds = [
-            QuantityKind::TopSpeedUpwards,
-            QuantityKind::TopSpeedDownwards,
-        ];
-        let is_open = |found: &Quantity| !found.determined;
-        let is_open = |kind| self.model.quantity(kind).is_some_and(is_open);
-        speeds.into_iter().any(is_open).then(|| {
+        (!self.top_speed_is_known()).then(|| {
             let recorded = (self.recorded_range())
                 .map(|range| format!(" (commands {range})"))
                 .unwrap_or_default();
@@ -222,11 +232,14 @@ impl ServoExport<'_> {
 
     /// How the limits of a rate were found, of these top speeds; both are of theta, towards larger and smaller. A target with one rate
     /// has both the same.
-    pub(super) fn rate(&self, limits: [f64; 2], tops: [f64; 2]) -> String {
+    pub(super) fn rate(&self, limits: Option<[f64; 2]>, tops: [f64; 2]) -> String {
         if self.top_speeds().is_none() {
             return "Rate: this file has no limit, as none was reached (see the warning)."
                 .to_owned();
         }
+        let Some(limits) = limits else {
+            return "Rate: this file has no limit. The recording does not determine the top speed, and in strokes larger than the recorded ones the file is closer to the servo model without one.".to_owned();
+        };
         let unit = self.command_unit();
         let is_mean = tops[0] == tops[1] && self.top_speeds().is_some_and(|(up, down)| up != down);
         let both = if is_mean {
@@ -251,12 +264,18 @@ impl ServoExport<'_> {
             true => " One rate stands for both directions, as this program has one.",
             false => "",
         };
+        let larger = match limits[0] < FACTOR * tops[0] {
+            true => {
+                " In larger strokes than the recorded ones the file falls behind the servo, which reaches its top speed there."
+            }
+            false => "",
+        };
         let reached = self.reached_by(self.parameters.gain.abs().recip(), unit);
         let reached = reached.map(|speeds| format!(
             " In the recording theta reached {speeds}; the limit need not be that, as it acts from the beginning of a stroke to its end, while a servo builds up its speed and brakes."
         ));
         format!(
-            "Rate: {limit}. Limits up to the top speed were tried, and with this one the file is closest to the servo under the command below, in the mean of squares.{one}{}",
+            "Rate: {limit}. Limits up to the top speed were tried, and with this one the file is closest to the servo in the staircase below, in the mean of squares.{one}{larger}{}",
             reached.unwrap_or_default()
         )
     }
@@ -273,16 +292,23 @@ impl ServoExport<'_> {
     /// The largest difference of a file from the servo model, what it is of the largest stroke, and its root mean square.
     #[must_use]
     pub fn share_of_stroke(&self, written: &ExportedServo) -> String {
+        let trial = &written.trial;
         format!(
-            "{}; root mean square {} %",
-            self.of_stroke(written.largest_difference, &written.trial),
-            self.percent_of_stroke(written.root_mean_square_difference, &written.trial)
+            "{} with repeated reversals, {} % without; root mean square {} %",
+            self.of_stroke(written.largest_difference, trial),
+            self.percent_of_stroke(written.largest_difference_in_strokes, trial),
+            self.percent_of_stroke(written.root_mean_square_difference, trial)
         )
     }
 
     /// The largest difference of a file in percent of the largest stroke.
     pub(super) fn percent_of_largest(&self, written: &ExportedServo) -> String {
         self.percent_of_stroke(written.largest_difference, &written.trial)
+    }
+
+    /// The same without repeated reversals.
+    pub(super) fn percent_of_strokes(&self, written: &ExportedServo) -> String {
+        self.percent_of_stroke(written.largest_difference_in_strokes, &written.trial)
     }
 
     /// The strokes of a trial beside those of the recording.
@@ -338,21 +364,37 @@ impl ServoExport<'_> {
                 format!(", by an emulation of what {program} does")
             }
         };
-        let levels: Vec<String> = trial.levels.iter().copied().map(number).collect();
         format!(
-            "Largest difference from servoid's own integrator with steps {FINER} times as fine as usual: {}, {}, with steps of {} ms{emulation}; root mean square {} %.{} The command: {}, each for {} s ({} steps), and all again for {} s ({} steps), which breaks strokes off; the first level is not compared.",
+            "Largest difference from servoid's own integrator with steps {FINER} times as fine as usual: {}, {}, with steps of {} ms{emulation}; root mean square {} %. It is that of repeated reversals, as a loop that swings has them, and of strokes that are held or broken off once: in these alone it is {}.{} The command: {}",
             largest,
             self.strokes(trial),
             four_digits(1e3 * trial.step_s),
             self.percent_of_stroke(found.root_mean_square, trial),
+            shown(found.largest_in_strokes),
             without.unwrap_or_default(),
-            levels.join(", "),
-            four_digits(trial.steps_per_level as f64 * trial.step_s),
-            trial.steps_per_level,
-            four_digits(trial.steps_of_broken_off as f64 * trial.step_s),
-            trial.steps_of_broken_off,
+            command(trial),
         )
     }
+}
+
+/// The command of a trial, in which each number stands.
+fn command(trial: &Trial) -> String {
+    let held = |steps: usize| {
+        let seconds = four_digits(steps as f64 * trial.step_s);
+        format!("{seconds} s ({steps} steps)")
+    };
+    let levels: Vec<String> = trial.levels.iter().copied().map(number).collect();
+    let [least, largest] = trial.ends().map(number);
+    let reversals: Vec<String> = trial.steps_of_reversals.iter().copied().map(held).collect();
+    format!(
+        "{}, each for {}, and all again for {}, which breaks strokes off (the staircase). Then {REVERSALS} strokes between {largest} and {least}, each held for {}, with {} at {} behind each such part. The first level is not compared.",
+        levels.join(", "),
+        held(trial.steps_per_level),
+        held(trial.steps_of_broken_off),
+        reversals.join(", then as many for "),
+        held(trial.steps_per_level),
+        number(trial.middle()),
+    )
 }
 
 /// "2.5 - 45", the numbers of a line that is `at_zero` at 0 and rises by `each`.

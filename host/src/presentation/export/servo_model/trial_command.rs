@@ -4,7 +4,7 @@ use super::subject::ServoExport;
 use serde::Serialize;
 use servoid_dynamics::{Grid, ServoParameters, Start, simulate};
 
-/// A staircase of small and large strokes.
+/// A staircase of small and large strokes, held and then broken off, and repeated reversals over the whole range.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Trial {
     /// Step of time of the exported servo \[s\].
@@ -15,6 +15,8 @@ pub struct Trial {
     pub steps_per_level: usize,
     /// For how many steps each level is held when all come again: too few for the larger strokes to end.
     pub steps_of_broken_off: usize,
+    /// For how many steps the largest level and the least are held while they alternate, for each such part.
+    pub steps_of_reversals: Vec<usize>,
 }
 
 /// How far an exported servo is from the servo model.
@@ -24,6 +26,8 @@ pub(super) struct Difference {
     pub trial: Trial,
     /// The largest difference of the position \[unit of the position\].
     pub largest: f64,
+    /// The largest in the staircase alone, likewise.
+    pub largest_in_strokes: f64,
     /// Its root mean square, likewise.
     pub root_mean_square: f64,
     /// The largest from a servo that has the load and the stops that the export has, where it leaves some out, and what these are.
@@ -43,6 +47,8 @@ impl Difference {
         let from_like = || trial.largest_difference(&found(like), &trial.exact(like));
         Self {
             largest: trial.largest_difference(&positions, &exact),
+            largest_in_strokes: trial
+                .largest_difference(trial.staircase(&positions), trial.staircase(&exact)),
             root_mean_square: trial.root_mean_square(&positions, &exact),
             without_others: others(servo, like).map(|others| (from_like(), others)),
             trial,
@@ -73,6 +79,16 @@ const BROKEN_OFF: f64 = 0.25;
 /// But not for less \[s\]: within its delay no servo shows anything.
 const SHORTEST_S: f64 = 0.1;
 
+/// Half periods of the repeated reversals as parts of the time for which a level is held. The longest is one in which the largest strokes
+/// nearly end, the shortest one in which a servo with a limit hardly leaves the middle.
+const HALF_PERIODS: [f64; 4] = [0.5, 0.25, 0.125, 0.0625];
+
+/// But none is shorter \[s\].
+const SHORTEST_HALF_PERIOD_S: f64 = 0.05;
+
+/// Strokes of each such part: where the two directions differ, a servo drifts from the middle to its last course in so many.
+pub(super) const REVERSALS: usize = 12;
+
 /// Amplitudes that a servo may have in any unit; a model file may say anything.
 const POSSIBLE: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
 
@@ -91,11 +107,18 @@ impl Trial {
         let hold_s = hold_s(export, amplitude);
         let level = |part: &f64| short(middle + part * amplitude, amplitude, 3, f64::round);
         let steps = |hold_s: f64| (hold_s / step_s).round().max(1.0) as usize;
+        let half_period = |part: &f64| {
+            let wanted_s = (part * hold_s).max(SHORTEST_HALF_PERIOD_S);
+            steps(in_frames(export, wanted_s))
+        };
+        let mut steps_of_reversals: Vec<usize> = HALF_PERIODS.iter().map(half_period).collect();
+        steps_of_reversals.dedup();
         Self {
             step_s,
             levels: LEVELS.iter().map(level).collect(),
             steps_per_level: steps(hold_s),
             steps_of_broken_off: steps(in_frames(export, (BROKEN_OFF * hold_s).max(SHORTEST_S))),
+            steps_of_reversals,
         }
     }
 
@@ -107,7 +130,51 @@ impl Trial {
             let held = move |level: &f64| std::iter::repeat_n(*level, steps);
             self.levels.iter().flat_map(held)
         };
-        lengths.into_iter().flat_map(staircase).collect()
+        let mut command: Vec<f64> = lengths.into_iter().flat_map(staircase).collect();
+        let [least, largest] = self.ends();
+        for steps in &self.steps_of_reversals {
+            for reversal in 0..REVERSALS {
+                let end = if reversal % 2 == 0 { largest } else { least };
+                command.extend(std::iter::repeat_n(end, *steps));
+            }
+            // The next part begins at rest.
+            command.extend(std::iter::repeat_n(self.middle(), self.steps_per_level));
+        }
+        command
+    }
+
+    /// The least and the largest level, between which the repeated reversals go.
+    pub(super) fn ends(&self) -> [f64; 2] {
+        let levels = || self.levels.iter().copied();
+        [
+            levels().fold(f64::INFINITY, f64::min),
+            levels().fold(f64::NEG_INFINITY, f64::max),
+        ]
+    }
+
+    /// The same without the repeated reversals.
+    pub(super) fn only_staircase(&self) -> Self {
+        Self {
+            steps_of_reversals: Vec::new(),
+            ..self.clone()
+        }
+    }
+
+    /// The same with strokes that are so many times as large.
+    pub(super) fn enlarged(&self, factor: f64) -> Self {
+        let middle = self.middle();
+        let level = |level: &f64| middle + factor * (level - middle);
+        Self {
+            levels: self.levels.iter().map(level).collect(),
+            ..self.clone()
+        }
+    }
+
+    /// What of a course of the position is that of the staircase, without the repeated reversals.
+    #[must_use]
+    pub fn staircase<'a>(&self, positions: &'a [f64]) -> &'a [f64] {
+        let steps = self.levels.len() * (self.steps_per_level + self.steps_of_broken_off);
+        positions.get(..steps).unwrap_or(positions)
     }
 
     /// The position at the beginning of each step, by servoid's integrator with steps of a tenth of its usual ones.
@@ -277,6 +344,7 @@ mod tests {
             levels: vec![0.0, 10.0, -10.0, 4.0],
             steps_per_level: 10,
             steps_of_broken_off: 2,
+            steps_of_reversals: vec![3],
         };
         let travel = |gain: f64, lower: Option<f64>, upper: Option<f64>| {
             trial.largest_travel(&ServoParameters {

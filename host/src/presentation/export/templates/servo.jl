@@ -27,7 +27,7 @@ const STEP = numbers("""
 {{bounds_of_step}}const STEP_TIME_S = [SAMPLE_PERIOD_S * m + SAMPLE_PHASE_S for m in 0:length(STEP)-1]
 const IMPULSE = diff([0.0; STEP])
 
-# Frequency response of the samples
+# Frequency response of the samples, with the hold of the command between two of them
 const OMEGA_RAD_S = numbers("""
 {{omega}}
 """)
@@ -36,6 +36,10 @@ const RESPONSE = complex.(numbers("""
 """), numbers("""
 {{im}}
 """))
+# The phase of the servo itself, freed of that hold, in degrees: for a continuous loop
+const SERVO_PHASE_DEG = numbers("""
+{{servo_phase}}
+""")
 {{bounds_of_frequency}}
 "Position for a command sampled every SAMPLE_PERIOD_S, without the offset; at rest at `before` until then."
 function simulate(command; before=0.0)

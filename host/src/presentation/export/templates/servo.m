@@ -23,7 +23,7 @@
 ];
 {{bounds_of_step}}{{id}}.impulse = diff([0, {{id}}.step]);
 
-% Frequency response of the samples
+% Frequency response of the samples, with the hold of the command between two of them
 {{id}}.omega_rad_s = [ ...
 {{omega}} ...
 ];
@@ -32,9 +32,15 @@
 ], [ ...
 {{im}} ...
 ]);
+% The phase of the servo itself, freed of that hold, in degrees: for a continuous loop
+{{id}}.servo_phase_deg = [ ...
+{{servo_phase}} ...
+];
 {{bounds_of_frequency}}
-% Position for a command u sampled every sample_period_s, at rest at 0 before, without the offset
-{{id}}.simulate = @(u) filter({{id}}.impulse, 1, u);
+% Position for a command u sampled every sample_period_s, without the offset: simulate(u), or simulate(u, before).
+% The servo is at rest at the command before, or 0, until the first sample.
+{{id}}.simulate = @(u, varargin) filter({{id}}.impulse, 1, u - sum([varargin{:}])) + ...
+    sum([varargin{:}]) * {{id}}.step(end);
 
 if exist('OCTAVE_VERSION', 'builtin')
     pkg('load', 'control');

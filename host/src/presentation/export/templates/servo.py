@@ -31,7 +31,7 @@ STEP = np.array([
 ])
 {{bounds_of_step}}IMPULSE = np.diff(STEP, prepend=0.0)
 
-# Frequency response of the samples
+# Frequency response of the samples, with the hold of the command between two of them
 OMEGA_RAD_S = np.array([
 {{omega}}
 ])
@@ -39,6 +39,10 @@ RESPONSE = np.array([
 {{re}}
 ]) + 1j * np.array([
 {{im}}
+])
+# The phase of the servo itself, freed of that hold, in degrees: for a continuous loop
+SERVO_PHASE_DEG = np.array([
+{{servo_phase}}
 ])
 {{bounds_of_frequency}}
 

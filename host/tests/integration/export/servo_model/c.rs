@@ -15,31 +15,27 @@ fn program(exports: &[Exported]) -> String {
     }
     text += "int main(void)\n{\n";
     for (servo, exported) in SERVOS.iter().zip(exports) {
-        let levels: Vec<String> = exported
-            .trial
-            .levels
-            .iter()
-            .map(|level| format!("{level:?}"))
+        // Runs of the same command: every step as a number would be long.
+        let commands = exported.trial.command();
+        let runs: Vec<String> = commands
+            .chunk_by(|a, b| a == b)
+            .map(|run| format!("{{ {:?}, {} }}", run[0], run.len()))
             .collect();
         let _infallible = writeln!(
             text,
             r#"    {{
-        static const double levels[] = {{ {levels} }};
+        static const struct {{ double command; unsigned steps; }} runs[] = {{ {runs} }};
         servo_{name}_state servo;
-        servo_{name}_reset(&servo, (servo_{name}_real)levels[0]);
-        const unsigned count = sizeof levels / sizeof *levels;
-        for (unsigned n = 0; n < 2 * count; n++) {{
-            const unsigned i = n % count;
-            for (unsigned k = 0; k < (n < count ? {steps} : {broken_off}); k++) {{
-                printf("%.17g ", (double)servo_{name}_step(&servo, (servo_{name}_real)levels[i]));
+        servo_{name}_reset(&servo, (servo_{name}_real)runs[0].command);
+        for (unsigned n = 0; n < sizeof runs / sizeof *runs; n++) {{
+            for (unsigned k = 0; k < runs[n].steps; k++) {{
+                printf("%.17g ", (double)servo_{name}_step(&servo, (servo_{name}_real)runs[n].command));
             }}
         }}
         printf("\n");
     }}"#,
-            levels = levels.join(", "),
+            runs = runs.join(", "),
             name = servo.name,
-            steps = exported.trial.steps_per_level,
-            broken_off = exported.trial.steps_of_broken_off,
         );
     }
     text + "    return 0;\n}\n"

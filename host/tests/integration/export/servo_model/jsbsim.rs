@@ -55,6 +55,24 @@ fn systems_are_as_far_from_the_servo_model_as_they_state() {
     }
 }
 
+/// Its actuator turns round at once where a servo must brake first.
+#[test]
+fn reversals_are_no_farther_than_they_state() {
+    if !works("python3", &["-c", "import jsbsim"]) {
+        return missing("reversals in JSBSim", "python's jsbsim is not installed");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    for servo in SERVOS.iter().filter(|servo| servo.terms.contains(&"limit")) {
+        let exported = servo.export("jsbsim", folder.path(), &["--frame-ms", "0"]);
+        exported.check_reversals(servo.name, |commands| {
+            // JSBSim begins at rest under the neutral command.
+            let first = std::iter::repeat_n(commands[0], 1000);
+            let whole: Vec<f64> = first.chain(commands.iter().copied()).collect();
+            run(folder.path(), servo.name, &exported, &whole).split_off(1000)
+        });
+    }
+}
+
 /// Under the neutral command, which is the value of the property, and where the header says: of a pulse, too, held for a frame or not.
 #[test]
 fn systems_begin_at_rest_where_they_state() {

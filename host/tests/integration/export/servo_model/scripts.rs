@@ -12,8 +12,8 @@ use std::process::Command;
 const ROUNDING: f64 = 1e-9;
 
 /// The equation by steps of at most 0.03/ω: the scheme is of second order, so to a few thousandths of a stroke, and a shaft that sticks
-/// does so a step earlier or later.
-const STEPS: f64 = 0.01;
+/// does so a step earlier or later; where strokes turn round again and again, these add up.
+const STEPS: f64 = 0.015;
 
 /// All servos in files of a language.
 fn exports(target: &str, ending: &str, folder: &Path) -> Vec<Exported> {

@@ -4,6 +4,7 @@ use crate::support::{arg, run};
 use serde_json::{Value, json};
 use servoid::data::model_file::ModelFile;
 use servoid::presentation::export::servo_model::Trial;
+use servoid_dynamics::{Grid, Start, simulate};
 use servoid_identification::servo_model::ServoParameters;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
@@ -93,6 +94,15 @@ pub fn number_behind(text: &str, words: &str) -> f64 {
     number.parse().unwrap()
 }
 
+/// Motion that turns round before the servo rests.
+#[derive(Clone, Copy, Debug)]
+enum Reversals {
+    Square,
+    Sine,
+    /// One stroke there and one back.
+    Doublet,
+}
+
 /// An export, as `--json` describes it.
 pub struct Exported {
     pub text: String,
@@ -114,6 +124,58 @@ impl Exported {
             "{name}: {found} for {} of {stroke}",
             self.stated
         );
+    }
+
+    /// Requires that this program, under reversals over the recorded range as a loop has them, is hardly farther from the servo than the
+    /// file states: squares, sines and a doublet with other periods than those of the trial.
+    pub fn check_reversals(&self, name: &str, run: impl Fn(&[f64]) -> Vec<f64>) {
+        for kind in [Reversals::Square, Reversals::Sine, Reversals::Doublet] {
+            for half_period_s in [0.06, 0.1, 0.14, 0.2, 0.3, 0.45] {
+                let commands = self.reversals(kind, half_period_s);
+                let exact = self.exact_under(&commands);
+                let pairs = run(&commands).into_iter().zip(exact);
+                let found = pairs.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+                // Between two periods of the trial the difference may be a little larger.
+                let stated = self.stated + 0.01 * self.largest_stroke();
+                assert!(
+                    found <= 1.25 * stated,
+                    "{name}, {kind:?}, {half_period_s} s: {found} for {}",
+                    self.stated
+                );
+            }
+        }
+    }
+
+    /// From rest under the first level, between the largest and the least.
+    fn reversals(&self, kind: Reversals, half_period_s: f64) -> Vec<f64> {
+        let Trial { levels, step_s, .. } = &self.trial;
+        let ends = levels.iter().copied();
+        let largest = ends.clone().fold(f64::NEG_INFINITY, f64::max);
+        let least = ends.fold(f64::INFINITY, f64::min);
+        let command = |step: usize| {
+            let halves = step as f64 * step_s / half_period_s - 2.0;
+            let (middle, most) = ((largest + least) / 2.0, (largest - least) / 2.0);
+            match kind {
+                _ if halves < 0.0 => levels[0],
+                Reversals::Doublet if halves >= 2.0 => levels[0],
+                Reversals::Sine => middle + most * (std::f64::consts::PI * halves).sin(),
+                _ if halves as usize % 2 == 0 => largest,
+                _ => least,
+            }
+        };
+        (0..(16.0 * half_period_s / step_s) as usize)
+            .map(command)
+            .collect()
+    }
+
+    /// The position of servoid's integrator.
+    fn exact_under(&self, commands: &[f64]) -> Vec<f64> {
+        let grid = Grid::for_stiffness(self.trial.step_s, 0.0, self.servo.stiffness);
+        let rest = self.servo.resting_output(commands[0]);
+        let start = Start::at_rest(rest, Some(commands[0]));
+        let mut exact = Vec::new();
+        simulate(&self.servo, &grid, &start, commands, |_, y| exact.push(y));
+        exact
     }
 
     /// Requires that the servo stays where it is put at rest under the first command, from the first position `found` on.
@@ -264,6 +326,7 @@ pub fn export(file: &Path, controller: usize, target: &str, more: &[&str]) -> Ex
         levels: numbers(&trial["levels"]),
         steps_per_level: steps("steps_per_level"),
         steps_of_broken_off: steps("steps_of_broken_off"),
+        steps_of_reversals: serde_json::from_value(trial["steps_of_reversals"].clone()).unwrap(),
     };
     let model = ModelFile::read(file)
         .unwrap()

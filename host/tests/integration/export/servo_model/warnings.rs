@@ -33,6 +33,95 @@ fn changed(file: &Path, folder: &Path, change: impl Fn(&mut Value)) -> PathBuf {
     path
 }
 
+/// A file without intervals says how large the errors were.
+#[test]
+fn errors_that_no_interval_contains_are_stated_by_their_size() {
+    let folder = tempfile::tempdir().unwrap();
+    let with = |largest: Value| {
+        changed(&AIRCRAFT.file, folder.path(), |document| {
+            let model = &mut document["servo_model"];
+            model["fit"]["rmse"] = json!(2.5);
+            model["fit"]["largest_residual"] = largest.clone();
+        })
+    };
+    for target in ["jsbsim", "c"] {
+        let said = exported(&with(json!(11.25)), target);
+        let size = "leaves errors of up to 11.25 deg (2.500 deg rms) in its own recording";
+        assert!(said.contains(size), "{said}");
+        // A file from before it was kept.
+        let said = exported(&with(Value::Null), target);
+        assert!(said.contains("leaves errors of 2.500 deg rms"), "{said}");
+    }
+    let model: Value = json(&AIRCRAFT.file);
+    let fit = &model["servo_model"]["fit"];
+    assert!(
+        fit["largest_residual"].as_f64() > fit["rmse"].as_f64(),
+        "{fit}"
+    );
+}
+
+/// A drive at whose limit hardly any stroke begins, and a top speed that the recording does not determine.
+#[test]
+fn a_rate_limit_that_was_not_found_is_not_invented() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = SERVOS[1].file(folder.path());
+    let with = |determined: bool, factor: f64| {
+        let file = changed(&file, folder.path(), |document| {
+            let model = &mut document["servo_model"];
+            for quantity in model["quantities"].as_array_mut().unwrap() {
+                if quantity["name"].as_str().unwrap().starts_with("top speed") {
+                    quantity["determined"] = json!(determined);
+                }
+            }
+            let commands = &model["commands"];
+            let end = |name: &str| commands[name].as_f64().unwrap();
+            let full_drive = factor * (end("largest") - end("least"));
+            // The drive of this error, at a damping of the motor of 0.67 of the whole.
+            let top = full_drive * 1500.0 / (0.67 * 60.0);
+            let values = model["values"].as_array_mut().unwrap();
+            values[5] = json!(top.ln());
+            values[6] = json!(0.67);
+        });
+        run(&[
+            "export",
+            arg(&file),
+            "--servo-model",
+            "--to",
+            "jsbsim",
+            "-q",
+        ])
+    };
+    let text = with(false, 0.95);
+    assert!(!text.contains("<rate_limit"), "{text}");
+    assert!(
+        prose(&text).contains("Rate: this file has no limit. The recording does not determine")
+    );
+    // One that was found is written, and one that makes the strokes what they are, too.
+    assert!(with(true, 0.95).contains("<rate_limit"));
+    assert!(with(false, 0.05).contains("<rate_limit"));
+}
+
+/// What the header says of the rate, the terminal says, too.
+#[test]
+fn a_rate_below_the_top_speed_is_remarked_on() {
+    let output = servoid(&[
+        "export",
+        arg(&AIRCRAFT.file),
+        "--servo-model",
+        "--to",
+        "jsbsim",
+    ])
+    .output();
+    let output = output.unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    let header = prose(&String::from_utf8(output.stdout).unwrap());
+    assert!(
+        said.contains("in larger ones this file falls behind the servo"),
+        "{said}"
+    );
+    assert!(header.contains("In larger strokes than the recorded ones the file falls behind"));
+}
+
 #[test]
 fn pulses_that_are_called_something_else_are_seen_by_their_size() {
     let folder = tempfile::tempdir().unwrap();
