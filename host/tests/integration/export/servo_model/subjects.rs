@@ -159,7 +159,7 @@ impl Exported {
                 _ if halves < 0.0 => levels[0],
                 Reversals::Doublet if halves >= 2.0 => levels[0],
                 Reversals::Sine => middle + most * (std::f64::consts::PI * halves).sin(),
-                _ if halves as usize % 2 == 0 => largest,
+                _ if (halves as usize).is_multiple_of(2) => largest,
                 _ => least,
             }
         };
