@@ -104,7 +104,11 @@ pub fn no_prediction(record: &Record, linear: &Model, servo: &ServoModel) -> Opt
         POOR_PREDICTION_PERCENT,
         SlowErrors::of(record, linear).map_or_else(
             || CHECK_THE_COLUMNS.to_owned(),
-            |slow| format!("{}. {}.", slow.in_words(), SlowErrors::REMEDY),
+            |slow| {
+                let mut advice = linear.advice.iter();
+                let without_line = advice.any(|found| found.check == Check::Drift);
+                format!("{}. {}.", slow.in_words(), SlowErrors::remedy(without_line))
+            },
         ),
     ))
 }
