@@ -330,6 +330,12 @@ impl Advice {
         matches!(self.check, Check::Linearity | Check::ModelError)
     }
 
+    /// Whether it says that the servo is not linear.
+    #[must_use]
+    pub fn is_of_linearity(&self) -> bool {
+        self.check == Check::Linearity
+    }
+
     /// Where runs are not of one kind, that is why they scatter, and nothing else need be looked for.
     pub fn name_unlike_runs(all: &mut [Self]) {
         if !all.iter().any(|item| item.check == Check::UnlikeRuns) {
