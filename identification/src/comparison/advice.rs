@@ -132,8 +132,7 @@ fn few_runs(comparison: &Comparison, models: [&Model; 2]) -> Option<Advice> {
     let fewest = comparison.runs[0].min(comparison.runs[1]);
     let most = bounds.difference_percent.at_most;
     let mut findings = models.iter().flat_map(|model| &model.advice);
-    let scatter = |found: &Advice| matches!(found.check, Check::RunScatter | Check::DeviatingRun);
-    let finding = match findings.any(scatter) {
+    let finding = match findings.any(Advice::is_of_scatter) {
         true => format!(
             "The runs, {fewest} a side, scatter so much that {most:.1} % of the step is possible."
         ),

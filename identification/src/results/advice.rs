@@ -330,6 +330,18 @@ impl Advice {
         matches!(self.check, Check::Linearity | Check::ModelError)
     }
 
+    /// Whether it says that runs differ by more than their noise.
+    #[must_use]
+    pub fn is_of_scatter(&self) -> bool {
+        matches!(self.check, Check::RunScatter | Check::DeviatingRun)
+    }
+
+    /// Whether it says that a straight line of each run was taken out.
+    #[must_use]
+    pub fn is_of_drift(&self) -> bool {
+        self.check == Check::Drift
+    }
+
     /// Whether it says that the servo is not linear.
     #[must_use]
     pub fn is_of_linearity(&self) -> bool {
@@ -342,7 +354,7 @@ impl Advice {
             return;
         }
         for item in all {
-            if matches!(item.check, Check::RunScatter | Check::DeviatingRun) {
+            if item.is_of_scatter() {
                 "Runs of different kinds differ by more than noise: identify each kind alone."
                     .clone_into(&mut item.remedy);
             }

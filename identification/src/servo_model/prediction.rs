@@ -105,8 +105,7 @@ pub fn no_prediction(record: &Record, linear: &Model, servo: &ServoModel) -> Opt
         SlowErrors::of(record, linear).map_or_else(
             || CHECK_THE_COLUMNS.to_owned(),
             |slow| {
-                let mut advice = linear.advice.iter();
-                let without_line = advice.any(|found| found.check == Check::Drift);
+                let without_line = linear.advice.iter().any(Advice::is_of_drift);
                 format!("{}. {}.", slow.in_words(), SlowErrors::remedy(without_line))
             },
         ),
