@@ -84,12 +84,20 @@ pub enum Error {
     SearchEnded,
     /// The record is too short for an automatic choice of the structure.
     #[error(
-        "an automatic choice of the settling time needs at least {needed} samples in one piece, and {}, or state the settling time in samples",
+        "an automatic choice of the settling time needs at least {needed} samples in one piece, and {}: {}{}",
         match samples < needed {
-            true => format!("the record has {samples}: record longer"),
-            false => format!(
-                "runs and gaps part the {samples} of the record into shorter ones: record longer and without gaps"
-            ),
+            true => format!("the record has {samples}"),
+            false => format!("runs and gaps part the {samples} of the record into shorter ones"),
+        },
+        at_rest.map_or_else(String::new, |input| format!(
+            "if the servo rests at the beginning, state the input there, which is {input} (at rest); otherwise "
+        )),
+        match (samples < needed, Error::settling_for(*samples)) {
+            (true, Some(settling)) => {
+                format!("record longer, or state a settling time within which the servo settles, such as {settling} samples")
+            }
+            (true, None) => "record longer".to_owned(),
+            (false, _) => "record longer and without gaps, or state the settling time in samples".to_owned(),
         }
     )]
     TooShortForAuto {
@@ -97,6 +105,8 @@ pub enum Error {
         samples: usize,
         /// Samples needed at least.
         needed: usize,
+        /// The first input, where stating that the servo rests at it makes the record long enough.
+        at_rest: Option<f64>,
     },
     /// The settling time is not a usable number of samples.
     #[error("a settling time of {settling} samples is not possible: state 3 to {longest} samples")]
@@ -256,6 +266,14 @@ pub enum Error {
 }
 
 impl Error {
+    /// A settling time \[samples\] that a record of so many `samples` determines: about three of them for each parameter, where a model asks for
+    /// two. `None` of a record that is too short for any.
+    #[must_use]
+    pub fn settling_for(samples: usize) -> Option<usize> {
+        // With the history of the noise, fewer than these do not leave the two.
+        (samples >= 40).then_some(samples / 5)
+    }
+
     /// The input excites a gain at the most, where `asked` frequencies are needed.
     pub(crate) fn nothing_excited(asked: usize) -> Self {
         Self::NotExcited {

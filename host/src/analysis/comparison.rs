@@ -92,7 +92,9 @@ fn advice_on_sensors(
 /// The error of a comparison, whose structure is always chosen from the data: nobody can state a settling time.
 fn without_options(error: Error) -> anyhow::Error {
     match error {
-        Error::TooShortForAuto { samples, needed } => anyhow!(
+        Error::TooShortForAuto {
+            samples, needed, ..
+        } => anyhow!(
             "a comparison needs at least {needed} samples of each side in one piece, and one side has {samples} in all: record longer and \
              without gaps"
         ),
@@ -333,12 +335,9 @@ impl Compared {
             let sentence = summary::sentence_on_servo_models("A", "B", servos, units);
             let sentence = summary::wrapped(&sentence, 0);
             let table = summary::of_servo_models(names, servos, units);
-            let compared = self.found.compared();
-            let decided = compared.is_some_and(|found| found.verdict != Verdict::Undecided);
-            text = match decided || servos.bounds.valid().is_none() {
-                true => format!("{text}\n{sentence}\n{table}"),
-                // The answer comes first.
-                false => format!("{sentence}\n\n{text}{table}"),
+            text = match servos.answer_before(self.found.compared()) {
+                true => format!("{sentence}\n\n{text}{table}"),
+                false => format!("{text}\n{sentence}\n{table}"),
             };
         }
         text.extend(

@@ -26,6 +26,7 @@ pub fn identified(data: &Dataset, name: &str, options: &Options) -> Result<Ident
         advice.retain(|item| !item.follows_from_exchange());
     }
     found.model.advice.extend(data.about.advice.iter().cloned());
+    found.model.advice.extend(several_controllers(data));
     // What follows from these is not to be read before them.
     found
         .model
@@ -80,6 +81,28 @@ pub fn identified(data: &Dataset, name: &str, options: &Options) -> Result<Ident
     let delay_error_s = data.about.sensor_delay_uncertainty_s;
     found.model = found.model.with_delay_error(delay_error_s);
     Ok(found)
+}
+
+/// That the linear model is one of runs that are stated to have had different controllers.
+fn several_controllers(data: &Dataset) -> Option<Advice> {
+    let names: Vec<String> = data
+        .controllers
+        .names()
+        .iter()
+        .map(f64::to_string)
+        .collect();
+    (names.len() > 1).then(|| {
+        Advice::new(
+            Check::UnlikeRuns,
+            format!(
+                "The runs had the controllers {}, and the linear model mixes them: it is that of none.",
+                names.join(", ")
+            ),
+            names.len() as f64,
+            1.0,
+            "Take the servo model, which keeps them apart ('--servo-model'), or identify the runs of each controller alone.",
+        )
+    })
 }
 
 /// Of an input that follows the output: that the file has another column of commands, where it does.

@@ -157,13 +157,27 @@ fn fail(error: &anyhow::Error, code: u8) -> u8 {
 }
 
 /// The option that an error of the library asks for; the library, which Python shares, knows none.
-fn option(cause: &(dyn std::error::Error + 'static)) -> Option<&'static str> {
+fn option(cause: &(dyn std::error::Error + 'static)) -> Option<String> {
     use servoid_identification::Error;
-    Some(match cause.downcast_ref()? {
-        Error::TooShortForAuto { .. } => "--settling N",
+    let option = match cause.downcast_ref()? {
+        Error::TooShortForAuto {
+            samples,
+            needed,
+            at_rest,
+        } => {
+            let settling = match (samples < needed, Error::settling_for(*samples)) {
+                (true, Some(settling)) => Some(format!("--settling {settling}")),
+                (true, None) => None,
+                (false, _) => Some("--settling N".to_owned()),
+            };
+            let rest = at_rest.map(|input| format!("--at-rest {input}"));
+            let options: Vec<String> = rest.into_iter().chain(settling).collect();
+            return (!options.is_empty()).then(|| options.join(", or "));
+        }
         Error::StepsBeforeRuns | Error::StepsInHistory { .. } => "--at-rest INPUT",
         Error::CountsSamples => "--output COLUMN",
         Error::Swapped { .. } => "--input names the command, --output the motion",
         _ => return None,
-    })
+    };
+    Some(option.to_owned())
 }

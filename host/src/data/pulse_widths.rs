@@ -1,5 +1,8 @@
 //! Commands that are pulse widths by their size, whatever is said of their unit.
 
+use crate::data::model_metadata::unit_meant;
+use crate::data::units::Units;
+use servoid_identification::servo_model::CommandRange;
 use servoid_protocol::PulseWidth;
 use std::ops::RangeInclusive;
 
@@ -12,6 +15,15 @@ pub(crate) fn are_pulses(least: f64, largest: f64) -> bool {
     let neutral = f64::from(PulseWidth::NEUTRAL.0);
     let is_one = |end: f64| PULSES_US.contains(&end);
     least < largest && is_one(least) && is_one(largest) && (least..=largest).contains(&neutral)
+}
+
+/// Whether the command is the pulse itself, in us: by its unit or, where that is not known, by the recorded ones.
+#[must_use]
+pub(crate) fn is_pulse(units: Units<'_>, recorded: Option<CommandRange>) -> bool {
+    match units.input.and_then(unit_meant) {
+        Some(unit) => unit == "us",
+        None => recorded.is_some_and(|range| are_pulses(range.least, range.largest)),
+    }
 }
 
 /// "its values, 1086 to 1915, are pulse widths in us by their size", of a command whose unit is not known, or an angle.

@@ -1,6 +1,6 @@
 //! Bad input: one plain sentence, exit code 1 or 2, and nothing breaks.
 
-use crate::support::{arg, refusal};
+use crate::support::{arg, refusal, run};
 use std::path::Path;
 
 fn write(dir: &Path, name: &str, text: &str) -> String {
@@ -13,6 +13,36 @@ fn write(dir: &Path, name: &str, text: &str) -> String {
 fn good_rows(rows: usize) -> String {
     let row = |k: usize| format!("{},{}\n", k / 7 % 2, k / 7 % 2 * (k % 7));
     (0..rows).map(row).collect()
+}
+
+/// What helps first is said so that it can be typed, and each of it works.
+#[test]
+fn a_recording_that_is_too_short_for_a_choice_says_what_to_type() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut servo = 0.0;
+    let row = |k: u32| {
+        let command = [0.0, 15.0, -15.0, 0.0][(k / 30) as usize];
+        servo += 0.3 * (command - servo);
+        format!(
+            "{command},{:.3}\n",
+            servo + 0.05 * (0.7 * f64::from(k * k)).sin()
+        )
+    };
+    let rows: String = (0..120).map(row).collect();
+    let file = write(dir.path(), "short.csv", &format!("u,y\n{rows}"));
+    let identify = [
+        "identify", "-q", &file, "--input", "u", "--output", "y", "--period", "0.01",
+    ];
+    let said = refusal(&identify);
+    assert!(
+        said.contains("if the servo rests at the beginning, state the input there, which is 0")
+            && said.trim_end().ends_with("(--at-rest 0, or --settling 24)"),
+        "{said}"
+    );
+    for option in [["--at-rest", "0"], ["--settling", "24"]] {
+        let text = run(&[&identify[..], &option].concat());
+        assert!(text.contains("DC gain"), "{text}");
+    }
 }
 
 #[test]

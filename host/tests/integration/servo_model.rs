@@ -74,6 +74,56 @@ fn two_controllers_on_one_mechanism_predict_runs_of_both() {
     assert!(fits[0] >= 85.0 && fits[1] >= 80.0, "{fits:?}");
 }
 
+/// What is stated to differ from run to run is no reason to look for a supply.
+#[test]
+fn the_linear_model_of_two_controllers_is_said_to_mix_them() {
+    let dir = tempfile::tempdir().unwrap();
+    let all = data("bam_xl330_pendulum.csv");
+    let some = rows(&all, "some.csv", dir.path(), |number, _| number % 4 == 0);
+    let options = [
+        "-q",
+        "--run",
+        "run",
+        "--controller",
+        "kp",
+        "--period",
+        "0.02",
+        "--json",
+    ];
+    let found = run(&[&["identify", arg(&some)], &COLUMNS[..], &options].concat());
+    let found: Value = serde_json::from_str(&found).unwrap();
+    let advice = found["advice"].as_array().unwrap();
+    let mixed = advice.iter().find(|item| item["check"] == "unlike_runs");
+    let mixed = mixed
+        .and_then(|item| item["finding"].as_str())
+        .unwrap_or_default();
+    assert!(
+        mixed.contains("the controllers 400, 800, and the linear model mixes them"),
+        "{advice:?}"
+    );
+    assert!(
+        !found["advice"].to_string().contains("supply"),
+        "{advice:?}"
+    );
+}
+
+/// A servo that the linear model shows not to be linear is not called so beside it.
+#[test]
+fn a_servo_is_not_called_linear_and_not_linear_in_one_breath() {
+    let stairs = data("dcmotor_position_stairs.csv");
+    let identify = [
+        "identify",
+        "-q",
+        arg(&stairs),
+        "--at-rest",
+        "0",
+        "--servo-model",
+    ];
+    let text = run(&[&identify[..], &COLUMNS].concat());
+    assert!(text.contains("NOT LINEAR"), "{text}");
+    assert!(text.starts_with("This servo is not linear"), "{text}");
+}
+
 #[test]
 fn half_of_a_motor_staircase_predicts_the_other_half() {
     let dir = tempfile::tempdir().unwrap();

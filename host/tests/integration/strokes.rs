@@ -24,6 +24,28 @@ fn checks(found: &Value) -> Vec<String> {
         .collect()
 }
 
+/// A servo with a limit of its speed answers strokes of one size as a linear one does that is slower.
+#[test]
+fn strokes_of_one_size_are_not_said_to_show_whether_a_servo_is_linear() {
+    let dir = tempfile::tempdir().unwrap();
+    let one_size = recorded(dir.path(), "one.csv", ["bench", "5", "1"]);
+    let text = run(&["identify", "-q", arg(&one_size)]);
+    let remark = "all of 10 deg, for which the bounds hold: whether the servo is linear, steps of several sizes show";
+    let in_one_line = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(in_one_line(&text).contains(remark), "{text}");
+    let page = dir.path().join("one.html");
+    run(&["report", "-q", arg(&one_size), "-o", arg(&page)]);
+    assert!(std::fs::read_to_string(&page).unwrap().contains(remark));
+    let several = dir.path().join("several.csv");
+    let servo = ["simulate", "-q", "--servo", "linear", "-o", arg(&several)];
+    run(&[&servo[..], &["--reference", "stairs"]].concat());
+    let text = run(&["identify", "-q", arg(&several)]);
+    assert!(
+        !in_one_line(&text).contains("of several sizes show"),
+        "{text}"
+    );
+}
+
 const DIFFER: &str = "the strokes differ, ±4 against ±5 deg";
 
 #[test]

@@ -193,3 +193,25 @@ fn require_units_stated(target: &str) {
     let free = export(&own, target, &["--frame-ms", "0"]);
     assert!(free.contains("No frame hold is assumed"), "{target}");
 }
+
+/// The position at a pulse of 0 us, far from all that a servo gets, is none of the numbers that people ask for first.
+#[test]
+fn an_offset_at_no_pulse_is_left_out_of_the_first_numbers() {
+    let numbers = |name: &str| {
+        let page = SUBJECT.at(&format!("{name}.html"));
+        let report = [
+            "report",
+            "-q",
+            "--servo-model",
+            &SUBJECT.at(&format!("{name}.csv")),
+            "-o",
+            &page,
+        ];
+        run(&[&report[..], &COLUMNS].concat());
+        let page = std::fs::read_to_string(&page).unwrap();
+        let (_, list) = page.split_once("<dl class=\"key\">").unwrap();
+        list.split_once("</dl>").unwrap().0.to_owned()
+    };
+    assert!(numbers("deg").contains("<dt>offset</dt>"));
+    assert!(!numbers("us").contains("<dt>offset</dt>"));
+}

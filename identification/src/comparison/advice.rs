@@ -1,12 +1,13 @@
 //! The sentences of advice on a comparison.
 
 use super::motion::Motion;
-use super::outcome::{Comparison, Levels, Sides, Subject};
+use super::outcome::{Comparison, DifferenceCurve, Levels, Sides, Subject};
 use super::pair::Identified;
+use super::run_means::half_width_by_runs;
 use super::verdict::Verdict;
 use crate::nonlinear::Limits;
-use crate::numerics::{pointwise_critical, student_critical, with_unit};
-use crate::results::{Advice, Bounds, Check, Model};
+use crate::numerics::with_unit;
+use crate::results::{Advice, Check, Model};
 use crate::thresholds::LEVELS_FOR_ENDS;
 
 /// That the sides had different references.
@@ -90,17 +91,64 @@ fn rests_of_models() -> Advice {
     )
 }
 
-/// What twice as many runs as `runs` on each side leave of the width that their scatter makes.
-fn more_runs(runs: usize, level: f64) -> String {
-    let width = |runs: usize| {
-        let degrees = 2.0 * (runs as f64 - 1.0);
-        student_critical(pointwise_critical(level), &[degrees])[0] / (runs as f64).sqrt()
+/// More runs a side than this are no remedy that anybody takes.
+const MOST_RUNS: usize = 20;
+
+/// How many runs on each side bring the largest difference that is possible with `runs` below the margin, or what twice as many leave of the width
+/// that so few make, where they scatter alike.
+fn more_runs(found: &Comparison, runs: usize, level: f64) -> String {
+    let left = |more: usize| half_width_by_runs(more, level) / half_width_by_runs(runs, level);
+    let most = |more: usize| {
+        let of_curve = |curve: &DifferenceCurve| {
+            let upper = &curve.bounds.valid()?.upper;
+            let ends = curve.percent.iter().zip(upper);
+            let largest = ends.map(|(value, upper)| value.abs() + left(more) * (upper - value));
+            largest.reduce(f64::max)
+        };
+        let of_curves = found.curves.iter().filter_map(of_curve);
+        of_curves.fold(0.0, f64::max)
     };
-    let left = 100.0 * width(2 * runs) / width(runs);
-    format!(
-        "Record more runs a side: where they scatter alike, {} leave about {left:.0} % of the width that this makes.",
-        2 * runs
-    )
+    match (runs + 1..=MOST_RUNS).find(|more| most(*more) <= found.margin_percent) {
+        Some(enough) => format!(
+            "Record {enough} runs a side: where they scatter alike, about {:.1} % remains possible.",
+            most(enough)
+        ),
+        None => format!(
+            "Record more runs a side: where they scatter alike, {} leave about {:.0} % of the width that this makes.",
+            2 * runs,
+            100.0 * left(2 * runs)
+        ),
+    }
+}
+
+/// That so few runs leave a difference beyond the margin possible, where nothing else decides.
+fn few_runs(comparison: &Comparison, models: [&Model; 2]) -> Option<Advice> {
+    let bounds = comparison.bounds.valid()?;
+    let undecided =
+        comparison.verdict == Verdict::Undecided && !comparison.descriptions_of_different_motions;
+    if comparison.of != Subject::Servos || !undecided {
+        return None;
+    }
+    let fewest = comparison.runs[0].min(comparison.runs[1]);
+    let most = bounds.difference_percent.at_most;
+    let mut findings = models.iter().flat_map(|model| &model.advice);
+    let finding = match findings.any(Advice::is_of_scatter) {
+        true => format!(
+            "The runs, {fewest} a side, scatter so much that {most:.1} % of the step is possible."
+        ),
+        false => format!(
+            "The runs are not found to scatter beyond their noise, but {fewest} a side are so few to show it ({} degrees of freedom each) that {most:.1} % \
+             of the step is possible.",
+            fewest - 1
+        ),
+    };
+    Some(Advice::new(
+        Check::Runs,
+        finding,
+        most,
+        comparison.margin_percent,
+        more_runs(comparison, fewest, bounds.level),
+    ))
 }
 
 /// Findings on either side that bear on their difference, and questions that the recordings leave open.
@@ -147,19 +195,7 @@ pub(super) fn gather(
             remedy,
         ));
     }
-    if let (Subject::Servos, Verdict::Undecided, Bounds::Valid(bounds)) =
-        (comparison.of, comparison.verdict, comparison.bounds)
-        && !comparison.descriptions_of_different_motions
-    {
-        let most = bounds.difference_percent.at_most;
-        advice.push(Advice::new(
-            Check::Runs,
-            format!("The runs, {fewest} a side, scatter so much that {most:.1} % of the step is possible."),
-            most,
-            comparison.margin_percent,
-            more_runs(fewest, bounds.level),
-        ));
-    }
+    advice.extend(few_runs(comparison, models));
     let rested = |side: &&Identified<'_>| {
         let cells = Limits::level_table(side.record, &side.model);
         let mut levels: Vec<f64> = cells.iter().map(|cell| cell.command).collect();

@@ -10,6 +10,7 @@ use super::shift::shift;
 use super::welch::Welch;
 use crate::error::Error;
 use crate::identify::identify_runs;
+use crate::numerics::{pointwise_critical, student_critical};
 use crate::results::Metrics;
 use crate::thresholds::RUNS_FOR_MEAN;
 
@@ -78,6 +79,14 @@ impl RunMeans {
     fn each(&self, side: usize, of: impl Fn(&Curves) -> f64) -> Vec<f64> {
         self.sides[side].iter().map(of).collect()
     }
+}
+
+/// Half the width of the interval of a difference with so many runs on each side that scatter alike, in standard deviations of a run.
+pub(super) fn half_width_by_runs(runs: usize, level: f64) -> f64 {
+    let level = 1.0 - (1.0 - level) / DIRECTIONS;
+    let degrees = 2.0 * (runs as f64 - 1.0);
+    let critical = student_critical(pointwise_critical(level), &[degrees])[0];
+    critical * (2.0 / runs as f64).sqrt()
 }
 
 /// Half the width of Welch's interval; zero where nothing scatters.

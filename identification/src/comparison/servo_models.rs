@@ -9,6 +9,8 @@
 //!
 //! which holds wherever both hold. Where two sensors recorded the sides, what their scales may be off from each other is added. For independent records it is wider than it would have to be.
 
+use super::outcome::Comparison;
+use super::verdict::Verdict;
 use crate::numerics::pointwise_critical;
 use crate::results::{Bounds, Interval};
 use crate::servo_model::{Quantity, QuantityKind, ServoModel, Stops, StopsDocument, Unit};
@@ -139,6 +141,30 @@ pub fn compare_servo_models(a: &ServoModel, b: &ServoModel, scale_sd: f64) -> Se
 }
 
 impl ServoModelComparison {
+    fn differences(&self) -> &[QuantityDifference] {
+        let bounds = self.bounds.valid();
+        bounds.map_or(&[], |bounds| &bounds.differences)
+    }
+
+    /// Whether a quantity is determined in both, with an interval of the difference.
+    #[must_use]
+    pub fn compares(&self) -> bool {
+        let has_ends = |found: &Interval| found.lower.or(found.upper).is_some();
+        let differences = self.differences().iter();
+        let mut both = differences.filter_map(|found| found.difference);
+        both.any(|found| has_ends(&found))
+    }
+
+    /// Whether they say more than the step responses, `None` where these are not compared: what is sure comes first, and what step responses show
+    /// comes before machines that are not shown to differ.
+    #[must_use]
+    pub fn answer_before(&self, step_responses: Option<&Comparison>) -> bool {
+        let decided = step_responses.is_some_and(|found| found.verdict != Verdict::Undecided);
+        let show = step_responses.is_some_and(Comparison::has_verdict);
+        let differ = self.differences().iter().any(QuantityDifference::is_sure);
+        !decided && (differ || self.compares() && !show)
+    }
+
     /// With the times of a stroke of `size` \[output\] by the two models.
     #[must_use]
     pub fn with_stroke(self, [a, b]: [&ServoModel; 2], size: f64) -> Self {
@@ -333,6 +359,41 @@ mod tests {
                 Bounds::Valid(Interval::new(value, value - half, value + 2.0 * half));
         }
         model
+    }
+
+    #[test]
+    fn machines_that_determine_nothing_are_not_compared_and_come_after_what_step_responses_show() {
+        let determined = with_interval(model(1.0), 1.0);
+        let mut open = determined.clone();
+        for quantity in &mut open.quantities {
+            quantity.determined = false;
+        }
+        let of = |a: &ServoModel, b: &ServoModel| compare_servo_models(a, b, 0.0);
+        let (same, nothing) = (of(&determined, &determined), of(&determined, &open));
+        assert!(same.compares() && same.answer_before(None));
+        assert!(!nothing.compares() && !nothing.answer_before(None));
+
+        let noise = |k: usize| 0.02 * (((k * 7919) % 101) as f64 - 50.0) / 50.0;
+        let u: Vec<f64> = (0..2000).map(|k| [5.0, -5.0][k * k / 9000 % 2]).collect();
+        let lag = |speed: f64, shift: usize| {
+            let follow = |y: &mut f64, (k, u): (usize, &f64)| {
+                *y += speed * (u - *y);
+                Some(*y + noise(k + shift))
+            };
+            let y: Vec<f64> = u.iter().enumerate().scan(5.0, follow).collect();
+            Record::of_run(0.002, &u, y).unwrap()
+        };
+        let options = crate::comparison::ComparisonOptions {
+            margin_percent: 0.0,
+            ..Default::default()
+        };
+        let mut undecided =
+            crate::comparison::compare(&lag(0.2, 0), &lag(0.2, 17), &options).unwrap();
+        undecided.verdict = Verdict::Undecided;
+        assert!(!same.answer_before(Some(&undecided)));
+        undecided.descriptions_of_different_motions = true;
+        assert!(same.answer_before(Some(&undecided)));
+        assert!(!nothing.answer_before(Some(&undecided)));
     }
 
     #[test]

@@ -47,9 +47,24 @@ impl SlowErrors {
         })
     }
 
-    /// What to record then: strokes that are as large, and rests beside which the drift is seen.
-    pub(crate) const REMEDY: &str = "Look for the drift, of which '--detrend linear' takes out a straight line in each run, and record the same steps with each \
-                                     held several times as long";
+    /// What to record then: strokes that are as large, and rests beside which the drift is seen. `without_line` where a straight line of each run is
+    /// taken out already.
+    pub(crate) fn remedy(without_line: bool) -> &'static str {
+        match without_line {
+            true => {
+                "Look for the drift, and record the same steps with each held several times as long"
+            }
+            false => {
+                "Look for the drift, of which '--detrend linear' takes out a straight line in each run, and record the same steps with each held \
+                 several times as long"
+            }
+        }
+    }
+
+    /// The time of one stroke \[s\].
+    pub(crate) fn stroke_s(self) -> f64 {
+        self.seconds / STROKES as f64
+    }
 
     /// What may be the cause, as a sentence.
     pub(crate) fn in_words(self) -> String {

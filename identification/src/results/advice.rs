@@ -341,13 +341,31 @@ impl Advice {
         self.check == Check::CommandEdges
     }
 
+    /// Whether it says that runs differ by more than their noise.
+    #[must_use]
+    pub fn is_of_scatter(&self) -> bool {
+        matches!(self.check, Check::RunScatter | Check::DeviatingRun)
+    }
+
+    /// Whether it says that a straight line of each run was taken out.
+    #[must_use]
+    pub fn is_of_drift(&self) -> bool {
+        self.check == Check::Drift
+    }
+
+    /// Whether it says that the servo is not linear.
+    #[must_use]
+    pub fn is_of_linearity(&self) -> bool {
+        self.check == Check::Linearity
+    }
+
     /// Where runs are not of one kind, that is why they scatter, and nothing else need be looked for.
     pub fn name_unlike_runs(all: &mut [Self]) {
         if !all.iter().any(|item| item.check == Check::UnlikeRuns) {
             return;
         }
         for item in all {
-            if matches!(item.check, Check::RunScatter | Check::DeviatingRun) {
+            if item.is_of_scatter() {
                 "Runs of different kinds differ by more than noise: identify each kind alone."
                     .clone_into(&mut item.remedy);
             }

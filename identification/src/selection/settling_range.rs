@@ -1,6 +1,6 @@
 //! The settling times that a record allows.
 
-use crate::data::Record;
+use crate::data::{Record, Run};
 use crate::error::Error;
 use crate::options::MAX_AUTO_ORDER;
 use crate::thresholds::{
@@ -31,9 +31,24 @@ pub(crate) fn longest_settling(record: &Record, cap: Option<usize>) -> Result<us
         return Err(Error::TooShortForAuto {
             samples: record.samples(),
             needed,
+            at_rest: rest_that_helps(record),
         });
     }
     Ok(longest)
+}
+
+/// The first input of all runs, where the record is long enough once it is known to be the one at rest.
+fn rest_that_helps(record: &Record) -> Option<f64> {
+    let first = |run: &Run| run.input().first().copied();
+    let input = record.runs().iter().find_map(first)?;
+    let common = record.runs().iter().all(|run| first(run) == Some(input));
+    let runs = record.runs().iter().cloned();
+    let runs = runs.map(|run| run.with_input_at_rest(input)).collect();
+    let stated = Record::new(record.sample_period_s(), runs).ok()?;
+    let longest = longest_where(&stated, SHORTEST_SETTLING, |settling| {
+        ROWS_PER_SAMPLE / 2 * settling
+    });
+    (common && longest >= SHORTEST_SETTLING).then_some(input)
 }
 
 /// The longest settling time that can be tried when only prediction counts \[samples, odd\]: three quarters

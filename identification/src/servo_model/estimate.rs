@@ -295,6 +295,7 @@ fn usable_stretches(
         return Err(Error::TooShortForAuto {
             samples,
             needed: FEWEST,
+            at_rest: None,
         });
     }
     let period_s = record.sample_period_s();

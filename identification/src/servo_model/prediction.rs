@@ -104,7 +104,10 @@ pub fn no_prediction(record: &Record, linear: &Model, servo: &ServoModel) -> Opt
         POOR_PREDICTION_PERCENT,
         SlowErrors::of(record, linear).map_or_else(
             || CHECK_THE_COLUMNS.to_owned(),
-            |slow| format!("{}. {}.", slow.in_words(), SlowErrors::REMEDY),
+            |slow| {
+                let without_line = linear.advice.iter().any(Advice::is_of_drift);
+                format!("{}. {}.", slow.in_words(), SlowErrors::remedy(without_line))
+            },
         ),
     ))
 }

@@ -355,6 +355,50 @@ fn runs_that_scatter_are_not_called_the_same() {
     );
 }
 
+/// Three runs of a servo that does not scatter leave more possible than its noise does, and that is not called scatter.
+#[test]
+fn few_runs_are_not_said_to_scatter_where_they_do_not() {
+    let advice = |scatter: f64| {
+        let servo = servo();
+        let sides = [4100, 4200].map(|seed| record(&servo, &servo, 0.0, seed..seed + 3, scatter));
+        let [a, b] = &sides;
+        let at_most = |margin_percent: f64| {
+            let options = ComparisonOptions {
+                margin_percent,
+                ..options()
+            };
+            let found = compare(a, b, &options).unwrap();
+            let bounds = found.bounds.valid().copied().unwrap();
+            (bounds.difference_percent.at_most, found)
+        };
+        let (most, _) = at_most(5.0);
+        let (_, found) = at_most(0.8 * most);
+        let runs = found
+            .advice
+            .into_iter()
+            .find(|one| one.check == Check::Runs);
+        runs.unwrap()
+    };
+    let few = advice(0.0);
+    assert!(
+        few.finding
+            .starts_with("The runs are not found to scatter beyond their noise, but 3 a side"),
+        "{few:?}"
+    );
+    // Four or five suffice, by their degrees of freedom and their number.
+    let enough = ["Record 4 runs a side", "Record 5 runs a side"];
+    assert!(
+        enough.iter().any(|some| few.remedy.starts_with(some)),
+        "{few:?}"
+    );
+    let much = advice(3.0);
+    assert!(
+        much.finding
+            .starts_with("The runs, 3 a side, scatter so much"),
+        "{much:?}"
+    );
+}
+
 #[test]
 fn a_servo_that_turns_the_other_way_is_named() {
     let (a, b) = (plain(&servo(), 1), plain(&servo(), 2));

@@ -1,5 +1,7 @@
 //! Outputs that drift, and outputs that have no end.
 
+use rand::RngExt;
+use rand_distr::StandardNormal;
 use servoid_identification::comparison::{ComparisonOptions, compare};
 use servoid_identification::results::{Check, Model, Reason, Withheld};
 use servoid_identification::{Detrend, Error, Options, Record, Run, identify, identify_explained};
@@ -219,4 +221,36 @@ fn a_motion_near_the_smallest_number_is_none() {
         let refused = Record::of_run(PERIOD, input, output).unwrap_err();
         assert_eq!(refused, Error::ConstantOutput { value: 0.0 }, "{scale}");
     }
+}
+
+/// A line is no remedy for a load that changes at one time, nor where it is taken out already.
+#[test]
+fn a_load_that_changes_once_splits_the_recording_and_asks_for_no_line_that_is_taken_out() {
+    let mut random = random(3);
+    let levels: Vec<f64> = (0..100).map(|_| random.random_range(-5.0..5.0)).collect();
+    let input: Vec<f64> = (0..6000).map(|k| levels[k / 60]).collect();
+    let mut lags = [0.0; 2];
+    let output: Vec<f64> = (input.iter().zip(0..))
+        .map(|(u, k): (&f64, u32)| {
+            lags[0] += 0.2 * (u - lags[0]);
+            lags[1] += 0.2 * (lags[0] - lags[1]);
+            let noise = 0.05 * random.sample::<f64, _>(StandardNormal);
+            lags[1] + noise + if k > 2600 { 1.0 } else { 0.0 }
+        })
+        .collect();
+    let record = Record::of_run(0.005, input, output).unwrap();
+    let found = identify_explained(&record, &Options::default()).unwrap();
+    assert_eq!(found.explanation.drift.len(), 1);
+    let advice = &found.model.advice;
+    let of = |check: Check| advice.iter().find(|found| found.check == check);
+    let errors = of(Check::ModelError).expect("errors that are not noise");
+    assert!(
+        errors.remedy.starts_with("Look for the drift, and record"),
+        "{errors:?}"
+    );
+    let outliers = of(Check::Outliers).expect("a stretch that is taken out");
+    assert!(
+        outliers.remedy.contains("Split the recording at 13.0"),
+        "{outliers:?}"
+    );
 }

@@ -117,7 +117,7 @@ impl About {
             ),
             percent,
             0.0,
-            "Calibrate once ('servoid calibrate'), and capture both sides with the same rig file, unless the sensors differ.",
+            "Calibrate once ('servoid calibrate'), and capture both sides with the same rig file ('servoid capture --rig rig.toml'), unless the sensors differ.",
         ))
     }
 

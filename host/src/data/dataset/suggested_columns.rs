@@ -1,13 +1,15 @@
 //! Guesses the input and the output of a foreign file by the names of its columns: for a command to try,
 //! never to compute with.
 
+use super::time_column::{self, TimeUnit};
+
 /// Names that people give to the command, the plainest first.
 const INPUTS: &str = "u input in command commanded cmd reference ref setpoint set desired target demand goal \
                       pwm pulse soll sollwert vorgabe consigne consigna stick";
 
 /// Names that people give to the measured position, the plainest first.
 const OUTPUTS: &str = "y output out position pos angle measured measurement meas actual response feedback \
-                       sensor ist istwert winkel lage ángulo posición posizione";
+                       sensor ist istwert winkel lage ángulo posición posizione pot poti potentiometer adc a0";
 
 /// Names of a column whose value changes from run to run.
 const RUNS: [&str; 11] = [
@@ -42,10 +44,10 @@ pub(super) fn options_behind_times(columns: &[String]) -> String {
 }
 
 fn named_options(columns: &[String], first_is_time: bool) -> String {
-    let input = named(columns, INPUTS, None);
+    let input = named(columns, INPUTS, None).or_else(|| pulse_width(columns));
     let output = named(columns, OUTPUTS, input);
     let word = |column: Option<&String>| column.map_or_else(|| "COLUMN".to_owned(), |c| quoted(c));
-    let timed = crate::data::dataset::time_column::column(columns).is_some();
+    let timed = time_column::column(columns).is_some();
     let taken = |column: &&String| Some(*column) != input && Some(*column) != output;
     let called = |option: &str, names: &[&str]| {
         let found = one_of(columns.iter().filter(taken), names);
@@ -58,13 +60,34 @@ fn named_options(columns: &[String], first_is_time: bool) -> String {
         word(input),
         word(output),
         match (first_is_time, timed) {
-            (true, _) => " --time 1",
-            (false, true) => "",
-            (false, false) => " --period SECONDS",
+            (true, _) => " --time 1".to_owned(),
+            (false, true) => String::new(),
+            // What is left beside a command and a position.
+            (false, false) => match columns.iter().filter(taken).find(|one| is_only_us(one)) {
+                Some(time) => format!(" --time {}", quoted(time)),
+                None => " --period SECONDS".to_owned(),
+            },
         },
         called("--run", &RUNS),
         called("--controller", &CONTROLLERS)
     )
+}
+
+/// A column in microseconds that is called otherwise than a time: of a servo, its pulse width.
+fn pulse_width(columns: &[String]) -> Option<&String> {
+    let in_us = |column: &&String| {
+        let of_time = time_column::unit(column).is_some();
+        !of_time && time_column::unit_in(column) == Some(TimeUnit::Microseconds)
+    };
+    let all = || columns.iter().filter(in_us);
+    all()
+        .find(|column| !is_only_us(column))
+        .or_else(|| all().next())
+}
+
+/// "us" without another word.
+fn is_only_us(column: &str) -> bool {
+    ["us", "µs", "μs"].contains(&column.trim().to_lowercase().as_str())
 }
 
 /// Another column of the command than `input`, by its name.
@@ -142,6 +165,24 @@ mod tests {
             of(&["Time [s]", "Set angle", "Meas angle"]),
             "--input 'Set angle' --output 'Meas angle'"
         );
+    }
+
+    #[test]
+    fn a_logger_of_pulses_and_of_a_potentiometer_is_understood() {
+        for (columns, options) in [
+            (["ms", "servo_us", "A0"], "--input servo_us --output A0"),
+            (
+                ["time_us", "ch1_us", "pot_adc"],
+                "--input ch1_us --output pot_adc",
+            ),
+            (
+                ["us", "servo_us", "pot"],
+                "--input servo_us --output pot --time us",
+            ),
+            (["millis", "us", "adc"], "--input us --output adc"),
+        ] {
+            assert_eq!(of(&columns), options);
+        }
     }
 
     #[test]

@@ -73,7 +73,7 @@ const WORDS: &str = "t time timestamp elapsed zeit zeitstempel temps horodatage 
                      czas čas cas idő ido zaman время datetime uhrzeit clock 时间 時間 时刻 時刻";
 
 /// Words that mean time without another word.
-const ALONE: &str = "seconds millis milliseconds micros microseconds";
+const ALONE: &str = "seconds ms millis milliseconds micros microseconds";
 
 /// Words that may stand beside them.
 const BESIDE: &str = "stamp since start rel relative in date of day";
@@ -90,7 +90,7 @@ pub(super) fn column(columns: &[String]) -> Option<(&str, Option<TimeUnit>)> {
 }
 
 /// The unit of a column that is called like one of time; `None` for a column that is not.
-fn unit(column: &str) -> Option<Option<TimeUnit>> {
+pub(super) fn unit(column: &str) -> Option<Option<TimeUnit>> {
     let lower = column.to_lowercase();
     let words: Vec<&str> = words(&lower).collect();
     let among = |list: &str, word: &str| list.split(' ').any(|known| known == word);
@@ -138,6 +138,9 @@ mod tests {
             ("t (µs)", Some(Some(Microseconds))),
             ("timestamp_us", Some(Some(Microseconds))),
             ("millis", Some(Some(Milliseconds))),
+            ("ms", Some(Some(Milliseconds))),
+            // As often a pulse width as a time.
+            ("us", None),
             ("elapsed time in seconds", Some(Some(Seconds))),
             ("Zeit [s]", Some(Some(Seconds))),
             ("Temps (ms)", Some(Some(Milliseconds))),

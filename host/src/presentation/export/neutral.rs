@@ -1,20 +1,11 @@
 //! The command that a servo is under before it gets another.
 
-use crate::data::model_metadata::unit_meant;
-use crate::data::pulse_widths::are_pulses;
+use crate::data::pulse_widths::is_pulse;
 use crate::data::units::Units;
 use servoid_identification::servo_model::CommandRange;
 
 /// The neutral pulse of R/C servos \[us\].
 pub(super) const NEUTRAL_US: f64 = 1500.0;
-
-/// Whether the command is the pulse itself, in us: by its unit or, where that is not known, by the recorded ones.
-pub(super) fn is_pulse(units: Units<'_>, recorded: Option<CommandRange>) -> bool {
-    match units.input.and_then(unit_meant) {
-        Some(unit) => unit == "us",
-        None => recorded.is_some_and(|range| are_pulses(range.least, range.largest)),
-    }
-}
 
 /// The neutral command, which is a pulse of 1500 us, or 0 in other units; where the recorded commands leave it out, their middle.
 pub(super) fn neutral(units: Units<'_>, recorded: Option<CommandRange>) -> f64 {

@@ -59,10 +59,13 @@ fn of_one(part: &Part<'_>, has_other: bool) -> String {
         Some(_) => "As a linear servo: ",
         None => "",
     };
+    let strokes = summary::of_one_size(model, part.metadata);
+    let strokes = strokes.map(|strokes| format!(" Its strokes are {strokes}."));
     format!(
-        "<p><b>{name}</b>, from {from}{runs}, {seconds:.1} s used. {}{linear}{}</p>\n",
+        "<p><b>{name}</b>, from {from}{runs}, {seconds:.1} s used. {}{linear}{}{}</p>\n",
         as_machine.unwrap_or_default(),
-        escape(&summary::model_sentence(model, part.metadata))
+        escape(&summary::model_sentence(model, part.metadata)),
+        escape(&strokes.unwrap_or_default())
     )
 }
 

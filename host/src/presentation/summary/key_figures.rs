@@ -10,6 +10,7 @@ use super::quantity_table::{QuantityRow, quantity_rows, scale_and_unit};
 use super::sixty_degrees::{per_60_degrees, seconds_per_60_degrees, stroke_of_60_degrees_ms};
 use super::top_speeds::is_unreached;
 use super::what_to_record::shown_by;
+use crate::data::pulse_widths::is_pulse;
 use crate::data::units::Units;
 use servoid_identification::comparison::{Comparison, QuantityPair, ServoModelComparison};
 use servoid_identification::results::{Advice, Interval, Metrics, Model};
@@ -107,6 +108,7 @@ pub(crate) fn of_machine(model: &ServoModel, units: Units<'_>) -> Vec<KeyFigure>
     let known = OF_A_MACHINE
         .iter()
         .filter(|kind| !(same_both_ways && **kind == QuantityKind::TopSpeedDownwards))
+        .filter(|kind| !is_at_no_pulse(**kind, model, units))
         .filter_map(of_kind);
     // What the recording determines comes first.
     let (determined, open): (Vec<_>, Vec<_>) = known.partition(|(found, _)| found.determined);
@@ -163,6 +165,11 @@ pub(crate) fn of_machine(model: &ServoModel, units: Units<'_>) -> Vec<KeyFigure>
     all.extend(open.iter().map(figure));
     all.truncate(KEY_FIGURES);
     all
+}
+
+/// Whether it is the position at a pulse of 0 us, which no servo gets.
+fn is_at_no_pulse(kind: QuantityKind, model: &ServoModel, units: Units<'_>) -> bool {
+    kind == QuantityKind::Offset && is_pulse(units, model.commands)
 }
 
 fn is_top_speed(quantity: &Quantity) -> bool {
@@ -351,6 +358,7 @@ pub(crate) fn of_both_machines(
     // What both recordings determine comes first.
     let (both, one): (Vec<_>, Vec<_>) = OF_A_MACHINE
         .iter()
+        .filter(|kind| !is_at_no_pulse(**kind, models[0], units))
         .filter_map(of_kind)
         .partition(|(_, pair)| pair.a.is_some() && pair.b.is_some());
     let [a, b] = models.map(|model| format!("{:.1}", model.fit.held_out_percent));

@@ -31,7 +31,7 @@ pub(crate) use servo_sentence::LOOKS_LIKE_A_LOAD;
 pub use servo_sentence::servo_sentence;
 pub(crate) use servo_sentence::unlikely_speed;
 pub(crate) use sixty_degrees::sixty_degrees;
-pub(crate) use strokes::stroke_in_words;
+pub(crate) use strokes::{of_one_size, stroke_in_words};
 pub(crate) use what_to_record::advice_on_servo_model;
 
 pub(crate) use comparison::{
@@ -115,8 +115,9 @@ pub fn of_model(source: &str, model: &Model, of: &ModelMetadata, extent: Extent<
         true => vec![samples, structure, fit, band, offset, residuals],
         false => vec![samples, fit],
     };
-    for (name, value) in facts {
-        text += &format!("  {name:11} {value}\n");
+    let strokes = strokes::of_one_size(model, of).map(|strokes| ("strokes", strokes));
+    for (name, value) in facts.into_iter().chain(strokes) {
+        text += &format!("  {name:11} {}\n", wrapped(&value, 14));
     }
     text + &findings(&advice)
 }

@@ -98,6 +98,11 @@ fn what_is_sure(a: &str, b: &str, found: &ServoModelComparison, units: Units<'_>
         .collect();
     let level = percent(bounds.level);
     let rest = match sure.len() {
+        0 if !found.compares() => {
+            return format!(
+                "As machines nothing is compared: the recordings determine no quantity of both {a} and {b}."
+            );
+        }
         0 => {
             return format!(
                 "As machines: no quantity of {a} and {b} is shown to differ ({level} % intervals)."

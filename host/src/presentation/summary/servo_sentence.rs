@@ -6,7 +6,7 @@ use super::numbers::{digits, four_digits};
 use super::sixty_degrees::{seconds_per_60_degrees, turn_time_s};
 use super::top_speeds::{determined, is_never_reached, top_speeds};
 use crate::data::units::Units;
-use servoid_identification::results::{Bounds, Model, Reason};
+use servoid_identification::results::{Advice, Bounds, Model, Reason};
 use servoid_identification::servo_model::{
     LinearKind, LoadKind, Quantity, QuantityKind, ServoModel, Spread,
 };
@@ -29,9 +29,9 @@ pub fn servo_sentence(model: &ServoModel, linear: &Model, units: Units<'_>) -> S
     }
     let speeds = top_speeds(model);
     let (what, doubt) = match model.covariance {
-        Bounds::Valid(_) => (what_is_known(model, speeds, units), String::new()),
+        Bounds::Valid(_) => (what_is_known(model, linear, speeds, units), String::new()),
         Bounds::Withdrawn(reason) => (
-            what_was_seen(model, speeds, units),
+            what_was_seen(model, linear, speeds, units),
             format!(
                 " Its figures have no intervals and may be off: {}{}.",
                 reason.because(),
@@ -84,12 +84,13 @@ fn lacks_something(model: &ServoModel) -> bool {
 /// What the model says of the servo, where its intervals hold.
 fn what_is_known(
     model: &ServoModel,
+    linear: &Model,
     speeds: Option<[&Quantity; 2]>,
     units: Units<'_>,
 ) -> Vec<String> {
     let never_reached = speeds.filter(|speeds| is_never_reached(model, speeds));
     let parts = [
-        Some(limited_to(model, speeds, units, 4).unwrap_or_else(|| kind(model).to_owned())),
+        Some(limited_to(model, speeds, units, 4).unwrap_or_else(|| kind(model, linear).to_owned())),
         never_reached.and_then(|_| moved_at(model, units)),
         below_any_limit(model, units),
         resting_error(model, units),
@@ -103,6 +104,7 @@ fn what_is_known(
 /// what the model lacks (a load for a sagging supply, a delay for a slow profile generator).
 fn what_was_seen(
     model: &ServoModel,
+    linear: &Model,
     speeds: Option<[&Quantity; 2]>,
     units: Units<'_>,
 ) -> Vec<String> {
@@ -120,7 +122,7 @@ fn what_was_seen(
         Some(_) => "is limited in its speed".to_owned(),
         // A stop in the travel looks like a drive that a load holds.
         None if lacks_something(model) && model.terms.limit => "is not linear".to_owned(),
-        None => kind(model).to_owned(),
+        None => kind(model, linear).to_owned(),
     });
     std::iter::once(kind)
         .chain(moved_at(model, units))
@@ -198,14 +200,17 @@ fn speed_in_words(model: &ServoModel, (speed, figure): (f64, String), units: Uni
     format!("{figure} {unit}/s{}", turn(model, speed, units))
 }
 
-/// What kind of servo it is, without figures.
-fn kind(model: &ServoModel) -> &'static str {
+/// What kind of servo it is, without figures. One that the `linear` model shows not to be linear is not called so for want of a term.
+fn kind(model: &ServoModel, linear: &Model) -> &'static str {
+    let shown_not_linear = linear.advice.iter().any(Advice::is_of_linearity);
     match model.covariance {
         _ if model.terms.limit && shows_limit(model) => "is limited in its drive",
+        Bounds::Withdrawn(_) if shown_not_linear => "is not linear",
         // Terms of the drive stand for what a linear servo of higher order has, too.
         _ if model.terms.limit && linear_is_as_good(model) => "is much like a linear one",
         // Friction comes with a limit that the record may not reach.
         _ if model.terms.limit => "is not linear",
+        Bounds::Valid(_) if shown_not_linear => "is as a linear one to a model of it as a machine",
         Bounds::Valid(_) => "is linear",
         Bounds::Withdrawn(_) => "is much like a linear one",
     }

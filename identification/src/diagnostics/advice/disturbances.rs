@@ -39,12 +39,25 @@ pub(super) fn outliers(evidence: &Evidence<'_>) -> Option<Advice> {
         _ => ("were", "they are"),
     };
     let lasting = taken_out.iter().filter(|found| !found.spike);
-    let longest = lasting.map(|found| found.samples).max();
-    let motion = longest.filter(|samples| *samples >= LASTING).map(|samples| {
-        format!(
-            " One lasts for {samples} samples, as glitches seldom do: where the servo was fast there, it may have met a limit of its speed, which a \
-             linear model lacks and a servo model looks for."
-        )
+    let longest = lasting.max_by_key(|found| found.samples);
+    let longest = longest.filter(|found| found.samples >= LASTING);
+    // No motion is as long as a stroke, and a drift has no beginning.
+    let changes = |found: &TakenOut| {
+        let slow = evidence.slow_errors();
+        slow.is_some_and(|slow| found.samples as f64 * period > slow.stroke_s())
+    };
+    let motion = longest.map(|found| match changes(found) {
+        true => format!(
+            " One lasts for {} samples, longer than a stroke, and the errors are slow: something such as a load changed there. Split the recording at \
+             {}, and identify both parts.",
+            found.samples,
+            place(found)
+        ),
+        false => format!(
+            " One lasts for {} samples, as glitches seldom do: where the servo was fast there, it may have met a limit of its speed, which a \
+             linear model lacks and a servo model looks for.",
+            found.samples
+        ),
     });
     let remedy =
         "Look at these places (the explanation has all) for glitches of the sensor or its wiring.";

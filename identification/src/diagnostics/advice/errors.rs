@@ -49,7 +49,7 @@ pub(super) fn model_error(evidence: &Evidence<'_>) -> Option<Advice> {
     let slow = evidence.slow_errors();
     let by_drift = slow.map_or_else(String::new, |slow| format!(" {}.", slow.in_words()));
     let record = match misfit.evidence {
-        _ if slow.is_some() => SlowErrors::REMEDY,
+        _ if slow.is_some() => remedy_of_slow_errors(evidence),
         MisfitEvidence::MovesAgain(_) => {
             "Record levels in random order, or holds of different lengths, to see what the answer depends on"
         }
@@ -69,6 +69,10 @@ pub(super) fn model_error(evidence: &Evidence<'_>) -> Option<Advice> {
         threshold,
         format!("{record}; {use_of_model}."),
     ))
+}
+
+fn remedy_of_slow_errors(evidence: &Evidence<'_>) -> &'static str {
+    SlowErrors::remedy(!evidence.explanation.drift.is_empty())
 }
 
 /// "p = 2.3e-7"; smaller ones than any table has are all the same.
@@ -260,7 +264,7 @@ pub(super) fn gain_may_be_zero(evidence: &Evidence<'_>) -> Option<Advice> {
                          servo rests."
                             .to_owned()
                     },
-                    |slow| format!("{}. {}.", slow.in_words(), SlowErrors::REMEDY),
+                    |slow| format!("{}. {}.", slow.in_words(), remedy_of_slow_errors(evidence)),
                 ),
             },
         )

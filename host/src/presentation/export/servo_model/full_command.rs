@@ -2,9 +2,10 @@
 
 use super::subject::ServoExport;
 use super::trial_command::recorded;
+use crate::data::pulse_widths::is_pulse;
 use crate::data::unitless_command::{FULL_US, UnitlessCommand};
 use crate::presentation::export::error::ExportError;
-use crate::presentation::export::neutral::{NEUTRAL_US, is_pulse};
+use crate::presentation::export::neutral::NEUTRAL_US;
 use servoid_identification::results::six_digits;
 
 /// The deflection that SITL takes for a full command \[deg\].
