@@ -151,7 +151,10 @@ impl Identified {
         let speaks = servo_model.filter(|_| summary::first_finding(model).is_none());
         let sentence = speaks.map_or_else(String::new, |servo| {
             let sentence = summary::servo_sentence(&servo.model, model, units);
-            summary::wrapped(&sentence, 0) + "\n\n"
+            let play =
+                (self.hysteresis.as_ref()).and_then(|found| summary::of_hysteresis(found, units));
+            let all: Vec<String> = std::iter::once(sentence).chain(play).collect();
+            summary::wrapped(&all.join(" "), 0) + "\n\n"
         });
         // What is to be said before it stands behind the name of the data.
         let of_servo = match summary::said_before(model) {
@@ -177,11 +180,6 @@ impl Identified {
             let line = format!("no servo model: {reason}");
             format!("\n{}\n", summary::wrapped(&line, 0))
         }));
-        text.extend(
-            self.hysteresis
-                .as_ref()
-                .and_then(|found| summary::of_hysteresis(found, units)),
-        );
         text.extend(self.explanation().map(|e| explanation::as_text(e, model)));
         // Whoever asked for a prior wants to know what became of it; with --explain it is among the reasons.
         let prior = self.explanation.prior.as_ref().filter(|_| !self.explain);

@@ -138,7 +138,7 @@ fn subject(found: &Comparison) -> &'static str {
 }
 
 fn feel(found: &Comparison, options: &ComparisonOptions) -> String {
-    let time = behind(found);
+    let time = behind(found, options);
     let rest = found
         .levels
         .as_ref()
@@ -163,8 +163,23 @@ fn feel(found: &Comparison, options: &ComparisonOptions) -> String {
     format!("{time}{rest}{scale}; {runs}.")
 }
 
+/// That a logger makes such a difference, too, where the times are all of it.
+fn by_a_clock(curves: &[DifferenceCurve], options: &ComparisonOptions) -> &'static str {
+    let is_all = |curve: &DifferenceCurve| {
+        let shift = curve.delay_shift_s.value.unwrap_or_default();
+        let left = curve.shift_leaves_percent.unwrap_or(f64::INFINITY);
+        shift.abs() >= NOTABLE_SHIFT_S && left < options.margin_percent
+    };
+    match curves.iter().all(is_all) {
+        true => {
+            ", and that is nearly all of the difference: a file whose rows were written by another clock than its commands is off by as much"
+        }
+        false => "",
+    }
+}
+
 /// Whether the second is behind the first in time, stroke by stroke where they differ.
-fn behind(found: &Comparison) -> String {
+fn behind(found: &Comparison, options: &ComparisonOptions) -> String {
     let timing = |curve: &DifferenceCurve| {
         let shift = &curve.delay_shift_s;
         let Some(seconds) = shift.value else {
@@ -191,7 +206,7 @@ fn behind(found: &Comparison) -> String {
         ),
         curves => {
             let timing: String = curves.iter().map(timing).collect();
-            format!("The second {timing}")
+            format!("The second {timing}{}", by_a_clock(curves, options))
         }
     }
 }

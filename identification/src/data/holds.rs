@@ -124,6 +124,8 @@ pub(crate) fn last_quarter(samples: &Range<usize>) -> Range<usize> {
 /// A change of the input with standstill before and after.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Stroke {
+    /// The sample of the change, counted over all runs.
+    pub(crate) at: usize,
     /// Change of the input, with its sign.
     pub(crate) size: f64,
     /// What was travelled, positive in the direction commanded \[output\].
@@ -139,8 +141,10 @@ pub(crate) struct Stroke {
 pub(crate) fn strokes(record: &Record, settling: usize) -> Vec<Stroke> {
     let period = record.sample_period_s();
     let mut strokes = Vec::new();
+    let mut before_run = 0;
     for run in record.runs() {
         let holds = holds(run, EXACTLY);
+        let found_before = strokes.len();
         strokes.extend(from_stated_rest(run, holds.first(), settling, period));
         for pair in holds.windows(2) {
             let (before, after) = (&pair[0], &pair[1]);
@@ -153,6 +157,9 @@ pub(crate) fn strokes(record: &Record, settling: usize) -> Vec<Stroke> {
                 strokes.extend(measure(run, (first, start), after, period));
             }
         }
+        let of_run = &mut strokes[found_before..];
+        of_run.iter_mut().for_each(|stroke| stroke.at += before_run);
+        before_run += run.len();
     }
     strokes
 }
@@ -192,6 +199,7 @@ fn measure(run: &Run, (first, start): (usize, f64), after: &Hold, period: f64) -
     };
     let size = after.level - after.before?;
     Some(Stroke {
+        at: after.samples.start,
         size,
         travel: travel * size.signum(),
         speed: speed(0.2, 0.8)?,

@@ -404,3 +404,19 @@ impl Advice {
         checks
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_settling_time_is_stated_where_the_longest_by_itself_is_too_short() {
+        let settled =
+            |detected: f64| Advice::new(Check::Settled, "", detected, 300.0, "").setting();
+        assert_eq!(
+            settled(LONGEST_SETTLING as f64),
+            Some(Setting::SettlingTime)
+        );
+        assert_eq!(settled(LONGEST_SETTLING as f64 - 2.0), None);
+    }
+}

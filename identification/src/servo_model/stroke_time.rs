@@ -9,8 +9,9 @@ const ENDED: f64 = 0.02;
 /// Time between two outputs \[s\].
 const PERIOD_S: f64 = 0.5e-3;
 
-/// A stroke that is so many times as fast as any in the record may meet a limit that the record does not show.
-const FASTER: f64 = 1.1;
+/// A stroke that is so many times as fast as any in the record may meet a limit that the record does not show. Twice as fast are, behind a linear servo, strokes
+/// twice as large.
+const FASTER: f64 = 2.0;
 
 /// The longest time that a stroke is followed, behind the delay \[s\]. A slow winch takes a second for 60 degrees.
 const LONGEST_S: f64 = 3.0;
@@ -53,7 +54,7 @@ impl ServoModel {
 struct Stroke {
     /// From the change of the command to its end \[s\].
     time_s: f64,
-    /// The highest mean speed over [`MEAN_S`] \[output/s\].
+    /// The highest speed that two means over [`MEAN_S`], one behind the other, both have \[output/s\].
     fastest: f64,
 }
 
@@ -79,7 +80,9 @@ impl Stroke {
         let has_ended = late < samples - samples / 10;
         let mean = (MEAN_S / PERIOD_S) as usize;
         let moved = outputs.iter().zip(outputs.iter().skip(mean));
-        let fastest = moved.map(|(y, later)| (later - y).abs() / MEAN_S);
+        let means: Vec<f64> = moved.map(|(y, later)| (later - y).abs() / MEAN_S).collect();
+        let pairs = means.iter().zip(means.iter().skip(mean));
+        let fastest = pairs.map(|(first, second)| first.min(*second));
         (is_whole && has_ended).then(|| Self {
             time_s: (late + 1) as f64 * PERIOD_S,
             fastest: fastest.fold(0.0, f64::max),
@@ -116,9 +119,9 @@ mod tests {
             (time_s - 0.02 - 5.834 / 80.0).abs() < 2.0 * PERIOD_S,
             "{time_s}"
         );
-        // p²t exp(-pt) is p/e at its peak, and the mean over 20 ms about it is less.
+        // p²t exp(-pt) is p/e at its peak, and means over 20 ms on both sides of it are less.
         let peak = 60.0 * 80.0 / std::f64::consts::E;
-        assert!((0.85 * peak..peak).contains(&found.fastest));
+        assert!((0.6 * peak..peak).contains(&found.fastest));
     }
 
     /// At 400 deg/s the speed takes 150 ms of 60 degrees, and the whole stroke longer by delay, acceleration and braking.

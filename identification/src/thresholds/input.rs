@@ -68,6 +68,11 @@ pub const LAG_DRIFT_SIGNIFICANCE: f64 = 1e-5;
 /// Change of the lag over a run that matters \[samples\]; see [`LAG_DRIFT_SIGNIFICANCE`].
 pub const LAG_DRIFT_SAMPLES: f64 = 0.25;
 
+/// Part by which the speed of strokes changes along a record, beyond chance, that matters.
+///
+/// Protects: readers from changes of no consequence; servos differ by as much from day to day. Evidence: the tests of strokes that get slower.
+pub const SPEED_DRIFT: f64 = 0.05;
+
 /// Change of the gain over a run that matters \[%\]; see [`LAG_DRIFT_SIGNIFICANCE`].
 ///
 /// Protects: users from findings of no consequence, since the estimate is that of the mean gain; less is within the changes of one servo from day to day.

@@ -64,18 +64,17 @@ pub fn of_flight_model(flight: &FlightModel) -> String {
     text + "  " + &flight.statement + "\n"
 }
 
-/// That rests depend on the direction of approach, beside a servo model that has no play among its terms: a sentence.
+/// That rests depend on the direction of approach, behind the sentence on a servo model, which has no play among its terms.
 #[must_use]
 pub fn of_hysteresis(hysteresis: &Hysteresis, units: Units<'_>) -> Option<String> {
     let size = with_unit(
         digits(hysteresis.size.value?, 3),
         units.output.unwrap_or_default(),
     );
-    let sentence = format!(
+    Some(format!(
         "Positions of rest reached from above and from below are {size} apart: by play in the gears, of which the servo model has none, by a dead band or by \
-         friction. Option: --limits."
-    );
-    Some(format!("  {}\n", wrapped(&sentence, 2)))
+         friction (--limits has more)."
+    ))
 }
 
 /// Said of different answers where the speed does not grow with the stroke: the test has one response for strokes of all sizes.
@@ -186,6 +185,25 @@ fn of_symmetry(symmetry: &Symmetry) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn play_is_named_beside_a_servo_model() {
+        let hysteresis = Hysteresis {
+            found: Some(true),
+            size: Interval::new(1.4621, 1.44, 1.48),
+            statement: String::new(),
+            remedy: None,
+        };
+        let units = Units {
+            input: Some("deg"),
+            output: Some("deg"),
+        };
+        let sentence = of_hysteresis(&hysteresis, units).unwrap();
+        assert!(
+            sentence.contains("are 1.46 deg apart: by play"),
+            "{sentence}"
+        );
+    }
 
     #[test]
     fn what_is_said_of_the_strokes_does_not_contradict_itself() {

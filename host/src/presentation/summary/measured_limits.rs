@@ -55,3 +55,80 @@ pub(super) fn against_the_model(model: &ServoModel, units: Units<'_>) -> Option<
         )
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::presentation::summary::top_speeds::has_unreached_top_speeds;
+    use servoid_identification::Record;
+    use servoid_identification::nonlinear::SpeedLimits;
+    use servoid_identification::results::{Bounds, Reason};
+    use servoid_identification::servo_model::{Covariance, ServoModelOptions, fit};
+
+    /// A servo of 30 a second at the most without intervals, with the limits that its strokes show.
+    fn model(speed_limits: SpeedLimits) -> ServoModel {
+        let levels = [0.0, 5.0, -3.0, 1.0];
+        let input: Vec<f64> = (0..900).map(|k| levels[k / 60 % 4]).collect();
+        let follow = |y: &mut f64, u: &f64| {
+            *y += (0.2 * (u - *y)).clamp(-0.3, 0.3);
+            Some(*y)
+        };
+        let output: Vec<f64> = input.iter().scan(0.0, follow).collect();
+        let record = Record::of_run(0.01, input, output).unwrap();
+        let mut model = fit(&record, &ServoModelOptions::default()).unwrap();
+        model.speed_limits = speed_limits;
+        model.covariance = Bounds::Withdrawn(Reason::ErrorsNotNoise);
+        // The model expects more than the servo did.
+        for quantity in &mut model.quantities {
+            quantity.value *= 1.5;
+        }
+        model
+    }
+
+    const DEGREES: Units<'static> = Units {
+        input: Some("deg"),
+        output: Some("deg"),
+    };
+
+    #[test]
+    fn what_the_strokes_show_stands_before_a_model_without_intervals() {
+        let both = SpeedLimits {
+            upwards: Some(30.0),
+            downwards: Some(29.0),
+            change: None,
+        };
+        let of_model = model(SpeedLimits::default());
+        assert!(has_unreached_top_speeds(&of_model));
+        assert_eq!(limits_in_words(&of_model, DEGREES), None);
+        let shown = model(both);
+        assert!(!has_unreached_top_speeds(&shown));
+        let words = "30.0 deg/s (2.000 s/60°) upwards and 29.0 deg/s (2.069 s/60°) downwards";
+        assert_eq!(limits_in_words(&shown, DEGREES).as_deref(), Some(words));
+        assert!(against_the_model(&shown, DEGREES).unwrap().contains(words));
+        let one = SpeedLimits {
+            upwards: None,
+            ..both
+        };
+        let words = "29.0 units/s downwards";
+        assert_eq!(
+            limits_in_words(&model(one), Units::default()).as_deref(),
+            Some(words)
+        );
+    }
+
+    #[test]
+    fn intervals_that_hold_need_no_other_limit() {
+        let both = SpeedLimits {
+            upwards: Some(30.0),
+            downwards: Some(30.0),
+            change: None,
+        };
+        let mut known = model(both);
+        let covariance = Covariance {
+            level: 0.99,
+            rows: Vec::new(),
+        };
+        known.covariance = Bounds::Valid(covariance);
+        assert_eq!(limits_in_words(&known, DEGREES), None);
+    }
+}

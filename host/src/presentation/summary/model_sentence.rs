@@ -92,7 +92,10 @@ fn in_ms(time: Interval) -> Option<String> {
 fn end(model: &Model, units: Units<'_>) -> Option<String> {
     if model.step.bounds.withdrawn() == Some(Reason::ResponseNotOver) {
         let judged_s = model.structure.settling_samples as f64 * model.sample_period_s;
-        return Some(format!("still moves after {:.0} ms", 1e3 * judged_s));
+        return Some(format!(
+            "is not seen to come to rest within {:.0} ms",
+            1e3 * judged_s
+        ));
     }
     let unit = units
         .gain()

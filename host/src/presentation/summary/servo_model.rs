@@ -43,6 +43,13 @@ pub fn of_servo_model(document: &ServoModelDocument, units: Units<'_>, explain: 
         text += &format!("  {sentence}\n");
     }
     text += &quantities(&model.quantities, level, units);
+    if model
+        .quantities
+        .iter()
+        .any(|found| found.other_fits.is_some())
+    {
+        text += &format!("  {}\n", wrapped(OTHER_FITS, 2));
+    }
     if let Some(sentence) = whole_stroke(model, units) {
         text += &format!("  {}\n", wrapped(&sentence, 2));
     }
@@ -71,6 +78,10 @@ pub fn of_servo_model(document: &ServoModelDocument, units: Units<'_>, explain: 
     }
     text
 }
+
+/// What stands in the place of intervals where none hold.
+const OTHER_FITS: &str = "Other fits, to parts of the recording and with other terms, come to figures that far apart. That is no interval: what the model lacks is \
+    in all of them, and the truth may lie outside.";
 
 /// Which controller the quantities are of, and how much stiffer the others are, where there are several.
 fn whose_controller(document: &ServoModelDocument) -> Option<String> {

@@ -45,6 +45,7 @@ pub fn servo_sentence(model: &ServoModel, linear: &Model, units: Units<'_>) -> S
         ),
     };
     let doubts = [
+        changing_speed(model),
         unlikely_speed(model, units).map(|how| format!(" That is {how}.")),
         hidden_by_noise(model),
         better_linear(model),
@@ -63,6 +64,17 @@ pub fn servo_sentence(model: &ServoModel, linear: &Model, units: Units<'_>) -> S
         model.prediction_percent(),
         doubts.into_iter().flatten().collect::<String>()
     )
+}
+
+/// " Its strokes get slower ...".
+fn changing_speed(model: &ServoModel) -> Option<String> {
+    let change = model.speed_limits.change?;
+    let how = if change < 0.0 { "slower" } else { "quicker" };
+    Some(format!(
+        " Its strokes get {how} along this recording, by {} % from the first to the last, as where a supply sags or a motor gets warm: no speed here is that \
+         of all of it.",
+        digits(100.0 * change.abs(), 2)
+    ))
 }
 
 /// Whether the servo model has more than a linear servo and no linear one does worse: errors of the linear model are noise, its own are not, and
@@ -132,12 +144,18 @@ fn what_was_seen(
 /// How fast the servo moved in the recording.
 fn moved_at(model: &ServoModel, units: Units<'_>) -> Option<String> {
     let reached = model.reached?;
-    let [up, down] = [reached.upwards, reached.downwards]
-        .map(|speed| speed_in_words(model, (speed, digits(speed, 2)), units));
-    let upwards = upwards(model);
-    Some(format!(
-        "moved at up to {up} {upwards} and {down} downwards in this recording"
-    ))
+    let directions = [
+        (reached.upwards, upwards(model)),
+        (reached.downwards, "downwards"),
+    ];
+    // A recording may have no stroke in one direction.
+    let moved = directions.iter().filter(|(speed, _)| *speed > 0.0);
+    let each = moved.map(|(speed, direction)| {
+        let speed = speed_in_words(model, (*speed, digits(*speed, 2)), units);
+        format!("{speed} {direction}")
+    });
+    let each: Vec<String> = each.collect();
+    (!each.is_empty()).then(|| format!("moved at up to {} in this recording", listed_words(&each)))
 }
 
 /// The same where the model has no limit, which it may have beyond.

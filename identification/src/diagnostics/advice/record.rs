@@ -105,6 +105,9 @@ pub(super) fn scatter(evidence: &Evidence<'_>) -> Option<Advice> {
 /// Beyond this, how likely a distance is says nothing \[%\].
 const LIKELY_PERCENT: f64 = 20.0;
 
+/// Of so many runs any distance happens by chance.
+const FEW_RUNS: usize = 4;
+
 /// The run that lies farthest from the others, where that is no finding of its own.
 fn farthest(evidence: &Evidence<'_>, runs: &RunComparison) -> Option<String> {
     let farthest = runs.farthest.filter(|_| runs.deviating.is_none())?;
@@ -116,6 +119,11 @@ fn farthest(evidence: &Evidence<'_>, runs: &RunComparison) -> Option<String> {
                 runs.runs.len()
             )
         }
+        // Standard deviations of so few are hardly known.
+        _ if runs.runs.len() <= FEW_RUNS => format!(
+            "{} runs are too few to call unusual: some run is always the farthest",
+            runs.runs.len()
+        ),
         _ => format!(
             "is nothing unusual: of {} runs of one servo, some run is always the farthest",
             runs.runs.len()

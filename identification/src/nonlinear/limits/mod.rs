@@ -11,6 +11,7 @@ mod directed_strokes;
 mod hysteresis_and_ends;
 mod open_question;
 mod rate;
+mod speed_drift;
 mod speed_limits;
 mod time_to_rest;
 
@@ -152,4 +153,33 @@ fn without_motion<'a>(record: &'a Record, model: &Model) -> Vec<Run<'a>> {
     };
     // `Run::new` cannot fail for the same lengths and finite values.
     record.runs().iter().filter_map(still).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::results::Interval;
+
+    fn end(command: f64, reached: f64) -> RangeEnd {
+        RangeEnd {
+            softens: Some(false),
+            command,
+            reached: Interval::new(reached, reached - 0.1, reached + 0.1),
+            gain_ratio: Interval::default(),
+            statement: "No stop".to_owned(),
+            remedy: None,
+        }
+    }
+
+    #[test]
+    fn a_known_stop_is_that_of_the_end_that_is_nearer() {
+        let ends = || [end(-30.0, -29.9), end(27.0, 21.99)];
+        let [low, high] = with_stops(ends(), &[22.0]);
+        assert_eq!(low, end(-30.0, -29.9));
+        assert_eq!(high.softens, Some(true));
+        assert!(high.statement.contains("ends at 22.000"), "{high:?}");
+        let [low, high] = with_stops(ends(), &[22.0, -30.0]);
+        assert_eq!((low.softens, high.softens), (Some(true), Some(true)));
+        assert_eq!(with_stops(ends(), &[]), ends());
+    }
 }

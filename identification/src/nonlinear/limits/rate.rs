@@ -294,6 +294,7 @@ mod tests {
                 // One percent of scatter, the same for every law.
                 let v = speed(size(k)) * (1.0 + 0.01 * (k as f64 * 2.7).sin());
                 Stroke {
+                    at: 0,
                     size: size(k),
                     travel: size(k),
                     speed: v,
@@ -329,6 +330,7 @@ mod tests {
         let stopped: Vec<Stroke> = strokes(|a| (30.0 * a).min(200.0))
             .into_iter()
             .map(|stroke| Stroke {
+                at: 0,
                 travel: stroke.travel.min(6.0),
                 ..stroke
             })

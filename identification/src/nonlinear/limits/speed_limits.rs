@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::directed_strokes::strokes_by_direction;
 use super::rate::{Rate, RateVerdict};
+use super::speed_drift::speed_drift;
 use super::time_to_rest::time_to_rest;
 use crate::data::{Record, Stroke};
 
@@ -19,6 +20,10 @@ pub struct SpeedLimits {
     pub upwards: Option<f64>,
     /// Towards smaller outputs, not negative \[output/s\].
     pub downwards: Option<f64>,
+    /// By which part strokes are quicker at the end of the record than at its beginning, negative where they are slower; `None` where they do not change beyond
+    /// chance. Where they do, no speed is that of the whole record, so that it has no limits.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub change: Option<f64>,
 }
 
 impl SpeedLimits {
@@ -41,6 +46,12 @@ impl SpeedLimits {
             return Self::default();
         };
         let [up, down] = strokes_by_direction(record, settling, reversed);
+        if let Some(change) = speed_drift(&up, &down) {
+            return Self {
+                change: Some(change),
+                ..Self::default()
+            };
+        }
         let limit = |name: &str, strokes: &[Stroke]| {
             let rate = Rate::new(name, strokes, LEVEL);
             let is_limited = rate.verdict == RateVerdict::Limited;
@@ -49,6 +60,7 @@ impl SpeedLimits {
         Self {
             upwards: limit("up", &up),
             downwards: limit("down", &down),
+            change: None,
         }
     }
 
