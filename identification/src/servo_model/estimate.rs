@@ -396,7 +396,7 @@ fn describe(
         values: point.values.clone(),
         commands: Some(found.motion.commands),
         reached: Some(ReachedSpeeds::of(parts, record.sample_period_s())),
-        speed_limits: SpeedLimits::of(record, point.physics(0, |_, value| value).gain < 0.0),
+        speed_limits: speed_limits(record, point),
         stops: shown.stops,
         run_offsets: point.run_offsets.clone(),
         fit: fit_of(servo, record, spread),
@@ -407,6 +407,17 @@ fn describe(
         ladder: climbed.tried.iter().enumerate().map(rung).collect(),
         linear_models: None,
     }
+}
+
+/// Time to within 2 % of the end of a step, of two equal poles, in reciprocals of these: the solution x of (1 + x) exp(-x) = 0.02.
+const TO_REST: f64 = 5.834;
+
+/// The limits that the strokes of `record` show, which the servo `point` ends.
+fn speed_limits(record: &Record, point: &Point) -> SpeedLimits {
+    let servo = point.physics(0, |_, value| value);
+    let response_s = servo.delay_s.max(0.0) + TO_REST / servo.stiffness.sqrt();
+    let response = (response_s / record.sample_period_s()).ceil() as usize;
+    SpeedLimits::of(record, response, servo.gain < 0.0)
 }
 
 /// Sum of the squares of the known output about its mean.

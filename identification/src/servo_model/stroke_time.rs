@@ -149,7 +149,7 @@ mod tests {
 
     /// A lag that was recorded under `command` of so many degrees by time \[s\].
     fn times(command: fn(f64) -> f64) -> Option<[f64; 2]> {
-        let input: Vec<f64> = (0..3000).map(|k| command(0.01 * f64::from(k))).collect();
+        let input: Vec<f64> = (0..1500).map(|k| command(0.01 * f64::from(k))).collect();
         let follow = |y: &mut f64, (k, u): (usize, &f64)| {
             *y += 0.2 * (u - *y);
             Some(*y + 0.02 * (0.7 * (k * k) as f64).sin())

@@ -27,7 +27,8 @@ pub struct SpeedLimits {
 }
 
 impl SpeedLimits {
-    /// Those of a record of a servo that goes against its command where it is `reversed`.
+    /// Those of a record of a servo that takes at least `response` samples to its rest, and goes against its command where it is `reversed`. The holds of a
+    /// sweep are shorter than that: they have no strokes.
     ///
     /// ```
     /// use servoid_identification::Record;
@@ -36,16 +37,16 @@ impl SpeedLimits {
     /// let levels = [0.0, 5.0, -4.0, 9.0, 2.0, -7.0, 6.0];
     /// let u: Vec<f64> = (0..2800).map(|k| levels[k / 100 % 7]).collect();
     /// let y: Vec<f64> = u.iter().scan(0.0, |y, u| { *y += (u - *y).clamp(-0.4, 0.4); Some(*y) }).collect();
-    /// let found = SpeedLimits::of(&Record::of_run(0.01, &u, &y)?, false);
+    /// let found = SpeedLimits::of(&Record::of_run(0.01, &u, &y)?, 10, false);
     /// assert!((found.upwards.unwrap() - 40.0).abs() < 1.0);
     /// # Ok::<(), servoid_identification::Error>(())
     /// ```
     #[must_use]
-    pub fn of(record: &Record, reversed: bool) -> Self {
+    pub fn of(record: &Record, response: usize, reversed: bool) -> Self {
         let Some(settling) = time_to_rest(record) else {
             return Self::default();
         };
-        let [up, down] = strokes_by_direction(record, settling, reversed);
+        let [up, down] = strokes_by_direction(record, settling.max(response), reversed);
         if let Some(change) = speed_drift(&up, &down) {
             return Self {
                 change: Some(change),

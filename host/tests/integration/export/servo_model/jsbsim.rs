@@ -4,7 +4,7 @@ use super::super::jsbsim::AIRCRAFT;
 use super::super::scripts::literal;
 use super::super::{must, rows, works};
 use super::smooth::Smooth;
-use super::subjects::{Exported, SERVOS, export, number_behind, prose, pulses};
+use super::subjects::{Exported, SERVOS, Servo, export, number_behind, prose, pulses};
 use servoid_test_support::tools::missing;
 use std::path::Path;
 use std::process::Command;
@@ -62,7 +62,9 @@ fn reversals_are_no_farther_than_they_state() {
         return missing("reversals in JSBSim", "python's jsbsim is not installed");
     }
     let folder = tempfile::tempdir().unwrap();
-    for servo in SERVOS.iter().filter(|servo| servo.terms.contains(&"limit")) {
+    // Of the limits themselves two show it: each command is some ten thousand steps of a program in Python.
+    let limited = |servo: &&Servo| servo.terms.contains(&"limit");
+    for servo in SERVOS.iter().filter(limited).take(2) {
         let exported = servo.export("jsbsim", folder.path(), &["--frame-ms", "0"]);
         exported.check_reversals(servo.name, |commands| {
             // JSBSim begins at rest under the neutral command.
