@@ -396,6 +396,8 @@ fn the_first_line_on_a_stop_is_that_there_are_no_bounds() {
     run(&[
         &["simulate", "-q", "--servo", servo, "-o", arg(&file)],
         &stairs[..],
+        // Half of the usual hold, in which this servo rests, too.
+        &["--hold", "0.5"],
     ]
     .concat());
     let text = run(&["identify", "-q", arg(&file)]);
