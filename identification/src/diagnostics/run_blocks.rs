@@ -122,18 +122,16 @@ impl Block {
 /// Whether the command moves as far, as much and as often in both halves of a run.
 fn is_even(run: &Run<'_>) -> bool {
     let (first, second) = run.input().split_at(run.len() / 2);
-    let range = |part: &[f64]| span(part.iter().copied()).unwrap_or_default();
-    let steps = |part: &[f64]| {
-        let steps = part.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    let halves = [first, second];
+    let ranges = halves.map(|half| span(half.iter().copied()).unwrap_or_default());
+    let steps = halves.map(|half| {
+        let steps = half.windows(2).map(|pair| (pair[1] - pair[0]).abs());
         steps.filter(|step| *step > 0.0).collect::<Vec<f64>>()
-    };
-    let way = |part: &[f64]| steps(part).iter().sum();
-    let moves = |part: &[f64]| steps(part).len() as f64;
-    let alike = |of: &dyn Fn(&[f64]) -> f64, most: f64| {
-        let (a, b) = (of(first), of(second));
-        a.max(b) <= most * a.min(b)
-    };
-    alike(&range, RANGES_ALIKE) && alike(&way, WAYS_ALIKE) && alike(&moves, WAYS_ALIKE)
+    });
+    let ways = steps.each_ref().map(|steps| steps.iter().sum());
+    let moves = steps.each_ref().map(|steps| steps.len() as f64);
+    let alike = |[a, b]: [f64; 2], most: f64| a.max(b) <= most * a.min(b);
+    alike(ranges, RANGES_ALIKE) && alike(ways, WAYS_ALIKE) && alike(moves, WAYS_ALIKE)
 }
 
 /// The coefficient of a `time` of each block in the values, each run with a mean of its own and all with one effect of the size of the motion, and the

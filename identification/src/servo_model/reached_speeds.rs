@@ -8,7 +8,7 @@ use super::stretches::Stretch;
 use serde::{Deserialize, Serialize};
 
 /// Time of both means together \[s\]: two pulse frames, and the shortest time that R/C servos take to their top speed and back.
-const STROKE_S: f64 = 0.04;
+pub(super) const STROKE_S: f64 = 0.04;
 
 /// The speeds that a servo reached in a record, as it was measured: the largest that two means of 20 ms, one behind the other, both have.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -36,7 +36,7 @@ impl ReachedSpeeds {
 }
 
 /// The largest changes for each sample up and down which both halves of so many samples have. Where a step is as long as a stroke, it is both.
-fn fastest(outputs: &[f64], samples: usize) -> (f64, f64) {
+pub(super) fn fastest(outputs: &[f64], samples: usize) -> (f64, f64) {
     let half = samples.div_ceil(2);
     let means = outputs.windows(half + 1);
     let means: Vec<f64> = means.map(|y| (y[half] - y[0]) / half as f64).collect();

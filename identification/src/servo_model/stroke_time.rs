@@ -1,6 +1,7 @@
 //! How long a whole stroke takes, as the model has it: the time of a data sheet is that at top speed alone.
 
 use super::model::ServoModel;
+use super::reached_speeds::{STROKE_S, fastest};
 use servoid_dynamics::{Grid, ServoParameters, Start, simulate};
 
 /// The part of a stroke within which it counts as ended, as settling times have it.
@@ -54,12 +55,9 @@ impl ServoModel {
 struct Stroke {
     /// From the change of the command to its end \[s\].
     time_s: f64,
-    /// The highest speed that two means over [`MEAN_S`], one behind the other, both have \[output/s\].
+    /// Its highest speed, as the [speeds that were reached](super::reached_speeds) are measured \[output/s\].
     fastest: f64,
 }
-
-/// As the [speeds that were reached](super::reached_speeds) are measured \[s\].
-const MEAN_S: f64 = 0.02;
 
 impl Stroke {
     /// `None` where it is not of this size.
@@ -78,14 +76,10 @@ impl Stroke {
         let is_whole = ((end - begin).abs() - size).abs() <= near;
         // One that still moves at the end has not ended.
         let has_ended = late < samples - samples / 10;
-        let mean = (MEAN_S / PERIOD_S) as usize;
-        let moved = outputs.iter().zip(outputs.iter().skip(mean));
-        let means: Vec<f64> = moved.map(|(y, later)| (later - y).abs() / MEAN_S).collect();
-        let pairs = means.iter().zip(means.iter().skip(mean));
-        let fastest = pairs.map(|(first, second)| first.min(*second));
+        let (up, down) = fastest(&outputs, (STROKE_S / PERIOD_S) as usize);
         (is_whole && has_ended).then(|| Self {
             time_s: (late + 1) as f64 * PERIOD_S,
-            fastest: fastest.fold(0.0, f64::max),
+            fastest: up.max(down) / PERIOD_S,
         })
     }
 }

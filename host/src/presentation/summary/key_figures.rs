@@ -115,14 +115,11 @@ pub(crate) fn of_machine(model: &ServoModel, units: Units<'_>) -> Vec<KeyFigure>
     let figure = |(quantity, row): &&(&Quantity, QuantityRow)| {
         if let Some(limit) = measured_limit(model, quantity.kind()) {
             let turn = seconds_per_60_degrees(limit, units);
+            let turn = turn.map_or_else(String::new, |turn| format!("; {turn}"));
             return KeyFigure {
                 label: row.name.clone(),
                 value: with_unit(digits(limit, 3), &row.unit),
-                below: [Some("by its larger strokes".to_owned()), turn]
-                    .into_iter()
-                    .flatten()
-                    .collect::<Vec<_>>()
-                    .join("; "),
+                below: format!("by its larger strokes{turn}"),
             };
         }
         let turn = per_60_degrees(quantity, units);

@@ -1,6 +1,6 @@
 //! The speeds that no larger stroke of a recording exceeded, beside the top speeds of a model whose figures may be off.
 //!
-//! A model that lacks something of the servo has it in other terms, and its top speeds may be off by a tenth. What the strokes show by
+//! A model that lacks something of the servo has it in other terms, and its top speeds may be off by a third. What the strokes show by
 //! themselves is the limit of the servo, whatever it comes from.
 
 use super::numbers::digits;

@@ -86,21 +86,15 @@ impl Limits {
 
 /// The ends of the range, each with the one of the known `stops` \[output\] at which it rests.
 fn with_stops(ends: [RangeEnd; 2], stops: &[f64]) -> [RangeEnd; 2] {
+    let [low, high] = ends;
     let from = |end: &RangeEnd, stop: f64| (end.reached.value.unwrap_or(f64::NAN) - stop).abs();
-    let [low, high] = &ends;
-    let low_is_nearer = |stop: f64| from(low, stop) < from(high, stop);
-    let of = |low: bool| {
-        stops
-            .iter()
-            .copied()
-            .find(|stop| low_is_nearer(*stop) == low)
-    };
-    let found = [of(true), of(false)];
-    let mut found = found.into_iter();
-    ends.map(|end| match found.next().flatten() {
-        Some(stop) => end.at_stop(stop),
+    let is_low = |stop: &f64| from(&low, *stop) < from(&high, *stop);
+    let (of_low, of_high): (Vec<f64>, Vec<f64>) = stops.iter().partition(|stop| is_low(stop));
+    let at = |end: RangeEnd, stops: Vec<f64>| match stops.first() {
+        Some(stop) => end.at_stop(*stop),
         None => end,
-    })
+    };
+    [at(low, of_low), at(high, of_high)]
 }
 
 fn table(record: &Record, model: &Model, level: Option<f64>) -> hysteresis_and_ends::Table {
