@@ -11,7 +11,7 @@ use anyhow::Result;
 use serde::Serialize;
 use servoid_identification::diagnostics::{Explanation, PriorOutcome};
 use servoid_identification::flight_model::{self, FlightModel, FlightModelOptions};
-use servoid_identification::nonlinear::{DirectionModel, Hysteresis, Limits, split_by_direction};
+use servoid_identification::nonlinear::{DirectionModel, Limits, split_by_direction};
 use servoid_identification::results::{Advice, Model, Reason, StepResponse};
 use servoid_identification::servo_model::Watch;
 use servoid_identification::{Identification, Options};
@@ -48,8 +48,6 @@ pub struct Identified {
     pub held_out: Option<HeldOutPrediction>,
     /// Motion that is not linear; the responses to strokes up and down apart are there where the record has both.
     pub limits: Option<(Limits, Option<DirectionModel>)>,
-    /// How far rests depend on the direction of approach, where a servo model was looked for and they do: only play is named by no term of it.
-    pub hysteresis: Option<Hysteresis>,
     explain: bool,
 }
 
@@ -88,13 +86,11 @@ impl Identified {
         {
             Advice::name_load(&mut model.advice, Some(by_load), &remedy);
         }
-        let of_limits = || Limits::of(&data.record, &model, options.level);
         let limits = request.limits.then(|| {
+            let limits = Limits::of(&data.record, &model, options.level);
             // A recording with strokes of one direction only has no split; the summary mentions it.
-            (of_limits(), split_by_direction(&data.record, &model).ok())
+            (limits, split_by_direction(&data.record, &model).ok())
         });
-        let is_open = servo_model.is_some() && !request.limits;
-        let hysteresis = is_open.then(|| of_limits().hysteresis);
         Ok(Self {
             model,
             explanation,
@@ -102,7 +98,6 @@ impl Identified {
             servo_model,
             held_out,
             limits,
-            hysteresis: hysteresis.filter(|hysteresis| hysteresis.found == Some(true)),
             explain: request.explain,
         })
     }
@@ -151,10 +146,7 @@ impl Identified {
         let speaks = servo_model.filter(|_| summary::first_finding(model).is_none());
         let sentence = speaks.map_or_else(String::new, |servo| {
             let sentence = summary::servo_sentence(&servo.model, model, units);
-            let play =
-                (self.hysteresis.as_ref()).and_then(|found| summary::of_hysteresis(found, units));
-            let all: Vec<String> = std::iter::once(sentence).chain(play).collect();
-            summary::wrapped(&all.join(" "), 0) + "\n\n"
+            summary::wrapped(&sentence, 0) + "\n\n"
         });
         // What is to be said before it stands behind the name of the data.
         let of_servo = match summary::said_before(model) {

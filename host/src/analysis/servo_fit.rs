@@ -6,8 +6,11 @@ use crate::data::held_out::{HeldOut, HeldOutPrediction};
 use crate::data::model_file::ServoModelDocument;
 use servoid_identification::comparison::{Comparison, Verdict};
 use servoid_identification::diagnostics::TakenOut;
+use servoid_identification::nonlinear::Hysteresis;
 use servoid_identification::results::{Model, Precedence, Reason, Validation};
-use servoid_identification::servo_model::{self, ServoModelOptions, Watch, no_prediction};
+use servoid_identification::servo_model::{
+    self, ServoModel, ServoModelOptions, Watch, no_prediction,
+};
 use servoid_identification::{Identification, Options, Record, Run, identify};
 
 /// Whether a servo model is looked for: on request, and where the servo is not linear or the result has no bounds, which leaves its
@@ -148,6 +151,11 @@ fn fit(
     };
     let model = model.map_err(|error| error.to_string())?;
     let model = model.with_delay_error(data.about.sensor_delay_uncertainty_s);
+    let hysteresis = Hysteresis::of(&data.record, linear.model(), level);
+    let model = ServoModel {
+        hysteresis: (hysteresis.found == Some(true)).then_some(hysteresis.size),
+        ..model
+    };
     Ok(ServoModelDocument {
         model,
         controller_names: names,

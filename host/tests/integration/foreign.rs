@@ -133,7 +133,7 @@ fn logged(seed: u32, rest: fn(f64) -> f64) -> String {
         let stamp = 10 * k + (k * 7919 + seed) % 3;
         format!("{stamp},{command},{:.3}\n", y + noise)
     };
-    let rows: String = (0..3000 + seed).map(row).collect();
+    let rows: String = (0..1500 + seed).map(row).collect();
     format!("time_ms,u_deg,y_deg\n{rows}")
 }
 

@@ -363,187 +363,159 @@ fn require_comparison_without_bounds(a: &Path, b: &Path, withdrawn: Withdrawn) {
 }
 
 #[test]
-fn no_bound_is_left_in_an_identification() {
-    require_identification_without_bounds(&[Withdrawn::InputUnexcited, Withdrawn::TravelEnd]);
+fn no_bound_is_left() {
+    require_no_bounds(&[Withdrawn::InputUnexcited, Withdrawn::TravelEnd]);
 }
 
 #[test]
 #[ignore = "half a minute: cargo test -p servoid --test integration -- --ignored no_reason_leaves_a_bound"]
-fn no_reason_leaves_a_bound_in_an_identification() {
-    require_identification_without_bounds(&Withdrawn::OTHERS);
+fn no_reason_leaves_a_bound() {
+    require_no_bounds(&Withdrawn::OTHERS);
 }
 
-fn require_identification_without_bounds(reasons: &[Withdrawn]) {
-    let dir = tempfile::tempdir().unwrap();
+/// Not in an identification, and not in what is made of its model.
+fn require_no_bounds(reasons: &[Withdrawn]) {
     for &withdrawn in reasons {
-        let files = [1, 2, 3].map(|seed| withdrawn.recording(dir.path(), seed));
-        let common = [
-            "identify",
-            "-q",
-            arg(&files[0]),
-            arg(&files[1]),
-            arg(&files[2]),
-        ];
-        let further = ["--explain", "--limits", "--flight-model"];
-        let asked = withdrawn.asked();
+        let dir = tempfile::tempdir().unwrap();
         let model = dir.path().join("model.json");
-        let kept = ["--force", "-o", arg(&model)];
-        let text = run(&[&common[..], &further, &NAMED, asked, &kept].concat());
-        let document = json(&model);
-        assert_eq!(
-            document["withdrawn"]["reason"],
-            withdrawn.reason(),
-            "{text}"
-        );
-        require_no_bound(&document, withdrawn.reason());
-        let found = |path: &str| document.pointer(path).is_some_and(|value| !value.is_null());
-        for part in [
-            "/explanation/runs/runs/0",
-            "/explanation/settling",
-            "/limits",
-            "/directions",
-        ] {
-            // A settling time that was asked for was not looked for.
-            let is_given = part == "/explanation/settling" && !asked.is_empty();
-            assert!(found(part) || is_given, "{withdrawn:?} has no {part}");
-        }
-        require_no_claim(&sentences(&document), "the advice");
-        // Up to the limits, which have bounds of their own evidence.
-        let (linear, _) = text.split_once("\nlimits of a linear model").unwrap();
-        assert!(linear.contains("how the structure came about"), "{linear}");
-        require_no_claim(linear, "the summary");
-        assert!(!linear.contains(" .. "), "{linear}");
+        require_identification_without_bounds(withdrawn, &model);
+        require_exports_without_bounds(withdrawn, &model);
+        require_uses_without_bounds(withdrawn, &model);
+        require_comparison_without_bounds(&model, &model, withdrawn);
     }
+}
+
+/// Writes the `model`.
+fn require_identification_without_bounds(withdrawn: Withdrawn, model: &Path) {
+    let dir = model.parent().unwrap();
+    let files = [1, 2].map(|seed| withdrawn.recording(dir, seed));
+    let common = ["identify", "-q", arg(&files[0]), arg(&files[1])];
+    let further = ["--explain", "--limits", "--flight-model"];
+    let asked = withdrawn.asked();
+    let kept = ["-o", arg(model)];
+    let text = run(&[&common[..], &further, &NAMED, asked, &kept].concat());
+    let document = json(model);
+    assert_eq!(
+        document["withdrawn"]["reason"],
+        withdrawn.reason(),
+        "{text}"
+    );
+    require_no_bound(&document, withdrawn.reason());
+    let found = |path: &str| document.pointer(path).is_some_and(|value| !value.is_null());
+    for part in [
+        "/explanation/runs/runs/0",
+        "/explanation/settling",
+        "/limits",
+        "/directions",
+    ] {
+        // A settling time that was asked for was not looked for.
+        let is_given = part == "/explanation/settling" && !asked.is_empty();
+        assert!(found(part) || is_given, "{withdrawn:?} has no {part}");
+    }
+    require_no_claim(&sentences(&document), "the advice");
+    // Up to the limits, which have bounds of their own evidence.
+    let (linear, _) = text.split_once("\nlimits of a linear model").unwrap();
+    assert!(linear.contains("how the structure came about"), "{linear}");
+    require_no_claim(linear, "the summary");
+    assert!(!linear.contains(" .. "), "{linear}");
 }
 
 /// Formats of `export`.
 const FORMATS: [&str; 6] = ["matlab", "python", "julia", "c", "csv", "jsbsim"];
 
-#[test]
-fn no_bound_is_left_in_an_export_a_plan_a_validation_or_a_comparison() {
-    require_uses_without_bounds(&[Withdrawn::InputUnexcited]);
-}
-
-#[test]
-#[ignore = "half a minute: cargo test -p servoid --test integration -- --ignored no_reason_leaves_a_bound"]
-fn no_reason_leaves_a_bound_in_an_export_a_plan_a_validation_or_a_comparison() {
-    require_uses_without_bounds(&Withdrawn::OTHERS);
-}
-
-fn require_uses_without_bounds(reasons: &[Withdrawn]) {
-    let dir = tempfile::tempdir().unwrap();
-    for &withdrawn in reasons {
-        let [a, b] = [1, 2].map(|seed| withdrawn.recording(dir.path(), seed));
-        let model = dir.path().join("model.json");
-        let identify = [
-            "identify",
-            "-q",
-            arg(&a),
-            "--force",
-            "-o",
-            arg(&model),
-            "--flight-model",
-        ];
-        run(&[&identify[..], &NAMED, withdrawn.asked()].concat());
-        assert_eq!(json(&model)["withdrawn"]["reason"], withdrawn.reason());
-        for format in FORMATS {
-            let exported = servoid(&["export", arg(&model), "--to", format, "-q"])
-                .output()
+fn require_exports_without_bounds(withdrawn: Withdrawn, model: &Path) {
+    for format in FORMATS {
+        let exported = servoid(&["export", arg(model), "--to", format, "-q"])
+            .output()
+            .unwrap();
+        // A model without a gain cannot be exported to every format.
+        let text = String::from_utf8(exported.stdout).unwrap();
+        let place = format!("{withdrawn:?} as {format}");
+        if !exported.status.success() {
+            assert!(text.is_empty(), "{place}: {text}");
+            continue;
+        }
+        assert!(
+            text.contains("Bounds: none can be given"),
+            "{place}: {text}"
+        );
+        require_no_claim(&text, &place);
+        for line in text.lines() {
+            let name = line
+                .split(['=', ':', '[', '(', ','])
+                .next()
+                .unwrap_or_default();
+            let name = name
+                .trim()
+                .rsplit([' ', '.', '_'])
+                .next()
+                .unwrap_or_default()
+                .to_lowercase();
+            let is_bound = [
+                "lower",
+                "upper",
+                "sd",
+                "covariance",
+                "level",
+                "simultaneous",
+            ]
+            .contains(&name.as_str());
+            assert!(!is_bound, "{place}: {line}");
+        }
+        if format == "csv" {
+            let names = text
+                .lines()
+                .find(|line| line.starts_with("time_s"))
                 .unwrap();
-            // A model without a gain cannot be exported to every format.
-            let text = String::from_utf8(exported.stdout).unwrap();
-            let place = format!("{withdrawn:?} as {format}");
-            if !exported.status.success() {
-                assert!(text.is_empty(), "{place}: {text}");
-                continue;
-            }
-            assert!(
-                text.contains("Bounds: none can be given"),
-                "{place}: {text}"
-            );
-            require_no_claim(&text, &place);
-            for line in text.lines() {
-                let name = line
-                    .split(['=', ':', '[', '(', ','])
-                    .next()
-                    .unwrap_or_default();
-                let name = name
-                    .trim()
-                    .rsplit([' ', '.', '_'])
-                    .next()
-                    .unwrap_or_default()
-                    .to_lowercase();
-                let is_bound = [
-                    "lower",
-                    "upper",
-                    "sd",
-                    "covariance",
-                    "level",
-                    "simultaneous",
-                ]
-                .contains(&name.as_str());
-                assert!(!is_bound, "{place}: {line}");
-            }
-            if format == "csv" {
-                let names = text
-                    .lines()
-                    .find(|line| line.starts_with("time_s"))
-                    .unwrap();
-                for name in names.split(',') {
-                    assert!(
-                        !BOUNDS.contains(&name) && !name.contains("covariance"),
-                        "{place}: {name}"
-                    );
-                }
+            for name in names.split(',') {
+                assert!(
+                    !BOUNDS.contains(&name) && !name.contains("covariance"),
+                    "{place}: {name}"
+                );
             }
         }
-        let planned = dir.path().join("plan.json");
-        let plan = servoid(&[
-            "plan",
-            "--model",
-            arg(&model),
-            "-q",
-            "--force",
-            "-o",
-            arg(&planned),
-        ])
+    }
+}
+
+/// In a plan and in a validation.
+fn require_uses_without_bounds(withdrawn: Withdrawn, model: &Path) {
+    let dir = model.parent().unwrap();
+    let planned = dir.join("plan.json");
+    let plan = servoid(&["plan", "--model", arg(model), "-q", "-o", arg(&planned)])
         .output()
         .unwrap();
-        if plan.status.success() {
-            let document = json(&planned);
-            assert!(
-                document["band"].is_null() && document["metrics"].is_null(),
-                "{withdrawn:?}: {document}"
-            );
-            assert_eq!(
-                document["withdrawn"]["reason"],
-                withdrawn.reason(),
-                "{document}"
-            );
-        }
-        let validated = dir.path().join("validated.json");
-        let args = [
-            "validate",
-            "-q",
-            arg(&model),
-            arg(&b),
-            "--force",
-            "-o",
-            arg(&validated),
-        ];
-        run(&[&args[..], &NAMED].concat());
-        let document = json(&validated);
-        let fields: Vec<&String> = document.as_object().unwrap().keys().collect();
-        // `bias` is the mean error of the prediction here.
+    if plan.status.success() {
+        let document = json(&planned);
         assert!(
-            fields
-                .iter()
-                .all(|key| *key == "bias" || !BOUNDS.contains(&key.as_str())),
-            "{fields:?}"
+            document["band"].is_null() && document["metrics"].is_null(),
+            "{withdrawn:?}: {document}"
         );
-
-        require_comparison_without_bounds(&model, &model, withdrawn);
+        assert_eq!(
+            document["withdrawn"]["reason"],
+            withdrawn.reason(),
+            "{document}"
+        );
     }
+    let validated = dir.join("validated.json");
+    let unseen = withdrawn.recording(dir, 3);
+    let args = [
+        "validate",
+        "-q",
+        arg(model),
+        arg(&unseen),
+        "-o",
+        arg(&validated),
+    ];
+    run(&[&args[..], &NAMED].concat());
+    let document = json(&validated);
+    let fields: Vec<&String> = document.as_object().unwrap().keys().collect();
+    // `bias` is the mean error of the prediction here.
+    assert!(
+        fields
+            .iter()
+            .all(|key| *key == "bias" || !BOUNDS.contains(&key.as_str())),
+        "{fields:?}"
+    );
 }
 
 #[test]

@@ -28,7 +28,16 @@ fn every_field_is_documented() {
     let (model, header) = (at("demo/bench.json"), at("x.h"));
     let (rig, run_file) = (at("rig.toml"), at("run.csv"));
     let results = [
-        vec!["plan", "--band", "0.4", "--servo-model"],
+        vec![
+            "plan",
+            "--band",
+            "1",
+            "--servo-model",
+            "--reference",
+            "stairs",
+            "--hold",
+            "0.5",
+        ],
         vec!["init", "--yes", "-o", &rig],
         vec!["info", "--port", "sim:bench"],
         vec!["calibrate", "--port", "sim:bench", "--by-servo"],

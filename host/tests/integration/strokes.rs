@@ -103,9 +103,9 @@ fn a_servo_that_does_not_go_as_far_as_commanded_is_named_first() {
     let dir = tempfile::tempdir().unwrap();
     let stopped = ["bench?stops-deg=-6:7", "9", "3"];
     let stopped = recorded(dir.path(), "stopped.csv", stopped);
-    let found = document(&["identify", arg(&stopped)]);
-    assert_eq!(checks(&found)[0], "travel_end");
-    let text = run(&["identify", "-q", arg(&stopped)]);
+    let model = dir.path().join("stopped.json");
+    let text = run(&["identify", "-q", arg(&stopped), "-o", arg(&model)]);
+    assert_eq!(checks(&json(&model))[0], "travel_end");
     let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
     let said = text.find("its strokes are 0.72 of the command").unwrap();
     assert!(
@@ -136,7 +136,15 @@ fn large_strokes_have_their_top_speed_and_a_true_reason_for_what_is_left_out() {
     );
     // The fastest motion of strokes that were too small is not to be read as the limit.
     let stairs = dir.path().join("stairs.csv");
-    let larger = ["--reference", "stairs", "--amplitude", "30", "-o"];
+    let larger = [
+        "--reference",
+        "stairs",
+        "--amplitude",
+        "30",
+        "--hold",
+        "0.5",
+        "-o",
+    ];
     run(&[
         &["simulate", "-q", "--servo", "bench"],
         &larger[..],
@@ -182,7 +190,10 @@ fn a_plan_beyond_the_limits_says_so() {
     let dir = tempfile::tempdir().unwrap();
     let rig = dir.path().join("rig.toml");
     run(&["init", "--yes", "--port", "sim:bench", "-o", arg(&rig)]);
-    let plan = |amplitude| run(&["plan", "-q", "--rig", arg(&rig), "--amplitude", amplitude]);
+    let plan = |amplitude| {
+        let of_rig = ["plan", "-q", "--rig", arg(&rig), "--reference", "staircase"];
+        run(&[&of_rig[..], &["--amplitude", amplitude]].concat())
+    };
     let beyond = plan("12");
     assert!(
         beyond.contains("'servoid capture' will not run this"),

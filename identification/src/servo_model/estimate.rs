@@ -397,6 +397,7 @@ fn describe(
         commands: Some(found.motion.commands),
         reached: Some(ReachedSpeeds::of(parts, record.sample_period_s())),
         speed_limits: speed_limits(record, point),
+        hysteresis: None,
         stops: shown.stops,
         run_offsets: point.run_offsets.clone(),
         fit: fit_of(servo, record, spread),

@@ -20,6 +20,7 @@ mod error_row;
 mod estimate;
 mod fit;
 mod hidden_parts;
+mod hysteresis;
 mod initial_state;
 mod lack_of_fit;
 mod ladder;
@@ -58,6 +59,7 @@ pub use beside_linear::fit_beside;
 pub use command_range::CommandRange;
 pub use coordinates::{Coordinate, LoadKind, Terms};
 pub use estimate::{ServoModelOptions, fit, fit_watched};
+pub use hysteresis::UnexplainedHysteresis;
 pub(crate) use model::StopsDocument;
 pub use model::{
     Alternative, Covariance, LadderRung, LinearKind, LinearModelFit, LinearModels, ServoFit,

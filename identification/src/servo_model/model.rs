@@ -13,7 +13,7 @@ use super::stretches::stretches;
 use crate::data::{Record, Run, Timing};
 use crate::error::Error;
 use crate::nonlinear::SpeedLimits;
-use crate::results::{Bounds, Noise, Reason, Validation, pointwise_critical};
+use crate::results::{Bounds, Interval, Noise, Reason, Validation, pointwise_critical};
 use crate::thresholds::{LINEAR_MODEL_ADVANTAGE, SERVO_ERROR_BEYOND_RECORD};
 use serde::{Deserialize, Serialize};
 use servoid_dynamics::{Dual, Grid, Scalar, ServoParameters, Start, Stops, simulate};
@@ -54,6 +54,10 @@ pub struct ServoModel {
     /// Speeds that no larger stroke of the record exceeded, whatever the model says of it.
     #[serde(default, skip_serializing_if = "SpeedLimits::are_none")]
     pub speed_limits: SpeedLimits,
+    /// How far apart positions of rest that are reached from above and from below are \[output\]; `None` where the record does not show
+    /// that they are.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hysteresis: Option<Interval>,
     /// The stops within the commands of the record, as it shows them by itself.
     #[serde(
         default,

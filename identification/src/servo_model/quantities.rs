@@ -284,7 +284,8 @@ pub(super) fn quantities(
         Some(Quantity {
             name: definition.kind.name().to_owned(),
             unit: definition.unit,
-            determined: definition.is_determined(&interval, largest_of(definition.unit)),
+            determined: definition.is_determined(&interval, largest_of(definition.unit))
+                && !(level.valid().is_none() && definition.is_at_end(value)),
             value,
             interval: level.as_ref().map(|_| interval),
             other_fits: level
@@ -315,6 +316,11 @@ fn hull(a: Interval, b: Interval) -> Interval {
 const FARTHEST_OFF: f64 = 100.0;
 
 impl Definition {
+    /// Whether `value` is a delay of 0, the end of what the fit may choose: no servo has it, and without bounds it stands for what the model lacks.
+    fn is_at_end(&self, value: f64) -> bool {
+        self.kind == QuantityKind::Delay && value <= 0.0
+    }
+
     fn value(&self, point: &Point, middle: f64) -> Option<f64> {
         (self.of)(&point.physics(0, |_, value| value), middle)
     }

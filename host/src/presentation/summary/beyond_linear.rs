@@ -1,13 +1,10 @@
 //! Results beyond the linear response, as text for a terminal: low-order models, strokes by direction, limits.
 
 use super::layout::wrapped;
-use super::numbers::{digits, head_of_bounds, probability};
-use crate::data::units::Units;
+use super::numbers::{head_of_bounds, probability};
 use servoid_identification::flight_model::FlightModel;
-use servoid_identification::nonlinear::{
-    DirectionModel, Hysteresis, Limits, RateVerdict, Symmetry,
-};
-use servoid_identification::results::{Bounds, Interval, with_unit};
+use servoid_identification::nonlinear::{DirectionModel, Limits, RateVerdict, Symmetry};
+use servoid_identification::results::{Bounds, Interval};
 use servoid_identification::thresholds::ASYMMETRY_FALSE_ALARM;
 use std::f64::consts::TAU;
 
@@ -62,19 +59,6 @@ pub fn of_flight_model(flight: &FlightModel) -> String {
         );
     }
     text + "  " + &flight.statement + "\n"
-}
-
-/// That rests depend on the direction of approach, behind the sentence on a servo model, which has no play among its terms.
-#[must_use]
-pub fn of_hysteresis(hysteresis: &Hysteresis, units: Units<'_>) -> Option<String> {
-    let size = with_unit(
-        digits(hysteresis.size.value?, 3),
-        units.output.unwrap_or_default(),
-    );
-    Some(format!(
-        "Positions of rest reached from above and from below are {size} apart: by play in the gears, of which the servo model has none, by a dead band or by \
-         friction (--limits has more)."
-    ))
 }
 
 /// Said of different answers where the speed does not grow with the stroke: the test has one response for strokes of all sizes.
@@ -185,25 +169,6 @@ fn of_symmetry(symmetry: &Symmetry) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn play_is_named_beside_a_servo_model() {
-        let hysteresis = Hysteresis {
-            found: Some(true),
-            size: Interval::new(1.4621, 1.44, 1.48),
-            statement: String::new(),
-            remedy: None,
-        };
-        let units = Units {
-            input: Some("deg"),
-            output: Some("deg"),
-        };
-        let sentence = of_hysteresis(&hysteresis, units).unwrap();
-        assert!(
-            sentence.contains("are 1.46 deg apart: by play"),
-            "{sentence}"
-        );
-    }
 
     #[test]
     fn what_is_said_of_the_strokes_does_not_contradict_itself() {

@@ -3,7 +3,7 @@
 use super::comparison::verdict;
 use super::first_finding::first_finding;
 use super::headline::stroke_in_words;
-use super::measured_limits::measured_limit;
+use super::measured_limits::{measured_limit, measured_limits};
 use super::metrics::{self, MetricEntry, NONE};
 use super::numbers::{digits, four_digits, percent, with_bounds};
 use super::quantity_table::{QuantityRow, quantity_rows, scale_and_unit};
@@ -104,47 +104,22 @@ fn with_unit(value: String, unit: &str) -> String {
 pub(crate) fn of_machine(model: &ServoModel, units: Units<'_>) -> Vec<KeyFigure> {
     let rows = quantity_rows(&model.quantities, units);
     let of_kind = |kind: &QuantityKind| rows.iter().find(|(found, _)| found.kind() == Some(*kind));
-    let same_both_ways = top_speeds(model).is_some_and(|[up, down]| up == down);
+    let one_speed = has_one_top_speed(model);
     let known = OF_A_MACHINE
         .iter()
-        .filter(|kind| !(same_both_ways && **kind == QuantityKind::TopSpeedDownwards))
+        .filter(|kind| !(one_speed && **kind == QuantityKind::TopSpeedDownwards))
         .filter(|kind| !is_at_no_pulse(**kind, model, units))
         .filter_map(of_kind);
     // What the recording determines comes first.
     let (determined, open): (Vec<_>, Vec<_>) = known.partition(|(found, _)| found.determined);
     let figure = |(quantity, row): &&(&Quantity, QuantityRow)| {
-        if let Some(limit) = measured_limit(model, quantity.kind()) {
-            let turn = seconds_per_60_degrees(limit, units);
-            let turn = turn.map_or_else(String::new, |turn| format!("; {turn}"));
-            return KeyFigure {
-                label: row.name.clone(),
-                value: with_unit(digits(limit, 3), &row.unit),
-                below: format!("by its larger strokes{turn}"),
-            };
-        }
-        let turn = per_60_degrees(quantity, units);
-        let extrapolated = is_unreached(model, quantity);
-        let below = match (row.interval.is_empty(), turn) {
-            (_, _) if !quantity.determined => {
-                let shown_by = quantity.kind().and_then(shown_by);
-                let shown_by = shown_by.map(|words| format!(": {words}"));
-                format!("not determined{}", shown_by.unwrap_or_default())
-            }
-            (true, None) => "no interval".to_owned(),
-            (true, Some(turn)) => turn,
-            (false, None) => row.interval.clone(),
-            (false, Some(turn)) => format!("{}; {turn}", row.interval),
-        };
-        let below = match extrapolated {
-            true => format!("extrapolated; {below}"),
-            false => below,
-        };
+        let (value, below) = value_and_below(model, (quantity, row), units);
         KeyFigure {
-            label: match same_both_ways {
+            label: match one_speed {
                 true => row.name.replace("top speed upwards", "top speed"),
                 false => row.name.clone(),
             },
-            value: with_unit(row.value.clone(), &row.unit),
+            value: with_unit(value, &row.unit),
             below,
         }
     };
@@ -162,6 +137,42 @@ pub(crate) fn of_machine(model: &ServoModel, units: Units<'_>) -> Vec<KeyFigure>
     all.extend(open.iter().map(figure));
     all.truncate(KEY_FIGURES);
     all
+}
+
+/// The figure of a quantity, and what is known of it beside. A top speed is the one that the strokes show, where they do.
+fn value_and_below(
+    model: &ServoModel,
+    (quantity, row): (&Quantity, &QuantityRow),
+    units: Units<'_>,
+) -> (String, String) {
+    if let Some(limit) = measured_limit(model, quantity.kind()) {
+        let turn = seconds_per_60_degrees(limit, units);
+        let turn = turn.map_or_else(String::new, |turn| format!("; {turn}"));
+        return (digits(limit, 3), format!("by its larger strokes{turn}"));
+    }
+    let turn = per_60_degrees(quantity, units);
+    let below = match (row.interval.is_empty(), turn) {
+        _ if !quantity.determined => {
+            let shown_by = quantity.kind().and_then(shown_by);
+            let shown_by = shown_by.map(|words| format!(": {words}"));
+            format!("not determined{}", shown_by.unwrap_or_default())
+        }
+        (true, None) => "no interval".to_owned(),
+        (true, Some(turn)) => turn,
+        (false, None) => row.interval.clone(),
+        (false, Some(turn)) => format!("{}; {turn}", row.interval),
+    };
+    // The ranges of other fits stand where intervals do.
+    let doubts = [
+        (is_unreached(model, quantity), "extrapolated; "),
+        (
+            quantity.other_fits.is_some() && quantity.determined,
+            "no interval; ",
+        ),
+    ];
+    let doubts = doubts.into_iter().filter(|(applies, _)| *applies);
+    let doubts: String = doubts.map(|(_, words)| words).collect();
+    (row.value.clone(), doubts + &below)
 }
 
 /// Whether it is the position at a pulse of 0 us, which no servo gets.
@@ -203,12 +214,17 @@ fn fit_figure(value: String) -> KeyFigure {
     }
 }
 
-fn top_speeds(model: &ServoModel) -> Option<[f64; 2]> {
+/// Whether it turns as fast both ways, by the model and by its strokes.
+fn has_one_top_speed(model: &ServoModel) -> bool {
     let of = |kind: QuantityKind| model.quantity(kind).map(|found| found.value);
-    Some([
-        of(QuantityKind::TopSpeedUpwards)?,
-        of(QuantityKind::TopSpeedDownwards)?,
-    ])
+    let speeds = [
+        QuantityKind::TopSpeedUpwards,
+        QuantityKind::TopSpeedDownwards,
+    ];
+    let [up, down] = speeds.map(of);
+    let [shown_up, shown_down] =
+        measured_limits(model).map(|limit| limit.map(|limit| digits(limit, 3)));
+    up.is_some() && up == down && shown_up == shown_down
 }
 
 /// Of a comparison, which has bounds.

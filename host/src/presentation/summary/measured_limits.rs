@@ -4,7 +4,7 @@
 //! themselves is the limit of the servo, whatever it comes from.
 
 use super::numbers::digits;
-use super::sixty_degrees::seconds_per_60_degrees;
+use super::speed_words::{speed_in_words, upwards};
 use crate::data::units::Units;
 use servoid_identification::servo_model::{QuantityKind, ServoModel};
 
@@ -30,16 +30,12 @@ pub(super) fn measured_limits(model: &ServoModel) -> [Option<f64>; 2] {
 
 /// "498 deg/s (0.120 s/60°) upwards and 501 deg/s (0.120 s/60°) downwards", of the limits that the recording shows.
 pub(super) fn limits_in_words(model: &ServoModel, units: Units<'_>) -> Option<String> {
-    let unit = units.output.unwrap_or("units");
-    let of = |limit: f64| {
-        let seconds = seconds_per_60_degrees(limit, units);
-        let seconds = seconds.map_or_else(String::new, |seconds| format!(" ({seconds})"));
-        format!("{} {unit}/s{seconds}", digits(limit, 3))
-    };
+    let of = |limit: f64| speed_in_words(model, (limit, digits(limit, 3)), units);
+    let larger = upwards(model);
     match measured_limits(model).map(|limit| limit.map(of)) {
         [Some(up), Some(down)] if up == down => Some(up),
-        [Some(up), Some(down)] => Some(format!("{up} upwards and {down} downwards")),
-        [Some(up), None] => Some(format!("{up} upwards")),
+        [Some(up), Some(down)] => Some(format!("{up} {larger} and {down} downwards")),
+        [Some(up), None] => Some(format!("{up} {larger}")),
         [None, Some(down)] => Some(format!("{down} downwards")),
         [None, None] => None,
     }
@@ -109,7 +105,7 @@ mod tests {
             upwards: None,
             ..both
         };
-        let words = "29.0 units/s downwards";
+        let words = "29.0 units/s (2.069 s/60° if that is degrees) downwards";
         assert_eq!(
             limits_in_words(&model(one), Units::default()).as_deref(),
             Some(words)

@@ -15,12 +15,13 @@ mod servo_comparison;
 mod servo_model;
 mod servo_sentence;
 mod sixty_degrees;
+mod speed_words;
 mod strokes;
 mod top_speeds;
 mod what_to_record;
 mod whole_stroke;
 
-pub use beyond_linear::{of_flight_model, of_hysteresis, of_limits};
+pub use beyond_linear::{of_flight_model, of_limits};
 pub use comparison::of_comparison;
 pub(crate) use metrics::TableRow;
 pub use model_sentence::model_sentence;

@@ -3,7 +3,8 @@
 use super::layout::listed_words;
 use super::measured_limits::limits_in_words;
 use super::numbers::{digits, four_digits};
-use super::sixty_degrees::{seconds_per_60_degrees, turn_time_s};
+use super::sixty_degrees::turn_time_s;
+use super::speed_words::{assumed_units, speed_in_words, upwards};
 use super::top_speeds::{determined, is_never_reached, top_speeds};
 use crate::data::units::Units;
 use servoid_identification::results::{Advice, Bounds, Model, Reason};
@@ -47,6 +48,7 @@ pub fn servo_sentence(model: &ServoModel, linear: &Model, units: Units<'_>) -> S
     let doubts = [
         changing_speed(model),
         unlikely_speed(model, units).map(|how| format!(" That is {how}.")),
+        hysteresis(model, units),
         hidden_by_noise(model),
         better_linear(model),
     ];
@@ -74,6 +76,24 @@ fn changing_speed(model: &ServoModel) -> Option<String> {
         " Its strokes get {how} along this recording, by {} % from the first to the last, as where a supply sags or a motor gets warm: no speed here is that \
          of all of it.",
         digits(100.0 * change.abs(), 2)
+    ))
+}
+
+/// " Positions of rest ...": that they depend on the direction of approach by more than the model shows why.
+fn hysteresis(model: &ServoModel, units: Units<'_>) -> Option<String> {
+    let found = model.unexplained_hysteresis()?;
+    let unit = with_space(units.output);
+    let explained = match found.explained > 0.0 {
+        true => format!(
+            ", of which the model explains {}{unit}",
+            digits(found.explained, 2)
+        ),
+        false => String::new(),
+    };
+    Some(format!(
+        " Positions of rest reached from above and from below are {}{unit} apart{explained}: play in the gears, of which it has none, does that, as do a \
+         dead band and friction.",
+        digits(found.shown, 3)
     ))
 }
 
@@ -204,20 +224,6 @@ fn limited_to(
     })
 }
 
-/// Upwards, and what that is where the position goes against the command.
-fn upwards(model: &ServoModel) -> &'static str {
-    match model.parameters(0).gain < 0.0 {
-        true => "upwards (the position grows, the command falls)",
-        false => "upwards",
-    }
-}
-
-/// "331 deg/s (0.181 s/60°)", of a speed and its figure.
-fn speed_in_words(model: &ServoModel, (speed, figure): (f64, String), units: Units<'_>) -> String {
-    let unit = units.output.unwrap_or("units");
-    format!("{figure} {unit}/s{}", turn(model, speed, units))
-}
-
 /// What kind of servo it is, without figures. One that the `linear` model shows not to be linear is not called so for want of a term.
 fn kind(model: &ServoModel, linear: &Model) -> &'static str {
     let shown_not_linear = linear.advice.iter().any(Advice::is_of_linearity);
@@ -251,17 +257,6 @@ fn shows_limit(model: &ServoModel) -> bool {
     let determined = model.quantities.iter().filter(|found| found.determined);
     let mut kinds = determined.filter_map(Quantity::kind);
     kinds.any(|kind| QuantityKind::OF_LIMIT.contains(&kind))
-}
-
-/// " (0.181 s/60°)", or what that is if the output is in degrees.
-fn turn(model: &ServoModel, speed: f64, units: Units<'_>) -> String {
-    let stated = seconds_per_60_degrees(speed, units);
-    let assumed = || {
-        let seconds = seconds_per_60_degrees(speed, assumed_units(model, units)?)?;
-        Some(format!("{seconds} if that is degrees"))
-    };
-    let seconds = stated.or_else(assumed);
-    seconds.map_or_else(String::new, |seconds| format!(" ({seconds})"))
 }
 
 /// " deg"; nothing of an unknown unit.
@@ -347,16 +342,6 @@ fn better_linear(model: &ServoModel) -> Option<String> {
          as a machine {:.1} %.",
         found.samples_used, found.servo_model_percent
     ))
-}
-
-/// Degrees, where no unit is known and the model takes the command for them.
-fn assumed_units(model: &ServoModel, units: Units<'_>) -> Option<Units<'static>> {
-    let degrees = Some("deg");
-    let assumed = Units {
-        input: degrees,
-        output: degrees,
-    };
-    (units == Units::default() && model.radians_per_command == 1f64.to_radians()).then_some(assumed)
 }
 
 /// Times for 60 degrees that R/C servos have \[s\]: the fastest for the rotors of helicopters take 0.03 s, winches a second.

@@ -84,6 +84,13 @@ impl Limits {
     }
 }
 
+impl Hysteresis {
+    /// That of `record` alone, as among the [limits](Limits::of).
+    pub fn of(record: &Record, model: &Model, level: f64) -> Self {
+        table(record, model, Some(level)).hysteresis()
+    }
+}
+
 /// The ends of the range, each with the one of the known `stops` \[output\] at which it rests.
 fn with_stops(ends: [RangeEnd; 2], stops: &[f64]) -> [RangeEnd; 2] {
     let [low, high] = ends;

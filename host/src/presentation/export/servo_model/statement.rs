@@ -54,6 +54,7 @@ impl ServoExport<'_> {
             found.push(self.left_errors());
         }
         found.extend(self.unknown_speed());
+        found.extend(self.unexplained_hysteresis());
         found.extend(self.metadata.frame_warning());
         found.extend(doubts::of_units(
             self.model.commands,
@@ -80,6 +81,16 @@ impl ServoExport<'_> {
         format!(
             "this servo model leaves errors of {size} in its own recording; motion that the recording has not, such as strokes that turn round before the servo rests, may have larger ones and was not tested"
         )
+    }
+
+    /// That positions of rest depend on the direction of approach by more than this servo has of it.
+    fn unexplained_hysteresis(&self) -> Option<String> {
+        let found = self.model.unexplained_hysteresis()?;
+        let unit = self.output_unit();
+        let [shown, explained] = [found.shown, found.explained].map(four_digits);
+        Some(format!(
+            "positions of rest reached from above and from below are {shown} {unit} apart in the recording, of which this servo model explains {explained} {unit}: play in the gears, which it has not, makes strokes of that size quite different"
+        ))
     }
 
     /// That larger or quicker strokes than the recorded ones are not known, where that is so.

@@ -1,0 +1,29 @@
+//! Positions of rest that depend on the direction of approach, in the record and by a model of the servo.
+
+use super::model::ServoModel;
+use super::quantity_kind::QuantityKind;
+
+/// Rests that are farther apart in the record than the model shows why: it has friction and a dead band, but no play of the gears.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UnexplainedHysteresis {
+    /// Between rests that are reached from above and from below, in the record \[output\].
+    pub shown: f64,
+    /// What friction and dead band of the model make of it at the most, as far as the record determines these \[output\].
+    pub explained: f64,
+}
+
+impl ServoModel {
+    /// The hysteresis of the record, where friction and dead band that it determines do not make as much.
+    #[must_use]
+    pub fn unexplained_hysteresis(&self) -> Option<UnexplainedHysteresis> {
+        let shown = self.hysteresis?.value?;
+        let each_side = [QuantityKind::RestingError, QuantityKind::DeadBand]
+            .into_iter()
+            .filter_map(|kind| self.quantity(kind))
+            .filter(|found| found.determined)
+            .map(|found| found.value)
+            .sum::<f64>();
+        let explained = 2.0 * each_side * self.parameters(0).gain.abs();
+        (explained < shown).then_some(UnexplainedHysteresis { shown, explained })
+    }
+}
