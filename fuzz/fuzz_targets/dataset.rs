@@ -22,8 +22,9 @@ fn options(choice: u8) -> DatasetOptions {
         run: has(2).then(|| "run".into()),
         at_rest: has(3).then_some(0.0),
         with_rest: has(4),
-        // Both are options of times: the bits are enough for one.
+        // Both are options of times: the bits are enough for one. So it is with the two of what is taken as it stands.
         polled: has(7),
+        exact_command: has(4),
         controller: None,
     }
 }

@@ -120,6 +120,7 @@ def read(
     controller: str | None = None,
     at_rest: float | None = None,
     polled: bool = False,
+    exact_command: bool = False,
     with_rest: bool = False,
 ) -> Recording:
     """Read recordings of servoid, CSV files of other programs, or a table of pandas.
@@ -146,6 +147,8 @@ def read(
         The input during at least the settling time before each run. A wrong value is far worse than none.
     polled : bool
         The command changed between rows, as a logger with a clock of its own sees it: times are corrected by half a row.
+    exact_command : bool
+        The servo was sent the command as it is written, with the noise of its holds and to its last digit.
     with_rest : bool
         Use the rest around the reference of servoid's recordings too.
 
@@ -175,6 +178,7 @@ def read(
         "controller": controller,
         "at_rest": at_rest,
         "polled": polled,
+        "exact_command": exact_command,
         "with_rest": with_rest,
     }
     if any(hasattr(path, "to_csv") for path in paths):
@@ -188,7 +192,7 @@ def read(
 
 def of_bytes(content: bytes, name: str) -> Recording:
     """The content of a recording of servoid, which is called ``name``."""
-    options = dict.fromkeys(READ_OPTIONS) | {"polled": False, "with_rest": False}
+    options = dict.fromkeys(READ_OPTIONS) | dict.fromkeys(FLAGS, False)
     return Recording(_servoid.Data.of_table(content, name, options))
 
 
@@ -319,7 +323,7 @@ def as_recording(source: Any, options: dict[str, Any], like: Model | None = None
     if like is None:
         return read(*paths, **options)
     given = {name: options.get(name) for name in READ_OPTIONS}
-    for flag in ("polled", "with_rest"):
+    for flag in FLAGS:
         given[flag] = bool(given[flag])
     return Recording(
         _servoid.Data.read_as([os.fspath(path) for path in paths], given, like._core)
@@ -336,5 +340,7 @@ READ_OPTIONS = (
     "controller",
     "at_rest",
     "polled",
+    "exact_command",
     "with_rest",
 )
+FLAGS = ("polled", "exact_command", "with_rest")

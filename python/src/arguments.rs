@@ -20,11 +20,13 @@ const VALUED: [&str; 15] = [
 ];
 
 /// Options that are arguments too, and true where they are given.
-const FLAGS: [&str; 5] = [
+const FLAGS: [&str; 7] = [
     "explain",
     "servo-model",
     "flight-model",
     "limits",
+    "polled",
+    "exact-command",
     "with-rest",
 ];
 

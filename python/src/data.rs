@@ -34,6 +34,7 @@ pub(crate) struct ReadOptions {
     controller: Option<String>,
     at_rest: Option<f64>,
     polled: bool,
+    exact_command: bool,
     with_rest: bool,
 }
 
@@ -56,6 +57,7 @@ impl ReadOptions {
             controller: self.controller,
             at_rest: self.at_rest,
             polled: self.polled,
+            exact_command: self.exact_command,
             with_rest: self.with_rest,
         })
     }

@@ -10,6 +10,7 @@
 //! - [`scattering_runs`]: several runs of one servo that differ, or do not.
 //! - [`changing_servos`]: several runs of servos whose dynamics change.
 //! - [`drifting_servos`]: servos whose gain changes along a recording, slow ones, and others.
+//! - [`noisy_commands`]: recordings whose column of the command has noise.
 //! - [`loggers`]: recordings of one servo by loggers with faults of time.
 //! - [`compared_ends`]: comparisons of servos whose responses have slow ends.
 //! - [`servo_means`]: comparisons of servos whose runs scatter.
@@ -37,6 +38,7 @@ pub mod hard_lines;
 pub mod hello;
 pub mod loggers;
 pub mod metrics_coverage;
+pub mod noisy_commands;
 pub mod oracle;
 pub mod plants;
 pub mod scattering_holds;

@@ -42,6 +42,10 @@ pub(super) struct TableArgs {
     /// and their intervals allow for the other half
     #[arg(long)]
     polled: bool,
+    /// The servo was sent the command as it is written, to its last digit: what noise its holds have moved the servo, too, and
+    /// nothing was rounded. servoid's own recordings are so in any case
+    #[arg(long)]
+    exact_command: bool,
     /// Use the rest at neutral before and after the reference of servoid's recordings too. Its strokes are half
     /// as long, and a real servo does not follow them in proportion
     #[arg(long)]
@@ -103,6 +107,7 @@ impl TableArgs {
             controller: args.controller,
             at_rest: args.at_rest,
             polled: args.polled,
+            exact_command: args.exact_command,
             with_rest: args.with_rest,
         }
     }

@@ -9,6 +9,7 @@ use crate::diagnostics::hum::Hum;
 use crate::diagnostics::initial_rest::Contradicted;
 use crate::diagnostics::linearity::Linearity;
 use crate::diagnostics::misfit::Misfit;
+use crate::diagnostics::noisy_commands::CommandNoise;
 use crate::diagnostics::outliers::TakenOut;
 use crate::diagnostics::prior_outcome::PriorOutcome;
 use crate::diagnostics::run_scatter::RunComparison;
@@ -107,6 +108,9 @@ pub struct Explanation {
     /// Samples that were taken out as outlying.
     #[serde(default)]
     pub taken_out: Vec<TakenOut>,
+    /// Noise in the column of a command that is held but for it; `None` where there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub command_noise: Option<CommandNoise>,
     /// Periodic disturbances that were taken out.
     #[serde(default)]
     pub hum: Vec<Hum>,

@@ -5,6 +5,7 @@
 
 use crate::diagnostics::flat_end::TravelEnd;
 use crate::diagnostics::gain_drift::GainDrift;
+use crate::diagnostics::inexact_commands::Inexact;
 use crate::diagnostics::misfit::Misfit;
 use crate::diagnostics::rise_at_end::rise_at_end;
 use crate::diagnostics::servo_stopped::ServoStopped;
@@ -42,8 +43,8 @@ pub(crate) struct ValidityEvidence<'a> {
     pub(crate) closed_loop: bool,
     /// Whether the response at lag 0 shows that a smooth input does not separate lags.
     pub(crate) lags_are_mixed: bool,
-    /// The step of commands whose rounding may be what excites the response, where that may be so.
-    pub(crate) excited_by_rounding: Option<f64>,
+    /// The errors of commands that may be what excites the response, where that may be so.
+    pub(crate) excited_by_errors: Option<Inexact>,
     /// G_0.
     pub(crate) gain: f64,
     /// The step response, and what left-out frequencies may change in it.
@@ -59,8 +60,8 @@ pub(crate) struct Validity {
     /// The lowest frequency at which the input does not determine the response \[Hz\]; `None` where it determines
     /// all, or frequencies were left out by the caller's choice alone.
     pub(crate) unexcited_above_hz: Option<f64>,
-    /// The step of commands whose rounding may be all that excites it there.
-    pub(crate) excited_by_rounding: Option<f64>,
+    /// The errors of commands that may be all that excites it there.
+    pub(crate) excited_by_errors: Option<Inexact>,
     /// The lowest frequency that was left out by the caller's choice \[Hz\], where nothing bounds what that does.
     pub(crate) left_out_above_hz: Option<f64>,
     /// Where the servo stops following the input.
@@ -90,9 +91,9 @@ impl Validity {
         // A servo that does not answer any more has no lag.
         let time_fault = evidence.time_fault.filter(|_| stopped.is_none());
         let lacking = evidence.unexcited_above_hz();
-        let excited_by_rounding = (evidence.excited_by_rounding).filter(|_| lacking.is_none());
+        let excited_by_errors = (evidence.excited_by_errors).filter(|_| lacking.is_none());
         let power_up_to_hz = evidence.excitation.power_up_to_hz;
-        let unexcited_above_hz = (lacking.or(excited_by_rounding.map(|_| power_up_to_hz)))
+        let unexcited_above_hz = (lacking.or(excited_by_errors.map(|_| power_up_to_hz)))
             .filter(|_| time_fault.is_none());
         let left_out_above_hz = evidence
             .left_out_above_hz()
@@ -159,7 +160,7 @@ impl Validity {
         Self {
             level: reason.map_or(Bounds::Valid(level), Bounds::Withdrawn),
             unexcited_above_hz,
-            excited_by_rounding,
+            excited_by_errors,
             left_out_above_hz,
             stopped,
             time_fault,

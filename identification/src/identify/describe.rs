@@ -7,14 +7,15 @@ use super::responses::Responses;
 use super::task::Task;
 use crate::data::{Run, Timing};
 use crate::diagnostics::{
-    AllowedEnd, Bank, Explanation, PriorOutcome, Resolution, RunComparison, ServoStopped,
-    SlowServo, TimeFault, TravelEnd, Validity, ValidityEvidence, contradicted_rest, gain_drift,
+    AllowedEnd, Bank, CommandNoise, Explanation, InexactCommands, PriorOutcome, Resolution,
+    RunComparison, ServoStopped, SlowServo, TimeFault, TravelEnd, Validity, ValidityEvidence,
+    contradicted_rest, gain_drift, noise_of_commands,
 };
 use crate::estimation::{Excitation, Noise};
 use crate::numerics::matrix_rows::to_rows;
 use crate::results::{
-    FrequencyBounds, FrequencyResponse, MODEL_SCHEMA, Measured, MetricBounds, Metrics, Model,
-    ParameterBounds, Residuals, SelectedBy, StepBounds, StepResponse, Structure,
+    Bounds, FrequencyBounds, FrequencyResponse, MODEL_SCHEMA, Measured, MetricBounds, Metrics,
+    Model, ParameterBounds, Residuals, SelectedBy, StepBounds, StepResponse, Structure,
 };
 use crate::selection::{hidden_end, longest_settling};
 use crate::thresholds::UNSETTLED_END;
@@ -50,7 +51,9 @@ pub(super) fn validity(
         lags_are_mixed: (fitted.feedback).is_some_and(|found| {
             found.mixes_lags() && (found.smooth || plan.selected_by == SelectedBy::Auto)
         }),
-        excited_by_rounding: fitted.excited_by_rounding,
+        excited_by_errors: (fitted.inexact_commands)
+            .filter(|found| found.shift.is_none())
+            .map(|found| found.errors),
         gain: estimate.fit.theta()[0],
         step: &responses.step_values,
         truncation_bias: allowances.step.truncation,
@@ -253,6 +256,7 @@ pub(super) fn explanation(
         hum: (task.disturbances.hum.iter())
             .map(|line| line.described(model.sample_period_s))
             .collect(),
+        command_noise: command_noise(task, fitted.inexact_commands, level),
         drift: drift(task),
         uneven_noise: fitted.uneven,
         hold_scatter: fitted.hold_scatter,
@@ -264,4 +268,14 @@ pub(super) fn explanation(
             .map(|outcome| PriorOutcome::beside(outcome, level)),
         runs,
     }
+}
+
+fn command_noise(
+    task: &Task<'_>,
+    allowed_for: Option<InexactCommands>,
+    level: Bounds<f64>,
+) -> Option<CommandNoise> {
+    let sd = noise_of_commands(task.recorded?)?;
+    let shift = level.valid().and_then(|_| allowed_for?.shift);
+    Some(CommandNoise { sd, shift })
 }

@@ -7,9 +7,9 @@ use super::estimate::Estimate;
 use super::task::Task;
 use crate::data::{Record, Run};
 use crate::diagnostics::{
-    EstimatedEnd, Feedback, HoldScatter, Linearity, Misfit, PriorOutcome, RunComparison,
-    SlowColumns, SlowEnd, UnevenNoise, against_standstill, allow_for_hold_scatter,
-    allow_for_rounded_commands, allow_for_run_offsets, allow_for_run_trends, allow_for_scatter,
+    EstimatedEnd, Feedback, HoldScatter, InexactCommands, Linearity, Misfit, PriorOutcome,
+    RunComparison, SlowColumns, SlowEnd, UnevenNoise, against_standstill, allow_for_hold_scatter,
+    allow_for_inexact_commands, allow_for_run_offsets, allow_for_run_trends, allow_for_scatter,
     allow_for_uneven_noise, simulated, test_linearity,
 };
 use crate::error::Error;
@@ -40,8 +40,8 @@ pub(super) struct Fitted {
     pub(super) uneven: Option<UnevenNoise>,
     /// By how much holds differ, where they do; the covariance of the estimate allows for it.
     pub(super) hold_scatter: Option<HoldScatter>,
-    /// The step of commands whose rounding may be what excites the response, where that may be so.
-    pub(super) excited_by_rounding: Option<f64>,
+    /// What errors of the commands may have done, where they may have some; the covariance of the estimate allows for it.
+    pub(super) inexact_commands: Option<InexactCommands>,
     /// What became of the stable prior, where it was asked for.
     pub(super) prior: Option<PriorOutcome>,
 }
@@ -81,7 +81,7 @@ impl Fitted {
             feedback: None,
             uneven: None,
             hold_scatter: None,
-            excited_by_rounding: None,
+            inexact_commands: None,
             prior: None,
         }
     }
@@ -100,7 +100,7 @@ impl Fitted {
         if outliers.count() > 0 {
             fit.spread_further(outliers.variance_ratio(), None);
         }
-        self.excited_by_rounding = allow_for_rounded_commands(record, fit);
+        self.inexact_commands = allow_for_inexact_commands(record, fit);
         self.hold_scatter = allow_for_hold_scatter(&runs, &information.moments, fit);
         let levels = &task.disturbances.levels;
         if !levels.is_empty() {

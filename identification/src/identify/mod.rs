@@ -154,7 +154,7 @@ impl<'a> Request<'a> {
 
 /// Identifies from moments alone, as saved or collected live. The settling time can be at most the
 /// input lags less the noise order; residual tests that need the samples are left out, and so are
-/// the fallback to QR and what the bounds allow for commands that were rounded.
+/// the fallback to QR and what the bounds allow for commands that were rounded, or measured with noise.
 ///
 /// # Errors
 /// As [`identify`]; also when the moments have too few lags for the options.

@@ -59,6 +59,8 @@ pub enum Check {
     Outliers,
     /// Whether a periodic disturbance was taken out.
     Hum,
+    /// Whether the column of the command has noise within its holds.
+    CommandNoise,
     /// Whether the input follows the output.
     Feedback,
     /// Whether the output moves before the input.
@@ -180,6 +182,8 @@ pub enum Setting {
     SettlingTime,
     /// Input and output are to be exchanged.
     ExchangedColumns,
+    /// The command is what the servo was sent, to its last digit.
+    ExactCommand,
 }
 
 /// One finding.
@@ -241,6 +245,7 @@ impl Advice {
             Check::Outliers => Setting::Explanation,
             Check::Drift => Setting::KeptTrend,
             Check::OutputLeads => Setting::ExchangedColumns,
+            Check::CommandNoise => Setting::ExactCommand,
             // A longer recording would not change that the longest time that is tried by itself is too short.
             Check::Settled if self.value >= LONGEST_SETTLING as f64 => Setting::SettlingTime,
             _ => return None,
@@ -259,6 +264,7 @@ impl Advice {
                 | Check::Repeats
                 | Check::Settled
                 | Check::Drift
+                | Check::CommandNoise
         );
         is_of_the_response || self.is_of_the_record()
     }

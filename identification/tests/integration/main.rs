@@ -15,6 +15,7 @@ mod hard_lines;
 mod limits;
 mod linearity;
 mod metrics;
+mod noisy_commands;
 mod poor_records;
 mod prior;
 mod real_data;

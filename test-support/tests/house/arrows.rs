@@ -180,6 +180,7 @@ pub const ROOMS: [(&str, &[&str]); 11] = [
             "drawn_lines",
             "scattering_holds",
             "scattering_runs",
+            "noisy_commands",
             "figures_coverage",
             "metrics_coverage",
             "changing_servos",

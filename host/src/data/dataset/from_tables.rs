@@ -128,6 +128,10 @@ fn runs(
     let of_stretch = |stretch: &Stretch| {
         let at_rest = options.at_rest.filter(|_| !stretch.continues);
         let run = run(stretch.place(u), stretch.place(y), at_rest)?;
+        let run = match options.exact_command {
+            true => run.with_exact_input(),
+            false => run,
+        };
         let label = labels.and_then(|labels| labels.get(stretch.rows.start));
         Ok(match label {
             Some(label) => run.with_label(*label),

@@ -35,6 +35,9 @@ pub struct DatasetOptions {
     /// The command changed between rows, as a logger with a clock of its own sees it.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub polled: bool,
+    /// The servo was sent the command as it is written, with its noise and to its last digit.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub exact_command: bool,
     /// Use the rest around the reference too.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub with_rest: bool,
@@ -67,7 +70,11 @@ impl DatasetOptions {
             let value = quoted(&value?);
             Some(format!(" {option} {value}"))
         });
-        let flags = [(self.polled, " --polled"), (self.with_rest, " --with-rest")];
+        let flags = [
+            (self.polled, " --polled"),
+            (self.exact_command, " --exact-command"),
+            (self.with_rest, " --with-rest"),
+        ];
         let flags = flags
             .iter()
             .filter_map(|(given, flag)| given.then_some(*flag));
@@ -98,6 +105,7 @@ impl DatasetOptions {
             controller: self.controller.or(other.controller),
             at_rest: self.at_rest.or(other.at_rest),
             polled: self.polled || other.polled,
+            exact_command: self.exact_command || other.exact_command,
             ..self
         }
     }

@@ -13,6 +13,7 @@ fn option(setting: Setting) -> &'static str {
         Setting::Explanation => "--explain",
         Setting::KeptTrend => "--detrend none",
         Setting::SettlingTime => "--settling SAMPLES",
+        Setting::ExactCommand => "--exact-command",
         Setting::ExchangedColumns => "--input and --output, the other way round",
     }
 }

@@ -45,7 +45,8 @@ pub(super) fn model_error(evidence: &Evidence<'_>) -> Option<Advice> {
             "use this model as a picture of this recording alone".to_owned(),
         ),
     };
-    let (reason, value, threshold) = reason_in_words(misfit);
+    let noise = evidence.explanation.command_noise.is_some();
+    let (reason, value, threshold) = reason_in_words(misfit, noise);
     let slow = evidence.slow_errors();
     let by_drift = slow.map_or_else(String::new, |slow| format!(" {}.", slow.in_words()));
     let record = match misfit.evidence {
@@ -85,8 +86,8 @@ fn probability(p: f64) -> String {
     }
 }
 
-/// Why errors are not noise, the number that shows it, and its threshold.
-fn reason_in_words(misfit: &Misfit) -> (String, f64, f64) {
+/// Why errors are not noise, the number that shows it, and its threshold. `has_noise` where the command has, which hides how long it is held.
+fn reason_in_words(misfit: &Misfit, has_noise: bool) -> (String, f64, f64) {
     let unexplained = misfit.unexplained_percent();
     let left = format!("simulation leaves {unexplained:.0} % of the motion (rms) unexplained");
     match misfit.evidence {
@@ -129,10 +130,15 @@ fn reason_in_words(misfit: &Misfit) -> (String, f64, f64) {
             let Excess {
                 percent, shown_by, ..
             } = excess(&found);
+            let steps = match has_noise {
+                true => "the noise in the column of the command hides whether its steps are held until it has followed".to_owned(),
+                false => format!(
+                    "only {:.0} % of the steps of the reference are held until it has followed: its response to a step was not seen",
+                    100.0 * seen
+                ),
+            };
             let words = format!(
-                "the servo is not linear ({percent:.1} % of the motion, rms, {shown_by}), and only {:.0} % of the \
-                 steps of the reference are held until it has followed: its response to a step was not seen",
-                100.0 * seen
+                "the servo is not linear ({percent:.1} % of the motion, rms, {shown_by}), and {steps}"
             );
             (words, seen, STEPS_FOLLOWED)
         }

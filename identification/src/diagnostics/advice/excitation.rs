@@ -2,6 +2,7 @@
 
 use super::evidence::{Evidence, two_digits};
 use crate::diagnostics::held_output::input_held_for;
+use crate::diagnostics::inexact_commands::Inexact;
 use crate::diagnostics::output_lead::output_lead;
 use crate::results::{Advice, Check, Withheld};
 use crate::thresholds::{
@@ -38,8 +39,8 @@ fn lacking(unexcited_hz: f64, highest_hz: f64) -> (String, String) {
 pub(super) fn excitation(evidence: &Evidence<'_>) -> Option<Advice> {
     let unexcited = evidence.validity.unexcited_above_hz?;
     let highest = evidence.nyquist_hz();
-    if let Some(step) = evidence.validity.excited_by_rounding {
-        return Some(rounding_alone(step, unexcited, highest));
+    if let Some(errors) = evidence.validity.excited_by_errors {
+        return Some(excited_by_errors(evidence, errors, unexcited));
     }
     let (frequencies, remedy) = lacking(unexcited, highest);
     Some(Advice::new(
@@ -54,21 +55,32 @@ pub(super) fn excitation(evidence: &Evidence<'_>) -> Option<Advice> {
     ))
 }
 
-/// That commands in steps of `step` may have been finer, and then excite nothing above `power_up_to_hz`.
-fn rounding_alone(step: f64, power_up_to_hz: f64, highest_hz: f64) -> Advice {
-    Advice::new(
-        Check::Excitation,
-        format!(
-            "No bounds can be given, because the commands are in steps of {step:.2}, and what power they have above {power_up_to_hz:.1} Hz may be \
-             their rounding alone: where the servo got finer commands, it got none of that."
+/// That commands with such `errors` may have been without, and then excite nothing of what these do. Of a smooth command that is what is above `power_up_to_hz`.
+fn excited_by_errors(evidence: &Evidence<'_>, errors: Inexact, power_up_to_hz: f64) -> Advice {
+    let highest = evidence.nyquist_hz();
+    let (finding, remedy) = match errors {
+        Inexact::Rounded(step) => (
+            format!(
+                "No bounds can be given, because the commands are in steps of {step:.2}, and what power they have above {power_up_to_hz:.1} Hz may be \
+                 their rounding alone: where the servo got finer commands, it got none of that."
+            ),
+            format!(
+                "Write the commands as they are sent, with all their digits. {}",
+                sharper(highest)
+            ),
         ),
-        power_up_to_hz,
-        highest_hz,
-        format!(
-            "Write the commands as they are sent, with all their digits. {}",
-            sharper(highest_hz)
+        Inexact::Noisy(sd) => (
+            format!(
+                "No bounds can be given, because the column of the command has noise of {} (standard deviation), and part of the response may rest on \
+                 that noise alone: where the commands were measured, the servo got none of it.",
+                evidence.input(two_digits(sd))
+            ),
+            "Write the commands as they are sent, not as they are measured; or record levels in random order, held for different times, which determine \
+             more of the response."
+                .to_owned(),
         ),
-    )
+    };
+    Advice::new(Check::Excitation, finding, power_up_to_hz, highest, remedy)
 }
 
 /// An output that moves before the input. A record that a linear servo describes down to its noise needs no such question.

@@ -2,6 +2,7 @@
 //!
 //! A finding on a model without bounds does not speak of bounds, nor has it a number that is the width of one.
 
+mod command;
 mod disturbances;
 mod errors;
 mod evidence;
@@ -60,6 +61,7 @@ pub(crate) fn gather_advice(evidence: &Evidence<'_>) -> Vec<Advice> {
         disturbances::drift(evidence),
         disturbances::outliers(evidence),
         disturbances::hum(evidence),
+        command::noise(evidence),
         record::scatter(evidence),
         record::deviating(evidence),
         record::history(evidence),
