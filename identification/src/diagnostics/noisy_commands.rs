@@ -52,13 +52,15 @@ fn holds_of_means<'r>(runs: &[&'r Run], block: usize) -> Option<Vec<&'r [f64]>> 
     for (run, means) in runs.iter().zip(&means) {
         let found = holds(means, HELD_BUT_FOR_NOISE * sd).into_iter();
         let long: Vec<Hold> = found.filter(|hold| hold.samples.len() >= HELD).collect();
-        changes.extend(long.windows(2).map(|pair| {
+        changes.extend(long.windows(2).filter_map(|pair| {
             let level = |hold: &Hold| mean(&means.input()[hold.samples.clone()]);
-            // A change may be within a block.
-            match pair[1].samples.start - pair[0].samples.end <= 1 {
-                true => (level(&pair[1]) - level(&pair[0])).abs(),
-                false => 0.0,
+            let between = &means.input()[pair[0].samples.end..pair[1].samples.start];
+            // A change may be within a block. Behind a missing command, the level may be the same.
+            match between {
+                [] | [_] => Some((level(&pair[1]) - level(&pair[0])).abs()),
+                _ => Some(0.0),
             }
+            .filter(|_| between.iter().all(|u| !u.is_nan()))
         }));
         held.extend(long.iter().map(|hold| {
             // The blocks at both ends may have samples of the next hold.
@@ -181,7 +183,8 @@ mod tests {
             let wanted = |lag: i32| sd * sd * memory.powi(lag);
             for (lag, found) in (0..).zip(&found.near) {
                 let error = (found - wanted(lag)).abs();
-                assert!(error < 0.12 * sd * sd, "{sd} {memory} {lag} {found}");
+                // Where a step is three standard deviations, a few samples of the next level pass for noise.
+                assert!(error < 0.2 * sd * sd, "{sd} {memory} {lag} {found}");
             }
         }
         // Holds of a few samples.
@@ -214,7 +217,7 @@ mod tests {
     #[test]
     fn missing_commands_end_holds() {
         let mut input = column(stairs, 0.1, 0.0);
-        for k in (0..SAMPLES).step_by(50) {
+        for k in (0..SAMPLES).step_by(37) {
             input[k] = f64::NAN;
         }
         let found = errors(input).unwrap();
