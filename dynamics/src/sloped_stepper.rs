@@ -6,7 +6,7 @@
 
 use crate::dual::Dual;
 use crate::equation::{PARAMETERS, ServoParameters, Slopes, place};
-use crate::stepper::{Advance, Driven, State, Stepper};
+use crate::stepper::{Advance, Driven, State, Stepper, TooFast};
 
 /// Angle and speed of the shaft, with their derivatives by the parameters.
 pub(crate) struct SlopedState {
@@ -97,7 +97,7 @@ impl<'a> SlopedStepper<'a> {
         Self {
             plain: Stepper::new(physics, step_s),
             physics,
-            motor_damping: physics.limit.map_or(0.0, |limit| limit.motor_damping),
+            motor_damping: (physics.drive_limit()).map_or(0.0, |limit| limit.motor_damping),
             by_delay,
         }
     }
@@ -203,7 +203,29 @@ impl SlopedStepper<'_> {
             Some(_) => return (0.0, None),
         };
         let after = free - forces.friction.direction * most;
-        (after, Some(self.by_inputs(speed, middle, &forces)))
+        match self.plain.limit_below(after) {
+            None => (after, Some(self.by_inputs(speed, middle, &forces))),
+            Some(side) => self.at_speed_limit(side),
+        }
+    }
+
+    /// The speed at its limit, which depends on nothing else.
+    #[inline(always)]
+    fn at_speed_limit(&self, side: TooFast) -> (f64, Option<ByInputs>) {
+        let mut by = ByInputs::default();
+        let [larger, smaller] = self.plain.fastest;
+        let after = match side {
+            TooFast::Larger => {
+                by.parameters[place::SPEED_UP] = 1.0;
+                larger
+            }
+            TooFast::Smaller => {
+                by.parameters[place::SPEED_UP] = -smaller / larger;
+                by.parameters[place::SPEED_DOWN_TO_UP] = -larger;
+                -smaller
+            }
+        };
+        (after, Some(by))
     }
 
     /// With D the damping, x = `loaded`, p = `push` and F the friction, the speed after the step is D (x + p ± F).
@@ -261,7 +283,7 @@ impl SlopedStepper<'_> {
         slopes[place::STIFFNESS] = by_stiffness * step_s * ratio;
         slopes[place::DAMPING] = by_braking * half_s * ratio;
         let of_loop = physics.damping - self.motor_damping;
-        if let Some(limit) = physics.limit {
+        if let Some(limit) = physics.drive_limit() {
             slopes[place::MOTOR_DAMPING] = (by_half_motor - by_braking * ratio) * half_s;
             slopes[place::UP] = by_most * step_s * ratio;
             if side.sign < 0.0 {
@@ -269,6 +291,9 @@ impl SlopedStepper<'_> {
                     + by_braking * half_s * of_loop
                     + by_most * step_s * limit.up;
             }
+        }
+        if physics.speed_limit.is_some() {
+            (slopes[place::SPEED_UP], slopes[place::SPEED_DOWN_TO_UP]) = (0.0, 0.0);
         }
         if plain.dead_band.is_some() {
             slopes[place::DEAD_BAND] = -by.command * forces.error.signum();

@@ -131,6 +131,12 @@ impl Ladder<'_> {
 
     /// Climbs: returns the index of the chosen rung among those tried.
     fn climb(&mut self) -> usize {
+        let chosen = self.climb_without_speed_limit();
+        self.with_speed_limit(chosen)
+    }
+
+    /// The same among servos whose speed is not cut off.
+    fn climb_without_speed_limit(&mut self) -> usize {
         let limited = Terms {
             limit: true,
             ..Terms::default()
@@ -188,6 +194,54 @@ impl Ladder<'_> {
             best
         } else {
             linear
+        }
+    }
+
+    /// The rung with a limit of the speed, where it predicts better than `without` by more than scatter; else that one, and none of those that were
+    /// tried for it is left.
+    ///
+    /// Other terms stand for a speed that is cut off, so it is tried with the fewest, and these are climbed anew.
+    fn with_speed_limit(&mut self, without: usize) -> usize {
+        if !self.tried[without].terms.limit {
+            return without;
+        }
+        let known = self.tried.len();
+        let own = Terms {
+            speed_limit: true,
+            ..self.tried[without].terms
+        };
+        let limited = Terms {
+            limit: true,
+            speed_limit: true,
+            ..Terms::default()
+        };
+        let two_speeds = Terms {
+            two_speeds: true,
+            ..limited
+        };
+        let at_once = Terms {
+            limit: false,
+            ..two_speeds
+        };
+        let mut best = self.extended(without, two_speeds);
+        for terms in [limited, at_once, own] {
+            let rung = self.extended(without, terms);
+            best = self.better(best, rung);
+        }
+        if self.better(without, best) == best {
+            best = self.add_terms(best);
+            best = self.drop_terms(best);
+        }
+        let needed = self.tried[best].total()
+            < (1.0 - SERVO_MATERIAL_ADVANTAGE) * self.tried[without].total();
+        if needed && self.tried[best].beats(&self.tried[without]) {
+            for terms in richer(self.tried[best].terms) {
+                self.extended(best, terms);
+            }
+            best
+        } else {
+            self.tried.truncate(known);
+            without
         }
     }
 
@@ -372,6 +426,9 @@ impl Ladder<'_> {
             point.set(coordinate, value);
             point
         };
+        if terms.speed_limit && !from.terms.speed_limit {
+            return self.with_speed_cut_off(from, plain);
+        }
         if from.terms.load == terms.load {
             return vec![plain];
         }
@@ -393,6 +450,23 @@ impl Ladder<'_> {
         }
     }
 
+    /// The servo `plain`, which is new to a limit of the speed, with the acceleration of `from` and larger ones: full drive that falls with
+    /// the speed is lower on the average than at rest. A fit that has to come to its speed by and by is late, so shorter delays are tried, too.
+    fn with_speed_cut_off(&self, from: &Point, plain: Point) -> Vec<Point> {
+        let drive = from.physics(0, |_, value| value).limit;
+        let delay_s = plain.get(Coordinate::Delay).unwrap_or(0.0);
+        let mut points = Vec::new();
+        for (stronger, earlier) in [(1.0, 1.0), (2.0, 1.0), (1.0, 0.7), (2.0, 0.7), (8.0, 0.7)] {
+            let mut point = plain.clone();
+            if let Some(limit) = drive {
+                point.set(Coordinate::LnAcceleration, (stronger * limit.up).ln());
+            }
+            point.set(Coordinate::Delay, earlier * delay_s);
+            points.push(point);
+        }
+        points
+    }
+
     fn problem<'b>(&'b self, used: &'b dyn Fn(usize) -> bool) -> Problem<'b> {
         Problem {
             stretches: self.stretches,
@@ -411,6 +485,13 @@ fn richer(terms: Terms) -> Vec<Terms> {
     let simpler = terms.load.simpler();
     let more_load = |load: &LoadKind| !simpler.contains(load) && *load != terms.load;
     let with = [
+        (
+            terms.speed_limit && !terms.limit,
+            Terms {
+                limit: true,
+                ..terms
+            },
+        ),
         (
             !terms.two_speeds,
             Terms {
@@ -449,6 +530,13 @@ fn richer(terms: Terms) -> Vec<Terms> {
 fn poorer(terms: Terms) -> Vec<Terms> {
     let without = [
         (
+            terms.speed_limit && terms.limit,
+            Terms {
+                limit: false,
+                ..terms
+            },
+        ),
+        (
             terms.two_speeds,
             Terms {
                 two_speeds: false,
@@ -483,7 +571,7 @@ fn poorer(terms: Terms) -> Vec<Terms> {
 
 /// The terms that are possible, and `terms` with each of the loads.
 fn with_loads(
-    terms_if_possible: [(bool, Terms); 4],
+    terms_if_possible: [(bool, Terms); 5],
     loads: impl Iterator<Item = LoadKind>,
     terms: Terms,
 ) -> Vec<Terms> {

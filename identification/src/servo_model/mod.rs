@@ -69,4 +69,6 @@ pub use quantity_kind::QuantityKind;
 pub use reached_speeds::ReachedSpeeds;
 pub use recorded_motion::RecordedMotion;
 pub use search_progress::Watch;
-pub use servoid_dynamics::{AtRest, DriveLimit, Friction, Load, ServoParameters, Stops};
+pub use servoid_dynamics::{
+    AtRest, DriveLimit, Friction, Load, ServoParameters, SpeedLimit, Stops,
+};

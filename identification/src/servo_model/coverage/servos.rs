@@ -138,6 +138,7 @@ fn terms(kind: Kind, seed: u64) -> Terms {
     Terms {
         limit: true,
         two_speeds: seed % 2 == 1,
+        speed_limit: false,
         dead_band: seed % 3 == 1,
         friction: seed % 3 == 2 || kind == Kind::Stiction,
         friction_of_gears: false,

@@ -28,7 +28,8 @@ const TIME_CONSTANT: f64 = 2.0;
 const TURNS: f64 = 1e3;
 
 /// What position actuator and joint have not.
-const LEFT_OUT: [Term; 5] = [
+const LEFT_OUT: [Term; 6] = [
+    Term::SpeedLimit,
     Term::WeakerLoopDownwards,
     Term::DeadBand,
     Term::FrictionOfGears,
@@ -60,11 +61,12 @@ impl Joint {
         let p = &export.parameters;
         let turn = turn(export, radians);
         let size = turn.each.abs();
-        let damping = p.limit.map_or(0.0, |limit| limit.motor_damping);
+        let limit = p.drive_limit();
+        let damping = limit.map_or(0.0, |limit| limit.motor_damping);
         Self {
             kp: p.stiffness,
             kv: p.damping - damping,
-            range: p.limit.map(|limit| {
+            range: limit.map(|limit| {
                 let drives = [limit.up, limit.up * limit.down_to_up];
                 let [up, down] = p.upwards_first(drives).map(|drive| size * drive);
                 (up, down)

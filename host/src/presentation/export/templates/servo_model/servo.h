@@ -209,7 +209,9 @@ static inline void {{id}}_advance({{id}}_state *servo, {{id}}_real h, {{id}}_rea
     {{id}}_real relative = speed / {{id}}_friction_speed;
     {{id}}_real held = h * {{id}}_friction + {{id}}_friction_of_gears * {{id}}_size(drive + load);
     held = held * (1 + {{id}}_friction_at_rest / (1 + relative * relative));
-    servo->speed = {{id}}_nearer_zero((loaded + pushed) * left, left * held);
+    speed = {{id}}_nearer_zero((loaded + pushed) * left, left * held);
+    speed = speed < {{id}}_lowest_speed ? {{id}}_lowest_speed : speed;
+    servo->speed = speed > {{id}}_highest_speed ? {{id}}_highest_speed : speed;
     servo->angle = middle + h * servo->speed / 2;
     /* A stop takes all speed. */
     {{id}}_real free = servo->angle;

@@ -139,7 +139,8 @@ function advance!(servo::Servo, h, command)
     relative = servo.speed / FRICTION_SPEED
     held = h * FRICTION + FRICTION_OF_GEARS * abs(drive + loading)
     held = held * (1.0 + FRICTION_AT_REST / (1.0 + relative * relative))
-    servo.speed = nearer_zero((loaded + pushed) * left, left * held)
+    speed = nearer_zero((loaded + pushed) * left, left * held)
+    servo.speed = clamp(speed, LOWEST_SPEED, HIGHEST_SPEED)
     servo.angle = middle + 0.5 * h * servo.speed
     # A stop takes all speed.
     if servo.angle != between_stops(servo.angle)

@@ -141,7 +141,8 @@ end
 relative = servo.speed / p.friction_speed;
 held = h * p.friction + p.friction_of_gears * abs(drive + load);
 held = held * (1.0 + p.friction_at_rest / (1.0 + relative * relative));
-servo.speed = nearer_zero((loaded + pushed) * left, left * held);
+speed = nearer_zero((loaded + pushed) * left, left * held);
+servo.speed = max(p.lowest_speed, min(p.highest_speed, speed));
 servo.angle = middle + 0.5 * h * servo.speed;
 % A stop takes all speed.
 if servo.angle ~= between_stops(servo.angle, p)

@@ -167,7 +167,8 @@ class Servo:
         relative = self.speed / FRICTION_SPEED
         held = h * FRICTION + FRICTION_OF_GEARS * abs(drive + loading)
         held = held * (1.0 + FRICTION_AT_REST / (1.0 + relative * relative))
-        self.speed = nearer_zero((loaded + pushed) * left, left * held)
+        speed = nearer_zero((loaded + pushed) * left, left * held)
+        self.speed = max(LOWEST_SPEED, min(HIGHEST_SPEED, speed))
         self.angle = middle + 0.5 * h * self.speed
         # A stop takes all speed.
         if self.angle != between_stops(self.angle):
