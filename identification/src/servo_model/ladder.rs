@@ -7,6 +7,7 @@
 use super::coordinates::{Coordinate, LoadKind, Point, Terms};
 use super::fit::Problem;
 use super::initial_state::find_starts;
+use super::neighbouring_terms::{poorer, richer};
 use super::search_progress::Watch;
 use super::starting_values::{Shown, other_starts, search};
 use super::stretches::{FOLDS, Stretch};
@@ -46,7 +47,7 @@ impl Rung {
 
     /// Whether `self` predicts better than `other` by more than the scatter of its advantage. The advantage in a block is
     /// the logarithm of the ratio of the errors, so that no block decides by its size.
-    fn beats(&self, other: &Self) -> bool {
+    pub(super) fn beats(&self, other: &Self) -> bool {
         beats(&self.held_out, &other.held_out)
     }
 }
@@ -197,54 +198,6 @@ impl Ladder<'_> {
         }
     }
 
-    /// The rung with a limit of the speed, where it predicts better than `without` by more than scatter; else that one, and none of those that were
-    /// tried for it is left.
-    ///
-    /// Other terms stand for a speed that is cut off, so it is tried with the fewest, and these are climbed anew.
-    fn with_speed_limit(&mut self, without: usize) -> usize {
-        if !self.tried[without].terms.limit {
-            return without;
-        }
-        let known = self.tried.len();
-        let own = Terms {
-            speed_limit: true,
-            ..self.tried[without].terms
-        };
-        let limited = Terms {
-            limit: true,
-            speed_limit: true,
-            ..Terms::default()
-        };
-        let two_speeds = Terms {
-            two_speeds: true,
-            ..limited
-        };
-        let at_once = Terms {
-            limit: false,
-            ..two_speeds
-        };
-        let mut best = self.extended(without, two_speeds);
-        for terms in [limited, at_once, own] {
-            let rung = self.extended(without, terms);
-            best = self.better(best, rung);
-        }
-        if self.better(without, best) == best {
-            best = self.add_terms(best);
-            best = self.drop_terms(best);
-        }
-        let needed = self.tried[best].total()
-            < (1.0 - SERVO_MATERIAL_ADVANTAGE) * self.tried[without].total();
-        if needed && self.tried[best].beats(&self.tried[without]) {
-            for terms in richer(self.tried[best].terms) {
-                self.extended(best, terms);
-            }
-            best
-        } else {
-            self.tried.truncate(known);
-            without
-        }
-    }
-
     /// The rungs that the best one does not beat, the best first, without `chosen`.
     fn not_beaten(&self, chosen: usize) -> Vec<usize> {
         let mut all: Vec<usize> = (0..self.tried.len()).collect();
@@ -256,7 +209,7 @@ impl Ladder<'_> {
 
     /// Adds the term that helps most, as long as one helps: with or without significance, because some help only
     /// together.
-    fn add_terms(&mut self, mut best: usize) -> usize {
+    pub(super) fn add_terms(&mut self, mut best: usize) -> usize {
         loop {
             self.try_other_starts(best);
             let before = self.tried[best].total();
@@ -295,7 +248,7 @@ impl Ladder<'_> {
 
     /// Takes out terms that prediction does not miss, the least missed first: the result is the poorest servo that the
     /// best one does not beat.
-    fn drop_terms(&mut self, best: usize) -> usize {
+    pub(super) fn drop_terms(&mut self, best: usize) -> usize {
         let mut kept = best;
         loop {
             let mut least = None;
@@ -321,7 +274,7 @@ impl Ladder<'_> {
         totals.fold(f64::INFINITY, f64::min)
     }
 
-    fn better(&self, a: usize, b: usize) -> usize {
+    pub(super) fn better(&self, a: usize, b: usize) -> usize {
         if self.tried[b].total() < self.tried[a].total() {
             b
         } else {
@@ -354,7 +307,7 @@ impl Ladder<'_> {
     }
 
     /// A rung found from another one.
-    fn extended(&mut self, from: usize, terms: Terms) -> usize {
+    pub(super) fn extended(&mut self, from: usize, terms: Terms) -> usize {
         if let Some(known) = self.tried.iter().position(|rung| rung.terms == terms) {
             return known;
         }
@@ -450,23 +403,6 @@ impl Ladder<'_> {
         }
     }
 
-    /// The servo `plain`, which is new to a limit of the speed, with the acceleration of `from` and larger ones: full drive that falls with
-    /// the speed is lower on the average than at rest. A fit that has to come to its speed by and by is late, so shorter delays are tried, too.
-    fn with_speed_cut_off(&self, from: &Point, plain: Point) -> Vec<Point> {
-        let drive = from.physics(0, |_, value| value).limit;
-        let delay_s = plain.get(Coordinate::Delay).unwrap_or(0.0);
-        let mut points = Vec::new();
-        for (stronger, earlier) in [(1.0, 1.0), (2.0, 1.0), (1.0, 0.7), (2.0, 0.7), (8.0, 0.7)] {
-            let mut point = plain.clone();
-            if let Some(limit) = drive {
-                point.set(Coordinate::LnAcceleration, (stronger * limit.up).ln());
-            }
-            point.set(Coordinate::Delay, earlier * delay_s);
-            points.push(point);
-        }
-        points
-    }
-
     fn problem<'b>(&'b self, used: &'b dyn Fn(usize) -> bool) -> Problem<'b> {
         Problem {
             stretches: self.stretches,
@@ -478,105 +414,4 @@ impl Ladder<'_> {
             watch: self.watch,
         }
     }
-}
-
-/// The same terms and one more, or another load.
-fn richer(terms: Terms) -> Vec<Terms> {
-    let simpler = terms.load.simpler();
-    let more_load = |load: &LoadKind| !simpler.contains(load) && *load != terms.load;
-    let with = [
-        (
-            terms.speed_limit && !terms.limit,
-            Terms {
-                limit: true,
-                ..terms
-            },
-        ),
-        (
-            !terms.two_speeds,
-            Terms {
-                two_speeds: true,
-                ..terms
-            },
-        ),
-        (
-            !terms.dead_band,
-            Terms {
-                dead_band: true,
-                ..terms
-            },
-        ),
-        (
-            !terms.friction,
-            Terms {
-                friction: true,
-                ..terms
-            },
-        ),
-        (
-            !terms.friction_of_gears,
-            Terms {
-                friction: true,
-                friction_of_gears: true,
-                ..terms
-            },
-        ),
-    ];
-    let loads = LoadKind::BY_COORDINATES.into_iter().filter(more_load);
-    with_loads(with, loads, terms)
-}
-
-/// The same terms and one fewer, or a simpler load.
-fn poorer(terms: Terms) -> Vec<Terms> {
-    let without = [
-        (
-            terms.speed_limit && terms.limit,
-            Terms {
-                limit: false,
-                ..terms
-            },
-        ),
-        (
-            terms.two_speeds,
-            Terms {
-                two_speeds: false,
-                ..terms
-            },
-        ),
-        (
-            terms.dead_band,
-            Terms {
-                dead_band: false,
-                ..terms
-            },
-        ),
-        (
-            terms.friction,
-            Terms {
-                friction: false,
-                friction_of_gears: false,
-                ..terms
-            },
-        ),
-        (
-            terms.friction_of_gears,
-            Terms {
-                friction_of_gears: false,
-                ..terms
-            },
-        ),
-    ];
-    with_loads(without, terms.load.simpler().iter().copied(), terms)
-}
-
-/// The terms that are possible, and `terms` with each of the loads.
-fn with_loads(
-    terms_if_possible: [(bool, Terms); 5],
-    loads: impl Iterator<Item = LoadKind>,
-    terms: Terms,
-) -> Vec<Terms> {
-    let possible = |(possible, terms): (bool, Terms)| possible.then_some(terms);
-    let with_load = |load| Terms { load, ..terms };
-    let others = terms_if_possible.into_iter().filter_map(possible);
-    others.chain(loads.map(with_load)).collect()
 }

@@ -33,7 +33,7 @@ impl Term {
     fn name(self) -> &'static str {
         match self {
             Self::FullDrive => "the time in which speed builds up",
-            Self::SpeedLimit => "the limit of the speed",
+            Self::SpeedLimit => "the speed that is cut off",
             Self::TwoSpeeds => "one of the two speeds",
             Self::WeakerLoopDownwards => "the weaker loop to one side",
             Self::DampingRatio => "the damping ratio",
@@ -171,8 +171,13 @@ impl ServoExport<'_> {
         let limit = self.parameters.speed_limit?;
         let speeds = [limit.up, limit.up * limit.down_to_up];
         let [up, down] = self.parameters.upwards_first(speeds).map(four_digits);
+        let drive = self.parameters.drive_limit().map(|drive| {
+            let most = four_digits(drive.up);
+            format!(" and full drive as an acceleration of {most} {command}/s^2")
+        });
+        let drive = drive.unwrap_or_default();
         Some(format!(
-            "the limit of the speed, {up} {command}/s upwards and {down} downwards: here large strokes are quicker"
+            "the limit of the speed, {up} {command}/s upwards and {down} downwards{drive}: here a motor's damping stands for that"
         ))
     }
 

@@ -1,0 +1,76 @@
+//! Whether the servo's speed is cut off: a second climb of the [ladder](super::ladder), behind the first.
+//!
+//! A motor comes to its top speed by and by. The speed of a digital servo that follows a profile, and of most servos that simulations have, is cut off at its
+//! limit. Terms of the first kind stand for the second with errors that are several times the noise, and delays that are off by a third.
+
+use super::coordinates::{Coordinate, Point, Terms};
+use super::ladder::Ladder;
+use super::neighbouring_terms::richer;
+use crate::thresholds::SERVO_MATERIAL_ADVANTAGE;
+
+impl Ladder<'_> {
+    /// The rung with a limit of the speed, where it predicts better than `without` by more than scatter; else that one, and none of those that were
+    /// tried for it is left.
+    ///
+    /// Other terms stand for a speed that is cut off, so it is tried with the fewest, and these are climbed anew.
+    pub(super) fn with_speed_limit(&mut self, without: usize) -> usize {
+        if !self.tried[without].terms.limit {
+            return without;
+        }
+        let known = self.tried.len();
+        let own = Terms {
+            speed_limit: true,
+            ..self.tried[without].terms
+        };
+        let limited = Terms {
+            limit: true,
+            speed_limit: true,
+            ..Terms::default()
+        };
+        let two_speeds = Terms {
+            two_speeds: true,
+            ..limited
+        };
+        let at_once = Terms {
+            limit: false,
+            ..two_speeds
+        };
+        let mut best = self.extended(without, two_speeds);
+        for terms in [limited, at_once, own] {
+            let rung = self.extended(without, terms);
+            best = self.better(best, rung);
+        }
+        if self.better(without, best) == best {
+            best = self.add_terms(best);
+            best = self.drop_terms(best);
+        }
+        let needed = self.tried[best].total()
+            < (1.0 - SERVO_MATERIAL_ADVANTAGE) * self.tried[without].total();
+        if needed && self.tried[best].beats(&self.tried[without]) {
+            for terms in richer(self.tried[best].terms) {
+                self.extended(best, terms);
+            }
+            best
+        } else {
+            self.tried.truncate(known);
+            without
+        }
+    }
+
+    /// The servo `plain`, which is new to a limit of the speed, with the acceleration of `from` and larger ones: full drive that falls with
+    /// the speed is lower on the average than at rest. A fit that has to come to its speed by and by is late, so shorter delays are tried, too.
+    pub(super) fn with_speed_cut_off(&self, from: &Point, plain: Point) -> Vec<Point> {
+        let drive = from.physics(0, |_, value| value).limit;
+        let delay_s = plain.get(Coordinate::Delay).unwrap_or(0.0);
+        let mut points = Vec::new();
+        for (stronger, earlier) in [(1.0, 1.0), (2.0, 1.0), (1.0, 0.7), (2.0, 0.7), (8.0, 0.7)] {
+            let mut point = plain.clone();
+            if let Some(limit) = drive {
+                point.set(Coordinate::LnAcceleration, (stronger * limit.up).ln());
+            }
+            point.set(Coordinate::Delay, earlier * delay_s);
+            points.push(point);
+        }
+        points
+    }
+}
