@@ -299,7 +299,7 @@ impl Ladder<'_> {
     }
 
     /// A servo found from far away.
-    fn searched(&self, terms: Terms) -> Point {
+    pub(super) fn searched(&self, terms: Terms) -> Point {
         let all = |_: usize| true;
         let (problem, controllers) = (self.problem(&all), self.controllers);
         let own = (self.radians, self.run_offsets);
@@ -315,8 +315,13 @@ impl Ladder<'_> {
         self.add(terms, &from)
     }
 
-    fn add(&mut self, terms: Terms, from: &Point) -> usize {
-        let fit = self.fit(terms, from);
+    pub(super) fn add(&mut self, terms: Terms, from: &Point) -> usize {
+        self.add_lowest(terms, self.variants(from, terms))
+    }
+
+    /// The rung of the lowest minimum from these starts.
+    pub(super) fn add_lowest(&mut self, terms: Terms, starts: Vec<Point>) -> usize {
+        let fit = self.fit(starts);
         self.tried.push(self.rung(terms, fit));
         let percent = fit_percent(self.lowest(), self.shown.output_square);
         self.watch.tried(self.tried.len(), percent);
@@ -324,10 +329,10 @@ impl Ladder<'_> {
     }
 
     /// The best fit to the whole record, and its cost.
-    fn fit(&self, terms: Terms, from: &Point) -> (f64, Point) {
+    fn fit(&self, starts: Vec<Point>) -> (f64, Point) {
         let all = |_: usize| true;
         let problem = self.problem(&all);
-        problem.best_descent(self.variants(from, terms), STEPS)
+        problem.best_descent(starts, STEPS)
     }
 
     /// How the fit predicts blocks that it has not seen: the fits without their folds are near, a few steps from that to the
@@ -371,7 +376,7 @@ impl Ladder<'_> {
     }
 
     /// The servo `from` with other terms. Those with more than one valley are tried from more than one side.
-    fn variants(&self, from: &Point, terms: Terms) -> Vec<Point> {
+    pub(super) fn variants(&self, from: &Point, terms: Terms) -> Vec<Point> {
         let fresh = |at: Coordinate| self.shown.fresh(at, self.radians);
         let plain = from.with_terms(terms, self.controllers, fresh);
         let varied = |coordinate: Coordinate, value: f64| {

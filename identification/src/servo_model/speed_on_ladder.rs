@@ -6,46 +6,19 @@
 use super::coordinates::{Coordinate, Point, Terms};
 use super::ladder::Ladder;
 use super::neighbouring_terms::richer;
-use crate::thresholds::SERVO_MATERIAL_ADVANTAGE;
+use crate::thresholds::SERVO_LARGE_ADVANTAGE;
 
 impl Ladder<'_> {
-    /// The rung with a limit of the speed, where it predicts better than `without` by more than scatter; else that one, and none of those that were
-    /// tried for it is left.
-    ///
-    /// Other terms stand for a speed that is cut off, so it is tried with the fewest, and these are climbed anew.
+    /// The rung with a limit of the speed, where it predicts better than `without` by more than scatter and by much; else that one, and none
+    /// of those that were tried for it is left.
     pub(super) fn with_speed_limit(&mut self, without: usize) -> usize {
         if !self.tried[without].terms.limit {
             return without;
         }
         let known = self.tried.len();
-        let own = Terms {
-            speed_limit: true,
-            ..self.tried[without].terms
-        };
-        let limited = Terms {
-            limit: true,
-            speed_limit: true,
-            ..Terms::default()
-        };
-        let two_speeds = Terms {
-            two_speeds: true,
-            ..limited
-        };
-        let at_once = Terms {
-            limit: false,
-            ..two_speeds
-        };
-        let mut best = self.extended(without, two_speeds);
-        for terms in [limited, at_once, own] {
-            let rung = self.extended(without, terms);
-            best = self.better(best, rung);
-        }
-        if self.better(without, best) == best {
-            best = self.add_terms(best);
-            best = self.drop_terms(best);
-        }
-        let needed = self.tried[best].total()
-            < (1.0 - SERVO_MATERIAL_ADVANTAGE) * self.tried[without].total();
+        let best = self.climb_with_speed_limit(without);
+        let needed =
+            self.tried[best].total() < (1.0 - SERVO_LARGE_ADVANTAGE) * self.tried[without].total();
         if needed && self.tried[best].beats(&self.tried[without]) {
             for terms in richer(self.tried[best].terms) {
                 self.extended(best, terms);
@@ -55,6 +28,37 @@ impl Ladder<'_> {
             self.tried.truncate(known);
             without
         }
+    }
+
+    /// The best rung with a limit of the speed. Other terms of `without` may stand for it, so it is tried with the fewest, too: from there, and found
+    /// from far away where the drive has no limit of its own, for which a stiff drive with a long delay may stand.
+    fn climb_with_speed_limit(&mut self, without: usize) -> usize {
+        let own = Terms {
+            speed_limit: true,
+            ..self.tried[without].terms
+        };
+        let at_once = Terms {
+            two_speeds: true,
+            speed_limit: true,
+            ..Terms::default()
+        };
+        let two_speeds = Terms {
+            limit: true,
+            ..at_once
+        };
+        let from = self.searched(at_once);
+        let at_once = self.add(at_once, &from);
+        let starts =
+            [without, at_once].map(|rung| self.variants(&self.tried[rung].fit, two_speeds));
+        let both = self.add_lowest(two_speeds, starts.concat());
+        let own = self.extended(without, own);
+        let best = [both, own].into_iter();
+        let best = best.fold(at_once, |best, rung| self.better(best, rung));
+        if self.better(without, best) == without {
+            return best;
+        }
+        let best = self.add_terms(best);
+        self.drop_terms(best)
     }
 
     /// The servo `plain`, which is new to a limit of the speed, with the acceleration of `from` and larger ones: full drive that falls with

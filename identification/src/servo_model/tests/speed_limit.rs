@@ -11,6 +11,15 @@ use crate::servo_model::{QuantityKind, ServoModel, ServoModelOptions, fit};
 /// Steps of the integration in a sample period: by Euler's rule in 20 µs, as a simulation would have it.
 const STEPS: usize = 100;
 
+/// How it moves.
+#[derive(Clone, Copy, Debug)]
+enum Motion {
+    /// By an error and a damping, with an acceleration that may be limited.
+    SecondOrder,
+    /// At a speed that is proportional to the error, as far as speed and acceleration have no limits.
+    Profile,
+}
+
 /// A servo of second order whose speed is cut off, drawn by `seed`; every other one has a largest acceleration, too.
 struct Profiled {
     delay_s: f64,
@@ -39,8 +48,25 @@ impl Profiled {
         }
     }
 
+    /// The speed after a step of the integration.
+    fn next_speed(&self, motion: Motion, error: f64, speed: f64, step_s: f64) -> f64 {
+        let stiffness = self.bandwidth.powi(2);
+        let damping = 2.0 * self.damping_ratio * self.bandwidth;
+        let most = self.acceleration;
+        let change = match motion {
+            Motion::SecondOrder => {
+                (stiffness * error - damping * speed).clamp(-most, most) * step_s
+            }
+            Motion::Profile => {
+                let wanted = (stiffness / damping * error).clamp(-self.speed, self.speed);
+                (wanted - speed).clamp(-most * step_s, most * step_s)
+            }
+        };
+        (speed + change).clamp(-self.speed, self.speed)
+    }
+
     /// Strokes of up to 60 degrees to each side, small and large, under noise of 0.1 degrees.
-    fn recorded(&mut self, samples: usize) -> (Vec<f64>, Vec<f64>) {
+    fn recorded(&mut self, motion: Motion, samples: usize) -> (Vec<f64>, Vec<f64>) {
         let mut input: Vec<f64> = Vec::new();
         while input.len() < samples {
             let largest = [5.0, 15.0, 40.0, 60.0][self.random.random_range(0..4)];
@@ -59,10 +85,7 @@ impl Profiled {
                 output.push(angle + 0.1 * v);
             }
             let error = input[step.saturating_sub(late) / STEPS] - angle;
-            let wanted =
-                self.bandwidth.powi(2) * error - 2.0 * self.damping_ratio * self.bandwidth * speed;
-            let acceleration = wanted.clamp(-self.acceleration, self.acceleration);
-            speed = (speed + step_s * acceleration).clamp(-self.speed, self.speed);
+            speed = self.next_speed(motion, error, speed, step_s);
             angle += step_s * speed;
         }
         (input, output)
@@ -78,9 +101,9 @@ fn near(found: &ServoModel, kind: QuantityKind, truth: f64, share: f64) -> Resul
 }
 
 /// Finds a servo of this seed again, which was recorded for `samples`.
-fn find(seed: u64, samples: usize) -> Result<(), String> {
+fn find(motion: Motion, seed: u64, samples: usize) -> Result<(), String> {
     let mut servo = Profiled::new(seed);
-    let (input, output) = servo.recorded(samples);
+    let (input, output) = servo.recorded(motion, samples);
     let record = Record::of_run(PERIOD_S, &input, &output).unwrap();
     let found = fit(&record, &ServoModelOptions::default()).unwrap();
     if !found.terms.speed_limit {
@@ -103,6 +126,25 @@ fn find(seed: u64, samples: usize) -> Result<(), String> {
 #[test]
 fn a_servo_whose_speed_is_cut_off_is_found_again() {
     for seed in [1, 2] {
-        assert_eq!(find(seed, 5000), Ok(()), "{seed}");
+        assert_eq!(find(Motion::SecondOrder, seed, 5000), Ok(()), "{seed}");
+    }
+}
+
+/// A damping without end of the loop within, which no fit of the motor's own has.
+#[test]
+fn a_profile_of_speed_and_acceleration_is_found_again() {
+    assert_eq!(find(Motion::Profile, 3, 5000), Ok(()));
+}
+
+#[test]
+#[ignore = "a minute: cargo test --release -p servoid-identification --lib speeds_that_are_cut_off -- --ignored"]
+fn speeds_that_are_cut_off_are_found_again() {
+    for seed in 100..120 {
+        for motion in [Motion::SecondOrder, Motion::Profile] {
+            // Without a limit of its own the acceleration of a profile has no end.
+            if seed % 2 == 1 || matches!(motion, Motion::SecondOrder) {
+                assert_eq!(find(motion, seed, 10_000), Ok(()), "{motion:?} {seed}");
+            }
+        }
     }
 }
