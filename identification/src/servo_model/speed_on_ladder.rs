@@ -50,7 +50,11 @@ impl Ladder<'_> {
         let at_once = self.add(at_once, &from);
         let starts =
             [without, at_once].map(|rung| self.variants(&self.tried[rung].fit, two_speeds));
-        let both = self.add_lowest(two_speeds, starts.concat());
+        let profiles: Vec<Point> = starts
+            .iter()
+            .flat_map(|all| all.last().map(profile))
+            .collect();
+        let both = self.add_lowest(two_speeds, [starts.concat(), profiles].concat());
         let own = self.extended(without, own);
         let best = [both, own].into_iter();
         let best = best.fold(at_once, |best, rung| self.better(best, rung));
@@ -77,4 +81,17 @@ impl Ladder<'_> {
         }
         points
     }
+}
+
+/// Logarithm of the factor by which the loop of a profile is stiffer and more damped.
+const QUICKER: f64 = 2.0;
+
+/// The servo `point` as one that follows a profile: it comes to a speed that is proportional to the error as soon as its acceleration lets it.
+fn profile(point: &Point) -> Point {
+    let mut quick = point.clone();
+    for faster in [Coordinate::LnStiffness, Coordinate::LnDamping] {
+        let value = point.get(faster).unwrap_or(0.0);
+        quick.set(faster, value + QUICKER);
+    }
+    quick
 }

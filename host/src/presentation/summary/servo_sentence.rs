@@ -113,7 +113,7 @@ fn what_is_known(
 }
 
 /// What the recording shows whether or not the model is right: of a servo that does more than its model, terms and figures stand for
-/// what the model lacks (a load for a sagging supply, a delay for a slow profile generator).
+/// what the model lacks (a load for a sagging supply, a delay for a filter of the command).
 fn what_was_seen(
     model: &ServoModel,
     linear: &Model,
