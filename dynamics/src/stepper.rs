@@ -177,12 +177,19 @@ impl<S: Scalar> Stepper<S> {
                 nearer_zero(free, most)
             }
         };
+        let before = state.speed;
         state.speed = match self.limit_below(speed.value()) {
             None => speed,
             Some(TooFast::Larger) => self.fastest[0],
             Some(TooFast::Smaller) => -self.fastest[1],
         };
         state.angle = middle + state.speed * half_s;
+        if cuts(before.value(), state.speed.value(), speed.value()) {
+            // It comes to the limit within the step, and stays there for the rest of it.
+            let limit = state.speed;
+            let missed = (limit - before) * (speed - limit) / (speed - before);
+            state.angle = state.angle + missed * half_s;
+        }
         if let Some(end) = self.stop_before(state.angle.value()) {
             *state = State {
                 angle: end,
@@ -264,6 +271,12 @@ impl<S: Scalar> Stepper<S> {
         let one = S::constant(1.0);
         most * (one + at_rest.excess / (one + relative * relative))
     }
+}
+
+/// Whether a limit of the speed cuts a step off that goes from the speed `before` to `free` without it, and to `after` with it.
+#[inline(always)]
+pub(crate) fn cuts(before: f64, after: f64, free: f64) -> bool {
+    after != free && after != before
 }
 
 /// `value` moved towards zero by `width`, and zero where it would pass it.
