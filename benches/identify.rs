@@ -235,6 +235,7 @@ fn loaded_runs() -> Record<'static> {
             down_to_up: 1.2,
             motor_damping: 30.0,
         }),
+        speed_limit: None,
         dead_band: None,
         friction: Some(Friction {
             coulomb: 1200.0,

@@ -7,13 +7,16 @@
 //! r(t)  = u(t - d)
 //! e     = r - θ beyond a dead band of ±w, and counts from its edge
 //! drive = k e - (c - B) ω, between -A- and A+            acceleration; k and c - B are A-/A+ times as large where it is negative
-//! ω'    = drive - B ω - friction - load(θ)
+//! ω'    = drive - B ω - friction - load(θ)            0 where ω is at its limit, V+ or -V-, and this would take it beyond
 //! θ'    = ω,     y = gain θ + offset
 //! ```
 //!
 //! At small signals this is a second-order system with the stiffness k (1/s²) and the damping c (1/s), of which the
 //! motor's own part is B. Where the error exceeds E = A+/k the drive is full. The top speed towards
 //! larger θ is then (A+ - friction - load)/B. The output falls there if the gain is negative; upwards is where the output grows.
+//!
+//! A motor comes to its top speed by and by. The speed of a servo that follows a profile, of its own or of a simulation, is cut
+//! off at V instead. Such a servo has no B, and one drive for both directions: its speeds may differ.
 //!
 //! Friction is Coulomb's, C, and a share μ of the torque through the gears, drive + load, which presses their teeth together;
 //! both are larger at rest: (C + μ |drive + load|) (1 + s/(1 + (ω/ωs)²)) (D. P. Hess and A. Soom, "Friction at a
@@ -172,6 +175,16 @@ pub struct DriveLimit<S> {
     pub motor_damping: S,
 }
 
+/// The largest speed, which is cut off there: a motor comes to its own [by and by](DriveLimit::motor_damping). With it the drive is alike in
+/// both directions, and the motor has no damping of its own: what a [`DriveLimit`] has of these does not count.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpeedLimit<S> {
+    /// V+, the largest speed towards larger θ \[units of the command/s\].
+    pub up: S,
+    /// V-/V+.
+    pub down_to_up: S,
+}
+
 /// The outputs at which the shaft meets a stop: it takes all speed, and holds the shaft until that is driven back.
 ///
 /// A stop is an angle of the mechanism. It is known by the output that the sensor shows there, which a record shows by itself: that stays where it is
@@ -230,6 +243,8 @@ pub struct ServoParameters<S = f64> {
     pub offset: S,
     /// The limits of the drive, if it has any.
     pub limit: Option<DriveLimit<S>>,
+    /// The limits of the speed, if it has any.
+    pub speed_limit: Option<SpeedLimit<S>>,
     /// w \[units of the command\].
     pub dead_band: Option<S>,
     /// Friction, if there is any.
@@ -252,20 +267,32 @@ impl ServoParameters<f64> {
     }
 
     /// The speeds towards larger and smaller θ at which full drive, damping, friction and `load` \[acceleration\] balance \[units of
-    /// the command/s\], 0 where the load holds the drive; `None` where the drive has no limit.
+    /// the command/s\], or at which they are cut off; 0 where the load holds the drive. `None` without a limit.
     #[must_use]
     pub fn top_speeds(&self, load: f64) -> Option<[f64; 2]> {
-        let limit = self.limit?;
+        let cut_off = (self.speed_limit).map(|limit| [limit.up, limit.up * limit.down_to_up]);
+        let Some(limit) = self.drive_limit() else {
+            return cut_off;
+        };
         let friction = |through_gears: f64| {
             (self.friction).map_or(0.0, |friction| friction.in_motion(through_gears))
         };
-        let speed = |drive: f64, load: f64| {
-            (drive - load - friction(drive + load)).max(0.0) / limit.motor_damping
-        };
-        Some([
-            speed(limit.up, load),
-            speed(limit.up * limit.down_to_up, -load),
-        ])
+        let net = |drive: f64, load: f64| (drive - load - friction(drive + load)).max(0.0);
+        let net = [net(limit.up, load), net(limit.up * limit.down_to_up, -load)];
+        Some(match cut_off {
+            None => net.map(|net| net / limit.motor_damping),
+            Some([up, down]) => {
+                let of = |net: f64, speed: f64| if net > 0.0 { speed } else { 0.0 };
+                [of(net[0], up), of(net[1], down)]
+            }
+        })
+    }
+
+    /// The largest speed towards larger θ without friction and load \[units of the command/s\]; `None` without a limit.
+    #[must_use]
+    pub fn free_speed(&self) -> Option<f64> {
+        let cut_off = self.speed_limit.map(|limit| limit.up);
+        cut_off.or_else(|| self.limit.map(|limit| limit.up / limit.motor_damping))
     }
 
     /// What belongs to larger and smaller θ as what belongs to upwards and downwards: the output falls with θ where the gain is
@@ -296,9 +323,26 @@ pub(crate) mod place {
     pub(crate) const SPEED_AT_REST: usize = 12;
     /// The first of three.
     pub(crate) const LOAD: usize = 13;
+    /// A speed limit is at the places of what does not count beside it.
+    pub(crate) const SPEED_UP: usize = MOTOR_DAMPING;
+    pub(crate) const SPEED_DOWN_TO_UP: usize = DOWN_TO_UP;
 }
 
 impl<S: Scalar> ServoParameters<S> {
+    /// The limit of the drive, without what does not count beside a [`SpeedLimit`].
+    #[must_use]
+    pub fn drive_limit(&self) -> Option<DriveLimit<S>> {
+        let alone = self.speed_limit.is_none();
+        self.limit.map(|limit| match alone {
+            true => limit,
+            false => DriveLimit {
+                up: limit.up,
+                down_to_up: S::constant(1.0),
+                motor_damping: S::constant(0.0),
+            },
+        })
+    }
+
     /// The same servo behind a sensor whose zero is `higher` \[output\]: it moves alike, and all outputs are as much higher.
     #[must_use]
     pub fn seen_from(mut self, higher: f64) -> Self {
@@ -316,10 +360,14 @@ impl<S: Scalar> ServoParameters<S> {
         all[place::DAMPING] = self.damping;
         all[place::GAIN] = self.gain;
         all[place::OFFSET] = self.offset;
-        if let Some(limit) = self.limit {
+        if let Some(limit) = self.drive_limit() {
             all[place::UP] = limit.up;
             all[place::DOWN_TO_UP] = limit.down_to_up;
             all[place::MOTOR_DAMPING] = limit.motor_damping;
+        }
+        if let Some(limit) = self.speed_limit {
+            all[place::SPEED_UP] = limit.up;
+            all[place::SPEED_DOWN_TO_UP] = limit.down_to_up;
         }
         if let Some(width) = self.dead_band {
             all[place::DEAD_BAND] = width;
@@ -349,6 +397,10 @@ impl<S: Scalar> ServoParameters<S> {
                 up: number(place::UP, limit.up),
                 down_to_up: number(place::DOWN_TO_UP, limit.down_to_up),
                 motor_damping: number(place::MOTOR_DAMPING, limit.motor_damping),
+            }),
+            speed_limit: self.speed_limit.map(|limit| SpeedLimit {
+                up: number(place::SPEED_UP, limit.up),
+                down_to_up: number(place::SPEED_DOWN_TO_UP, limit.down_to_up),
             }),
             dead_band: self.dead_band.map(|width| number(place::DEAD_BAND, width)),
             friction: self.friction.map(|friction| Friction {

@@ -14,6 +14,7 @@
 //!     gain: 1.0,
 //!     offset: 0.0,
 //!     limit: None,
+//!     speed_limit: None,
 //!     dead_band: None,
 //!     friction: None,
 //!     load: Load::None,
@@ -36,7 +37,7 @@ mod stepper;
 
 pub use dual::{Dual, Scalar};
 pub use equation::{
-    AtRest, DriveLimit, Friction, Load, PARAMETERS, ServoParameters, Slopes, Stops,
+    AtRest, DriveLimit, Friction, Load, PARAMETERS, ServoParameters, Slopes, SpeedLimit, Stops,
 };
 pub use simulation::{Grid, Start, simulate, simulate_with_slopes};
 pub use stepper::{State, Stepper};

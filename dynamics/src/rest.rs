@@ -87,7 +87,7 @@ impl<S: Scalar> ServoParameters<S> {
 
     /// A-/A+ where the drive has the sign of `signed` and that is negative, else 1.
     fn ratio(&self, signed: S) -> S {
-        match self.limit {
+        match self.drive_limit() {
             Some(limit) if signed.value() < 0.0 => limit.down_to_up,
             _ => S::constant(1.0),
         }
@@ -101,7 +101,7 @@ impl<S: Scalar> ServoParameters<S> {
         };
         let ratio = self.ratio(seen);
         let wanted = seen * self.stiffness * ratio;
-        match self.limit {
+        match self.drive_limit() {
             Some(limit) if wanted.value().abs() > (limit.up * ratio).value() => {
                 limit.up * ratio * seen.value().signum()
             }
@@ -200,6 +200,7 @@ mod tests {
                 down_to_up: 1.0,
                 motor_damping: 25.0,
             }),
+            speed_limit: None,
             dead_band: None,
             friction: None,
             load: Load::None,

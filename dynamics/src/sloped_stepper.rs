@@ -6,7 +6,7 @@
 
 use crate::dual::Dual;
 use crate::equation::{PARAMETERS, ServoParameters, Slopes, place};
-use crate::stepper::{Advance, Driven, State, Stepper};
+use crate::stepper::{Advance, Driven, State, Stepper, TooFast, cuts};
 
 /// Angle and speed of the shaft, with their derivatives by the parameters.
 pub(crate) struct SlopedState {
@@ -97,7 +97,7 @@ impl<'a> SlopedStepper<'a> {
         Self {
             plain: Stepper::new(physics, step_s),
             physics,
-            motor_damping: physics.limit.map_or(0.0, |limit| limit.motor_damping),
+            motor_damping: (physics.drive_limit()).map_or(0.0, |limit| limit.motor_damping),
             by_delay,
         }
     }
@@ -189,9 +189,9 @@ impl SlopedStepper<'_> {
         }
     }
 
-    /// The speed after the step; no derivatives where the shaft sticks.
+    /// The speed after the step, without its limit; no derivatives where the shaft sticks.
     #[inline(always)]
-    fn speed_after(&self, speed: f64, middle: f64, command: f64) -> (f64, Option<ByInputs>) {
+    fn free_speed_after(&self, speed: f64, middle: f64, command: f64) -> (f64, Option<ByInputs>) {
         let mut forces = self.forces(speed, middle, command);
         let damped = forces.driven.damped;
         let free = (forces.loaded + forces.driven.push) * damped;
@@ -204,6 +204,50 @@ impl SlopedStepper<'_> {
         };
         let after = free - forces.friction.direction * most;
         (after, Some(self.by_inputs(speed, middle, &forces)))
+    }
+
+    /// The speed at its limit, which depends on nothing else.
+    fn limited_speed(&self, side: TooFast) -> (f64, ByInputs) {
+        let mut by = ByInputs::default();
+        let [larger, smaller] = self.plain.fastest;
+        let limit = match side {
+            TooFast::Larger => {
+                by.parameters[place::SPEED_UP] = 1.0;
+                larger
+            }
+            TooFast::Smaller => {
+                by.parameters[place::SPEED_UP] = -smaller / larger;
+                by.parameters[place::SPEED_DOWN_TO_UP] = -larger;
+                -smaller
+            }
+        };
+        (limit, by)
+    }
+
+    /// What the angle moves further in a step in which the speed comes to its limit, as it stays there for the rest of it: with ω before, V the limit
+    /// and f the speed without it, h/2 (V - ω) (f - V)/(f - ω).
+    fn after_cut(
+        &self,
+        speed: f64,
+        (free, by_free): (f64, &ByInputs),
+        (limit, by_limit): (f64, &ByInputs),
+    ) -> (f64, ByInputs) {
+        let half_s = 0.5 * self.plain.step_s;
+        let [until, rest] = [limit - speed, free - limit].map(|part| part / (free - speed));
+        let moved = until * (free - limit);
+        let [by_before, by_without, by_v] =
+            [-rest * rest, until * until, rest - until].map(|by| by * half_s);
+        let mut by = ByInputs {
+            middle: by_without * by_free.middle,
+            speed: by_before + by_without * by_free.speed,
+            command: by_without * by_free.command,
+            length: 0.5 * moved + by_without * by_free.length,
+            parameters: by_free.parameters.map(|slope| by_without * slope),
+        };
+        for (slope, of_limit) in by.parameters.iter_mut().zip(by_limit.parameters) {
+            *slope += by_v * of_limit;
+        }
+        (moved * half_s, by)
     }
 
     /// With D the damping, x = `loaded`, p = `push` and F the friction, the speed after the step is D (x + p ± F).
@@ -261,7 +305,7 @@ impl SlopedStepper<'_> {
         slopes[place::STIFFNESS] = by_stiffness * step_s * ratio;
         slopes[place::DAMPING] = by_braking * half_s * ratio;
         let of_loop = physics.damping - self.motor_damping;
-        if let Some(limit) = physics.limit {
+        if let Some(limit) = physics.drive_limit() {
             slopes[place::MOTOR_DAMPING] = (by_half_motor - by_braking * ratio) * half_s;
             slopes[place::UP] = by_most * step_s * ratio;
             if side.sign < 0.0 {
@@ -269,6 +313,9 @@ impl SlopedStepper<'_> {
                     + by_braking * half_s * of_loop
                     + by_most * step_s * limit.up;
             }
+        }
+        if physics.speed_limit.is_some() {
+            (slopes[place::SPEED_UP], slopes[place::SPEED_DOWN_TO_UP]) = (0.0, 0.0);
         }
         if plain.dead_band.is_some() {
             slopes[place::DEAD_BAND] = -by.command * forces.error.signum();
@@ -311,8 +358,56 @@ impl<'a> Advance for SlopedStepper<'a> {
         let half_s = self.plain.step_s * 0.5;
         let State { angle, speed } = state.plain;
         let middle = angle + speed * half_s;
-        let (after, by) = self.speed_after(speed, middle, command.value);
+        let (free, by) = self.free_speed_after(speed, middle, command.value);
         let by = by.unwrap_or_default();
+        let (mut after, mut further) = (free, None);
+        let (slopes, by_zero) = match self.plain.limit_below(free) {
+            None => self.by_state(&by, state, command),
+            Some(side) => {
+                let (limit, by_limit) = self.limited_speed(side);
+                after = limit;
+                further = cuts(speed, limit, free).then(|| {
+                    let (moved, by) = self.after_cut(speed, (free, &by), (limit, &by_limit));
+                    (moved, self.by_state(&by, state, command))
+                });
+                self.by_state(&by_limit, state, command)
+            }
+        };
+        let zero = &mut state.by_zero;
+        zero.angle += (zero.speed + by_zero) * half_s;
+        zero.speed = by_zero;
+        for (i, slope) in state.angle.iter_mut().enumerate() {
+            *slope += (state.speed[i] + slopes[i]) * half_s;
+        }
+        state.angle[place::DELAY] += (speed + after) * 0.5 * self.by_delay;
+        state.speed = slopes;
+        state.plain = State {
+            angle: middle + after * half_s,
+            speed: after,
+        };
+        if let Some((moved, (slopes, by_zero))) = further {
+            state.plain.angle += moved;
+            state.by_zero.angle += by_zero;
+            for (slope, more) in state.angle.iter_mut().zip(slopes) {
+                *slope += more;
+            }
+        }
+        if let Some(end) = self.plain.stop_before(state.plain.angle) {
+            *state = SlopedState::stopped(self.physics, end);
+        }
+    }
+}
+
+impl SlopedStepper<'_> {
+    /// The derivatives by the parameters, and by the zero of the sensor, of what has these by the inputs of a step from `state`.
+    #[inline(always)]
+    fn by_state(
+        &self,
+        by: &ByInputs,
+        state: &SlopedState,
+        command: SlopedCommand<'_>,
+    ) -> (Slopes, f64) {
+        let half_s = self.plain.step_s * 0.5;
         let by_speed = by.speed + by.middle * half_s;
         let mut slopes = by.parameters;
         for (i, slope) in slopes.iter_mut().enumerate() {
@@ -323,24 +418,11 @@ impl<'a> Advance for SlopedStepper<'a> {
                 *slope += by.command * of_command;
             }
         }
-        let zero = &mut state.by_zero;
+        let zero = &state.by_zero;
         let of_command = command.slopes.map_or(0.0, |slopes| slopes[place::OFFSET]);
         let by_zero = by.middle * zero.angle + by_speed * zero.speed + by.command * of_command;
-        zero.angle += (zero.speed + by_zero) * half_s;
-        zero.speed = by_zero;
         // The middle moves with the length of the step too.
-        slopes[place::DELAY] += (by.length + by.middle * speed * 0.5) * self.by_delay;
-        for (i, slope) in state.angle.iter_mut().enumerate() {
-            *slope += (state.speed[i] + slopes[i]) * half_s;
-        }
-        state.angle[place::DELAY] += (speed + after) * 0.5 * self.by_delay;
-        state.speed = slopes;
-        state.plain = State {
-            angle: middle + after * half_s,
-            speed: after,
-        };
-        if let Some(end) = self.plain.stop_before(state.plain.angle) {
-            *state = SlopedState::stopped(self.physics, end);
-        }
+        slopes[place::DELAY] += (by.length + by.middle * state.plain.speed * 0.5) * self.by_delay;
+        (slopes, by_zero)
     }
 }

@@ -57,6 +57,15 @@ pub(crate) struct Driven<'a, S> {
     pub(crate) drive: S,
 }
 
+/// Where a speed is beyond its limit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum TooFast {
+    /// Towards larger angles.
+    Larger,
+    /// Towards smaller ones.
+    Smaller,
+}
+
 /// A step of a certain length through the equation.
 ///
 /// The angle moves by half a step, the speed by a whole one under the forces at that angle, and the angle by the other half
@@ -76,6 +85,8 @@ pub struct Stepper<S> {
     pub(crate) load: Load<S>,
     /// The least and the largest angle, infinite without stops.
     pub(crate) range: [S; 2],
+    /// The largest speeds towards larger and smaller angles, infinite without a limit.
+    pub(crate) fastest: [S; 2],
 }
 
 impl<S: Scalar> Stepper<S> {
@@ -83,9 +94,8 @@ impl<S: Scalar> Stepper<S> {
     #[must_use]
     pub fn new(physics: &ServoParameters<S>, step_s: S) -> Self {
         let one = S::constant(1.0);
-        let motor = physics
-            .limit
-            .map_or(S::constant(0.0), |limit| limit.motor_damping);
+        let limit = physics.drive_limit();
+        let motor = limit.map_or(S::constant(0.0), |limit| limit.motor_damping);
         let half_motor = motor * step_s * 0.5;
         let side = |ratio: S, sign: f64| {
             let braking = (physics.damping - motor) * ratio * step_s * 0.5;
@@ -93,7 +103,7 @@ impl<S: Scalar> Stepper<S> {
                 stiffness: physics.stiffness * ratio * step_s,
                 braking,
                 proportional: one / (one + half_motor + braking),
-                largest: physics.limit.map(|limit| limit.up * ratio * step_s * sign),
+                largest: limit.map(|limit| limit.up * ratio * step_s * sign),
                 ratio,
                 sign,
             }
@@ -101,13 +111,17 @@ impl<S: Scalar> Stepper<S> {
         Self {
             step_s,
             up: side(one, 1.0),
-            down: side(physics.limit.map_or(one, |limit| limit.down_to_up), -1.0),
+            down: side(limit.map_or(one, |limit| limit.down_to_up), -1.0),
             coasting: one - half_motor,
             saturated: one / (one + half_motor),
             dead_band: physics.dead_band,
             friction: physics.friction,
             load: physics.load,
             range: physics.range(),
+            fastest: match physics.speed_limit {
+                None => [S::constant(f64::INFINITY); 2],
+                Some(limit) => [limit.up, limit.up * limit.down_to_up],
+            },
         }
     }
 
@@ -120,6 +134,13 @@ impl<S: Scalar> Stepper<S> {
             &mut self.down
         };
         side.largest = None;
+        self
+    }
+
+    /// The same without the limit of the speed towards larger or smaller θ.
+    #[must_use]
+    pub fn without_speed_limit(mut self, towards_larger: bool) -> Self {
+        self.fastest[usize::from(!towards_larger)] = S::constant(f64::INFINITY);
         self
     }
 
@@ -149,14 +170,26 @@ impl<S: Scalar> Stepper<S> {
             ..
         } = self.drive(error, state.speed, loaded);
         let free = (loaded + push) * damped;
-        state.speed = match self.friction {
+        let speed = match self.friction {
             None => free,
             Some(friction) => {
                 let most = self.friction_at(friction, state.speed, drive + load) * damped;
                 nearer_zero(free, most)
             }
         };
+        let before = state.speed;
+        state.speed = match self.limit_below(speed.value()) {
+            None => speed,
+            Some(TooFast::Larger) => self.fastest[0],
+            Some(TooFast::Smaller) => -self.fastest[1],
+        };
         state.angle = middle + state.speed * half_s;
+        if cuts(before.value(), state.speed.value(), speed.value()) {
+            // It comes to the limit within the step, and stays there for the rest of it.
+            let limit = state.speed;
+            let missed = (limit - before) * (speed - limit) / (speed - before);
+            state.angle = state.angle + missed * half_s;
+        }
         if let Some(end) = self.stop_before(state.angle.value()) {
             *state = State {
                 angle: end,
@@ -173,6 +206,19 @@ impl<S: Scalar> Stepper<S> {
             Some(low)
         } else if angle > high.value() {
             Some(high)
+        } else {
+            None
+        }
+    }
+
+    /// The side on which the limit of the speed is below `speed`.
+    #[inline(always)]
+    pub(crate) fn limit_below(&self, speed: f64) -> Option<TooFast> {
+        let [larger, smaller] = self.fastest;
+        if speed > larger.value() {
+            Some(TooFast::Larger)
+        } else if speed < -smaller.value() {
+            Some(TooFast::Smaller)
         } else {
             None
         }
@@ -225,6 +271,12 @@ impl<S: Scalar> Stepper<S> {
         let one = S::constant(1.0);
         most * (one + at_rest.excess / (one + relative * relative))
     }
+}
+
+/// Whether a limit of the speed cuts a step off that goes from the speed `before` to `free` without it, and to `after` with it.
+#[inline(always)]
+pub(crate) fn cuts(before: f64, after: f64, free: f64) -> bool {
+    after != free && after != before
 }
 
 /// `value` moved towards zero by `width`, and zero where it would pass it.

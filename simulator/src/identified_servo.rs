@@ -157,6 +157,7 @@ mod tests {
             gain: p.gain,
             offset: 0.0,
             limit: None,
+            speed_limit: None,
             dead_band: None,
             friction: None,
             load: Load::None,
@@ -172,6 +173,7 @@ mod tests {
                 down_to_up: 0.8,
                 motor_damping: 25.0,
             }),
+            speed_limit: None,
             dead_band: Some(0.05),
             friction: Some(Friction {
                 coulomb: 200.0,

@@ -43,6 +43,7 @@ mod tests {
             gain: 1.0,
             offset,
             limit: None,
+            speed_limit: None,
             dead_band: None,
             friction: None,
             load,

@@ -135,10 +135,10 @@ fn remedies(
             "take a large slow motion that goes on, which distinguishes dead band and friction: --reference multisine --amplitude 30 --frequencies 0.1:3 \
              --length 20, as far as the travel allows",
         ),
-        (!terms.limit).then_some(
+        (!terms.is_limited()).then_some(
             "raise --amplitude, if the servo may turn further: no stroke of this reference shows a limit of the drive or of the speed",
         ),
-        (terms.limit && open(QuantityKind::OF_LIMIT)).then_some(
+        (terms.is_limited() && open(QuantityKind::OF_LIMIT)).then_some(
             "raise --amplitude and the hold, so that strokes reach the top speed and stay at it",
         ),
         open(QuantityKind::OF_SMALL_SIGNALS).then_some(

@@ -5,7 +5,9 @@
 
 use super::stretches::Stretch;
 use serde::{Deserialize, Serialize};
-use servoid_dynamics::{AtRest, DriveLimit, Friction, Load, Scalar, ServoParameters, Stops};
+use servoid_dynamics::{
+    AtRest, DriveLimit, Friction, Load, Scalar, ServoParameters, SpeedLimit, Stops,
+};
 
 /// One number that the fit moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -25,8 +27,12 @@ pub enum Coordinate {
     LnTopSpeed,
     /// B/c, the motor's own share of the damping.
     MotorShare,
-    /// ln(A-/A+).
+    /// ln(A-/A+), or ln(V-/V+) where the speed is limited.
     LnDownToUp,
+    /// ln V+ (units of the command for each second).
+    LnSpeedLimit,
+    /// ln A+ where the speed is limited (units of the command for each second, squared).
+    LnAcceleration,
     /// w \[units of the command\].
     DeadBand,
     /// C/k \[units of the command\].
@@ -51,8 +57,8 @@ pub enum Coordinate {
 
 use Coordinate::{
     AirFrom, AirStiffening, ConstantLoad, DeadBand, Delay, FrictionAtRest, FrictionOfGears, Gain,
-    Gravity, GravityFrom, LnDamping, LnDownToUp, LnOwnStiffness, LnStiffness, LnTopSpeed,
-    MotorShare, Offset,
+    Gravity, GravityFrom, LnAcceleration, LnDamping, LnDownToUp, LnOwnStiffness, LnSpeedLimit,
+    LnStiffness, LnTopSpeed, MotorShare, Offset,
 };
 
 /// ωs B/A+, the speed at which half of the excess of friction at rest is gone, as a share of the top speed. Records hardly show
@@ -65,7 +71,13 @@ impl Coordinate {
     pub(super) fn is_logarithm(self) -> bool {
         matches!(
             self,
-            LnStiffness | LnDamping | LnTopSpeed | LnDownToUp | LnOwnStiffness(_)
+            LnStiffness
+                | LnDamping
+                | LnTopSpeed
+                | LnDownToUp
+                | LnSpeedLimit
+                | LnAcceleration
+                | LnOwnStiffness(_)
         )
     }
 
@@ -85,7 +97,8 @@ impl Coordinate {
             Delay => (0.0, longest_delay_s),
             LnStiffness => (-6.0, 18.0),
             LnDamping => (-5.0, 12.0),
-            LnTopSpeed => (-12.0, 25.0),
+            LnTopSpeed | LnSpeedLimit => (-12.0, 25.0),
+            LnAcceleration => (-12.0, 30.0),
             MotorShare => (1e-5, 1.0),
             FrictionOfGears => (0.0, 0.9),
             LnDownToUp | LnOwnStiffness(_) => (-4.0, 4.0),
@@ -102,8 +115,11 @@ impl Coordinate {
 pub struct Terms {
     /// The drive is limited.
     pub limit: bool,
-    /// The drive is stronger in one direction.
+    /// The drive is stronger in one direction; where the speed is limited, that is what is larger in one direction.
     pub two_speeds: bool,
+    /// The speed is cut off at a limit. The motor has no damping of its own then.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub speed_limit: bool,
     /// The controller has a dead band.
     pub dead_band: bool,
     /// There is friction.
@@ -112,6 +128,11 @@ pub struct Terms {
     pub friction_of_gears: bool,
     /// The kind of load.
     pub load: LoadKind,
+}
+
+/// A term that documents name only where the servo has it.
+fn is_false(term: &bool) -> bool {
+    !term
 }
 
 /// The load on the shaft.
@@ -149,6 +170,12 @@ impl LoadKind {
 }
 
 impl Terms {
+    /// Whether strokes have a top speed.
+    #[must_use]
+    pub fn is_limited(self) -> bool {
+        self.limit || self.speed_limit
+    }
+
     /// The coordinates of a servo with these terms and `controllers` controllers.
     pub(super) fn coordinates(self, controllers: usize) -> Vec<Coordinate> {
         let mut all = vec![Delay, LnStiffness, LnDamping, Gain, Offset];
@@ -157,7 +184,9 @@ impl Terms {
                 all.extend_from_slice(coordinates);
             }
         };
-        with(self.limit, &[LnTopSpeed, MotorShare]);
+        with(self.speed_limit, &[LnSpeedLimit]);
+        with(self.limit && self.speed_limit, &[LnAcceleration]);
+        with(self.limit && !self.speed_limit, &[LnTopSpeed, MotorShare]);
         with(self.two_speeds, &[LnDownToUp]);
         with(self.dead_band, &[DeadBand]);
         with(self.friction, &[Coordinate::Friction, FrictionAtRest]);
@@ -255,7 +284,7 @@ impl Point {
             None => shared,
         };
         let damping = get(LnDamping).exp();
-        let limit = find(LnTopSpeed).map(|top_speed| {
+        let of_motor = find(LnTopSpeed).map(|top_speed| {
             let motor_damping = damping * get(MotorShare);
             DriveLimit {
                 up: top_speed.exp() * motor_damping,
@@ -263,9 +292,19 @@ impl Point {
                 motor_damping,
             }
         });
+        let alike = |acceleration: S| DriveLimit {
+            up: acceleration.exp(),
+            down_to_up: S::constant(1.0),
+            motor_damping: S::constant(0.0),
+        };
+        let speed_limit = find(LnSpeedLimit).map(|speed| SpeedLimit {
+            up: speed.exp(),
+            down_to_up: get(LnDownToUp).exp(),
+        });
         let at_rest = find(FrictionAtRest).map(|excess| AtRest {
             excess,
-            speed: get(LnTopSpeed).exp() * self.friction_speed_share,
+            speed: (find(LnSpeedLimit).unwrap_or(get(LnTopSpeed))).exp()
+                * self.friction_speed_share,
         });
         let constant = get(ConstantLoad) * shared;
         ServoParameters {
@@ -274,7 +313,8 @@ impl Point {
             damping,
             gain: get(Gain),
             offset: get(Offset),
-            limit,
+            limit: of_motor.or_else(|| find(LnAcceleration).map(alike)),
+            speed_limit,
             dead_band: find(DeadBand),
             friction: find(Coordinate::Friction).map(|width| Friction {
                 coulomb: width * shared,

@@ -373,7 +373,7 @@ fn describe(
         &found.motion,
         &candidates.other_fits,
     );
-    if point.terms.limit {
+    if point.terms.is_limited() {
         let at_work = LimitsAtWork::of(parts, point, &fine_grid(point, record), found);
         at_work.open(&mut quantities, &found.motion.fastest);
     }

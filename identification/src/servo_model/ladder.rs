@@ -7,6 +7,7 @@
 use super::coordinates::{Coordinate, LoadKind, Point, Terms};
 use super::fit::Problem;
 use super::initial_state::find_starts;
+use super::neighbouring_terms::{poorer, richer};
 use super::search_progress::Watch;
 use super::starting_values::{Shown, other_starts, search};
 use super::stretches::{FOLDS, Stretch};
@@ -46,7 +47,7 @@ impl Rung {
 
     /// Whether `self` predicts better than `other` by more than the scatter of its advantage. The advantage in a block is
     /// the logarithm of the ratio of the errors, so that no block decides by its size.
-    fn beats(&self, other: &Self) -> bool {
+    pub(super) fn beats(&self, other: &Self) -> bool {
         beats(&self.held_out, &other.held_out)
     }
 }
@@ -131,6 +132,12 @@ impl Ladder<'_> {
 
     /// Climbs: returns the index of the chosen rung among those tried.
     fn climb(&mut self) -> usize {
+        let chosen = self.climb_without_speed_limit();
+        self.with_speed_limit(chosen)
+    }
+
+    /// The same among servos whose speed is not cut off.
+    fn climb_without_speed_limit(&mut self) -> usize {
         let limited = Terms {
             limit: true,
             ..Terms::default()
@@ -202,7 +209,7 @@ impl Ladder<'_> {
 
     /// Adds the term that helps most, as long as one helps: with or without significance, because some help only
     /// together.
-    fn add_terms(&mut self, mut best: usize) -> usize {
+    pub(super) fn add_terms(&mut self, mut best: usize) -> usize {
         loop {
             self.try_other_starts(best);
             let before = self.tried[best].total();
@@ -241,7 +248,7 @@ impl Ladder<'_> {
 
     /// Takes out terms that prediction does not miss, the least missed first: the result is the poorest servo that the
     /// best one does not beat.
-    fn drop_terms(&mut self, best: usize) -> usize {
+    pub(super) fn drop_terms(&mut self, best: usize) -> usize {
         let mut kept = best;
         loop {
             let mut least = None;
@@ -267,7 +274,7 @@ impl Ladder<'_> {
         totals.fold(f64::INFINITY, f64::min)
     }
 
-    fn better(&self, a: usize, b: usize) -> usize {
+    pub(super) fn better(&self, a: usize, b: usize) -> usize {
         if self.tried[b].total() < self.tried[a].total() {
             b
         } else {
@@ -292,7 +299,7 @@ impl Ladder<'_> {
     }
 
     /// A servo found from far away.
-    fn searched(&self, terms: Terms) -> Point {
+    pub(super) fn searched(&self, terms: Terms) -> Point {
         let all = |_: usize| true;
         let (problem, controllers) = (self.problem(&all), self.controllers);
         let own = (self.radians, self.run_offsets);
@@ -300,7 +307,7 @@ impl Ladder<'_> {
     }
 
     /// A rung found from another one.
-    fn extended(&mut self, from: usize, terms: Terms) -> usize {
+    pub(super) fn extended(&mut self, from: usize, terms: Terms) -> usize {
         if let Some(known) = self.tried.iter().position(|rung| rung.terms == terms) {
             return known;
         }
@@ -308,8 +315,13 @@ impl Ladder<'_> {
         self.add(terms, &from)
     }
 
-    fn add(&mut self, terms: Terms, from: &Point) -> usize {
-        let fit = self.fit(terms, from);
+    pub(super) fn add(&mut self, terms: Terms, from: &Point) -> usize {
+        self.add_lowest(terms, self.variants(from, terms))
+    }
+
+    /// The rung of the lowest minimum from these starts.
+    pub(super) fn add_lowest(&mut self, terms: Terms, starts: Vec<Point>) -> usize {
+        let fit = self.fit(starts);
         self.tried.push(self.rung(terms, fit));
         let percent = fit_percent(self.lowest(), self.shown.output_square);
         self.watch.tried(self.tried.len(), percent);
@@ -317,10 +329,10 @@ impl Ladder<'_> {
     }
 
     /// The best fit to the whole record, and its cost.
-    fn fit(&self, terms: Terms, from: &Point) -> (f64, Point) {
+    fn fit(&self, starts: Vec<Point>) -> (f64, Point) {
         let all = |_: usize| true;
         let problem = self.problem(&all);
-        problem.best_descent(self.variants(from, terms), STEPS)
+        problem.best_descent(starts, STEPS)
     }
 
     /// How the fit predicts blocks that it has not seen: the fits without their folds are near, a few steps from that to the
@@ -364,7 +376,7 @@ impl Ladder<'_> {
     }
 
     /// The servo `from` with other terms. Those with more than one valley are tried from more than one side.
-    fn variants(&self, from: &Point, terms: Terms) -> Vec<Point> {
+    pub(super) fn variants(&self, from: &Point, terms: Terms) -> Vec<Point> {
         let fresh = |at: Coordinate| self.shown.fresh(at, self.radians);
         let plain = from.with_terms(terms, self.controllers, fresh);
         let varied = |coordinate: Coordinate, value: f64| {
@@ -372,6 +384,9 @@ impl Ladder<'_> {
             point.set(coordinate, value);
             point
         };
+        if terms.speed_limit && !from.terms.speed_limit {
+            return self.with_speed_cut_off(from, plain);
+        }
         if from.terms.load == terms.load {
             return vec![plain];
         }
@@ -404,91 +419,4 @@ impl Ladder<'_> {
             watch: self.watch,
         }
     }
-}
-
-/// The same terms and one more, or another load.
-fn richer(terms: Terms) -> Vec<Terms> {
-    let simpler = terms.load.simpler();
-    let more_load = |load: &LoadKind| !simpler.contains(load) && *load != terms.load;
-    let with = [
-        (
-            !terms.two_speeds,
-            Terms {
-                two_speeds: true,
-                ..terms
-            },
-        ),
-        (
-            !terms.dead_band,
-            Terms {
-                dead_band: true,
-                ..terms
-            },
-        ),
-        (
-            !terms.friction,
-            Terms {
-                friction: true,
-                ..terms
-            },
-        ),
-        (
-            !terms.friction_of_gears,
-            Terms {
-                friction: true,
-                friction_of_gears: true,
-                ..terms
-            },
-        ),
-    ];
-    let loads = LoadKind::BY_COORDINATES.into_iter().filter(more_load);
-    with_loads(with, loads, terms)
-}
-
-/// The same terms and one fewer, or a simpler load.
-fn poorer(terms: Terms) -> Vec<Terms> {
-    let without = [
-        (
-            terms.two_speeds,
-            Terms {
-                two_speeds: false,
-                ..terms
-            },
-        ),
-        (
-            terms.dead_band,
-            Terms {
-                dead_band: false,
-                ..terms
-            },
-        ),
-        (
-            terms.friction,
-            Terms {
-                friction: false,
-                friction_of_gears: false,
-                ..terms
-            },
-        ),
-        (
-            terms.friction_of_gears,
-            Terms {
-                friction_of_gears: false,
-                ..terms
-            },
-        ),
-    ];
-    with_loads(without, terms.load.simpler().iter().copied(), terms)
-}
-
-/// The terms that are possible, and `terms` with each of the loads.
-fn with_loads(
-    terms_if_possible: [(bool, Terms); 4],
-    loads: impl Iterator<Item = LoadKind>,
-    terms: Terms,
-) -> Vec<Terms> {
-    let possible = |(possible, terms): (bool, Terms)| possible.then_some(terms);
-    let with_load = |load| Terms { load, ..terms };
-    let others = terms_if_possible.into_iter().filter_map(possible);
-    others.chain(loads.map(with_load)).collect()
 }

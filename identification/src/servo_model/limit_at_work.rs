@@ -1,4 +1,4 @@
-//! Whether the limit of the drive was at work in a record, in each direction.
+//! Whether the limits of drive and speed were at work in a record, in each direction.
 //!
 //! A servo that hardly needs its limit upwards moves as well with one that is twice as large, or with none. The equation
 //! hides that: it has one limit for both directions, or stiffness and limit that are in one ratio, so the limit of the other direction stands
@@ -18,14 +18,17 @@ use crate::results::Interval;
 use crate::thresholds::SERVO_LIMIT_AT_WORK;
 use servoid_dynamics::{Grid, ServoParameters, Stepper};
 
-/// Whether the record excludes that the drive has no limit.
+/// A servo without one of its limits towards larger or smaller θ.
+type Without = fn(Stepper<f64>, bool) -> Stepper<f64>;
+
+/// Whether the record excludes that a limit is none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LimitsAtWork {
-    /// Towards larger outputs.
-    upwards: bool,
-    /// Towards smaller outputs.
-    downwards: bool,
-    /// Towards larger θ, of which the error of full drive is.
+    /// That of the drive, towards larger and smaller outputs.
+    drive: [bool; 2],
+    /// That from which the top speed follows, likewise: of the speed itself, or of the drive.
+    speed: [bool; 2],
+    /// That of the drive towards larger θ, of which the error of full drive is.
     of_error: bool,
 }
 
@@ -37,24 +40,28 @@ impl LimitsAtWork {
         grid: &Grid,
         found: &Uncertainty,
     ) -> Self {
-        let is_at_work = |towards_larger: bool| -> Option<bool> {
+        let is_at_work = |without: Without, towards_larger: bool| -> Option<bool> {
             let noise = found.at_rest.as_ref()?;
             let more = |stretch: &Stretch| {
                 let servo = point.servo_of(stretch, |_, value| value);
-                let more = without_limit(&servo, stretch, grid, towards_larger);
+                let more = without_limit(&servo, stretch, grid, |all| without(all, towards_larger));
                 more.into_iter().map(|more| [more]).collect()
             };
             let shape: Vec<_> = stretches.iter().map(more).collect();
             let score = score_test(&found.rows, point.values.len(), &shape, noise)?;
             Some(score.information.sqrt() - score.deviations > SERVO_LIMIT_AT_WORK)
         };
-        let sides = [true, false].map(|side| is_at_work(side).unwrap_or(true));
+        let sides = |without| [true, false].map(|side| is_at_work(without, side).unwrap_or(true));
         let servo = point.physics(0, |_, value| value);
-        let [upwards, downwards] = servo.upwards_first(sides);
+        let of_drive = sides(Stepper::without_limit);
+        let of_speed = match point.terms.speed_limit {
+            true => sides(Stepper::without_speed_limit),
+            false => of_drive,
+        };
         Self {
-            upwards,
-            downwards,
-            of_error: sides[0],
+            drive: servo.upwards_first(of_drive),
+            speed: servo.upwards_first(of_speed),
+            of_error: of_drive[0],
         }
     }
 
@@ -62,10 +69,10 @@ impl LimitsAtWork {
     pub(super) fn open(self, quantities: &mut [Quantity], fastest: &Fastest) {
         for quantity in quantities {
             let (at_work, reached) = match quantity.kind() {
-                Some(QuantityKind::TopSpeedUpwards) => (self.upwards, Some(fastest.upwards)),
-                Some(QuantityKind::TopSpeedDownwards) => (self.downwards, Some(fastest.downwards)),
-                Some(QuantityKind::AccelerationUpwards) => (self.upwards, None),
-                Some(QuantityKind::AccelerationDownwards) => (self.downwards, None),
+                Some(QuantityKind::TopSpeedUpwards) => (self.speed[0], Some(fastest.upwards)),
+                Some(QuantityKind::TopSpeedDownwards) => (self.speed[1], Some(fastest.downwards)),
+                Some(QuantityKind::AccelerationUpwards) => (self.drive[0], None),
+                Some(QuantityKind::AccelerationDownwards) => (self.drive[1], None),
                 Some(QuantityKind::ErrorOfFullDrive) => (self.of_error, None),
                 _ => continue,
             };
@@ -83,12 +90,12 @@ impl LimitsAtWork {
     }
 }
 
-/// What the output is more without the limit towards larger or smaller θ, by sample.
+/// What the output is more where the steps are as `without` leaves them, by sample.
 fn without_limit(
     servo: &ServoParameters,
     stretch: &Stretch,
     grid: &Grid,
-    towards_larger: bool,
+    without: impl FnOnce(Stepper<f64>) -> Stepper<f64>,
 ) -> Vec<f64> {
     let limited = Stepper::new(servo, step_s(grid));
     let outputs = |stepper: Stepper<f64>| {
@@ -97,6 +104,6 @@ fn without_limit(
         })
     };
     let own = outputs(limited);
-    let free = outputs(limited.without_limit(towards_larger));
+    let free = outputs(without(limited));
     free.iter().zip(own).map(|(free, own)| free - own).collect()
 }

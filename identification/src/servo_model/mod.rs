@@ -27,6 +27,7 @@ mod ladder;
 mod limit_at_work;
 mod model;
 mod motion;
+mod neighbouring_terms;
 mod noise_at_rest;
 mod offset;
 mod old_quantities;
@@ -41,6 +42,7 @@ mod recorded_motion;
 mod run_offsets;
 mod score_test;
 mod search_progress;
+mod speed_on_ladder;
 mod starting_values;
 mod stepped_outputs;
 mod stiction;
@@ -71,4 +73,6 @@ pub use quantity_kind::QuantityKind;
 pub use reached_speeds::ReachedSpeeds;
 pub use recorded_motion::RecordedMotion;
 pub use search_progress::Watch;
-pub use servoid_dynamics::{AtRest, DriveLimit, Friction, Load, ServoParameters, Stops};
+pub use servoid_dynamics::{
+    AtRest, DriveLimit, Friction, Load, ServoParameters, SpeedLimit, Stops,
+};

@@ -68,6 +68,7 @@ mod tests {
             gain: -2.0,
             offset: 1.0,
             limit: None,
+            speed_limit: None,
             dead_band: Some(0.5),
             friction: Some(Friction {
                 coulomb,

@@ -249,7 +249,7 @@ fn top_speeds(p: &ServoParameters<f64>, middle: f64) -> Option<[f64; 2]> {
 /// Accelerations of full drive upwards and downwards under the load at the middle, as [`top_speeds`], without friction; 0 where the load holds
 /// the drive.
 fn accelerations(p: &ServoParameters<f64>, middle: f64) -> Option<[f64; 2]> {
-    let limit = p.limit?;
+    let limit = p.drive_limit()?;
     let load = p.load.at(middle);
     let net = [limit.up - load, limit.up * limit.down_to_up + load];
     Some(p.upwards_first(net.map(|net| net.max(0.0) * p.gain.abs())))

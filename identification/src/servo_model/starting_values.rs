@@ -17,6 +17,9 @@ const STEPS: (usize, usize) = (4, 20);
 /// Time over which a stroke's speed is measured \[s\].
 const STROKE_S: f64 = 0.04;
 
+/// Time in which a servo comes to its speed \[s\], of one of which nothing else is known.
+const SPEED_AFTER_S: f64 = 0.02;
+
 /// What a record shows before any fit.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shown {
@@ -93,7 +96,8 @@ impl Shown {
             Coordinate::Friction => 0.01 * self.spread,
             Coordinate::FrictionAtRest => 0.3,
             Coordinate::FrictionOfGears => 0.1,
-            Coordinate::LnTopSpeed => self.top_speed.ln(),
+            Coordinate::LnTopSpeed | Coordinate::LnSpeedLimit => self.top_speed.ln(),
+            Coordinate::LnAcceleration => (self.top_speed / SPEED_AFTER_S).ln(),
             Coordinate::MotorShare => 0.5,
             Coordinate::Gravity => 0.01 * self.spread / (self.spread * radians).min(1.0).sin(),
             Coordinate::AirStiffening => 0.01 / self.spread,

@@ -27,8 +27,8 @@ pub(super) fn shortfall(
 
 /// The friction of a servo, with more of it at rest and at the lowest speeds alone.
 fn sticking(servo: &ServoParameters) -> Option<Friction<f64>> {
-    let (friction, limit) = (servo.friction?, servo.limit?);
-    let speed = SPEED_SHARE * limit.up / limit.motor_damping;
+    let friction = servo.friction?;
+    let speed = SPEED_SHARE * servo.free_speed()?;
     let excess = friction
         .at_rest
         .map_or(EXCESS, |found| found.excess.max(EXCESS));

@@ -97,6 +97,7 @@ mod tests {
             gain: 1.0,
             offset: 0.0,
             limit: None,
+            speed_limit: None,
             dead_band: None,
             friction: None,
             load: Load::None,

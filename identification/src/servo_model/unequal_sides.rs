@@ -12,13 +12,13 @@ use servoid_dynamics::{DriveLimit, Grid, ServoParameters, Stepper};
 const MORE: f64 = 0.1;
 
 /// What unequal drives, unequal limits and unequal motors would take from the output of `servo` in each sample of a stretch \[output\]; `None` for
-/// a drive without limit. The equation has the first two: a fit may have left them out, and none of that is the motor's.
+/// a drive without limit, and where the speed is cut off: the motor brakes nothing then. The equation has the first two: a fit may have left them out, and none of that is the motor's.
 pub(super) fn shortfalls(
     servo: &ServoParameters,
     stretch: &Stretch,
     grid: &Grid,
 ) -> Option<Vec<[f64; 3]>> {
-    let limit = servo.limit?;
+    let limit = servo.limit.filter(|_| servo.speed_limit.is_none())?;
     let with = |limit: DriveLimit<f64>, damping: f64| {
         let other = ServoParameters {
             damping,

@@ -118,6 +118,7 @@ fn with_friction(resting_error: f64, input: &[f64]) -> Vec<f64> {
         gain: 1.0,
         offset: 0.0,
         limit: None,
+        speed_limit: None,
         dead_band: None,
         friction: Some(Friction {
             coulomb: resting_error * stiffness,

@@ -83,7 +83,9 @@ impl Export<'_> {
     /// That quicker strokes than the recorded ones are not known, where no servo model beside it has their limit.
     fn unknown_speed(&self) -> Option<String> {
         let units = self.metadata.units();
-        let is_limited = self.servo_model.is_some_and(|servo| servo.terms.limit);
+        let is_limited = self
+            .servo_model
+            .is_some_and(|servo| servo.terms.is_limited());
         let found = self.metadata.recorded.filter(|_| !is_limited)?;
         Some(recorded::no_limit(
             Some(found.commands),

@@ -44,7 +44,7 @@ pub(super) fn limits_in_words(model: &ServoModel, units: Units<'_>) -> Option<St
 /// What a data sheet is held against where the model has top speeds beside the limits that the recording shows: a sentence.
 pub(super) fn against_the_model(model: &ServoModel, units: Units<'_>) -> Option<String> {
     let limits = limits_in_words(model, units)?;
-    model.terms.limit.then(|| {
+    model.terms.is_limited().then(|| {
         format!(
             "Larger strokes were no faster than {limits} in this recording: that is the limit of this servo, and what a data sheet is held against. The \
              top speed of the model has no interval, and stands for what the model lacks, too."

@@ -165,6 +165,7 @@ pub(crate) fn terms_in_words(terms: Terms) -> String {
     };
     let all = [
         (terms.limit, "limit of the drive"),
+        (terms.speed_limit, "limit of the speed"),
         (terms.two_speeds, "two speeds"),
         (terms.dead_band, "dead band"),
         (terms.friction && !terms.friction_of_gears, "friction"),

@@ -133,7 +133,7 @@ fn what_is_known(
 }
 
 /// What the recording shows whether or not the model is right: of a servo that does more than its model, terms and figures stand for
-/// what the model lacks (a load for a sagging supply, a delay for a slow profile generator).
+/// what the model lacks (a load for a sagging supply, a delay for a filter of the command).
 fn what_was_seen(
     model: &ServoModel,
     linear: &Model,
@@ -153,7 +153,7 @@ fn what_was_seen(
         }
         Some(_) => "is limited in its speed".to_owned(),
         // A stop in the travel looks like a drive that a load holds.
-        None if lacks_something(model) && model.terms.limit => "is not linear".to_owned(),
+        None if lacks_something(model) && model.terms.is_limited() => "is not linear".to_owned(),
         None => kind(model, linear).to_owned(),
     });
     std::iter::once(kind)
@@ -180,7 +180,7 @@ fn moved_at(model: &ServoModel, units: Units<'_>) -> Option<String> {
 
 /// The same where the model has no limit, which it may have beyond.
 fn below_any_limit(model: &ServoModel, units: Units<'_>) -> Option<String> {
-    let moved = moved_at(model, units).filter(|_| !model.terms.limit)?;
+    let moved = moved_at(model, units).filter(|_| !model.terms.is_limited())?;
     Some(format!("{moved} without reaching a limit"))
 }
 
@@ -228,12 +228,13 @@ fn limited_to(
 fn kind(model: &ServoModel, linear: &Model) -> &'static str {
     let shown_not_linear = linear.advice.iter().any(Advice::is_of_linearity);
     match model.covariance {
+        _ if model.terms.speed_limit && shows_limit(model) => "is limited in its speed",
         _ if model.terms.limit && shows_limit(model) => "is limited in its drive",
         Bounds::Withdrawn(_) if shown_not_linear => "is not linear",
         // Terms of the drive stand for what a linear servo of higher order has, too.
-        _ if model.terms.limit && linear_is_as_good(model) => "is much like a linear one",
+        _ if model.terms.is_limited() && linear_is_as_good(model) => "is much like a linear one",
         // Friction comes with a limit that the record may not reach.
-        _ if model.terms.limit => "is not linear",
+        _ if model.terms.is_limited() => "is not linear",
         Bounds::Valid(_) if shown_not_linear => "is as a linear one to a model of it as a machine",
         Bounds::Valid(_) => "is linear",
         Bounds::Withdrawn(_) => "is much like a linear one",

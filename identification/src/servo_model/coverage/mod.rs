@@ -125,6 +125,27 @@ fn bands_hold_or_are_withdrawn() {
     assert!(2 * claimed > in_class().count(), "{claimed}");
 }
 
+/// Servos whose speed is not cut off hardly ever get that term, within the class and outside of it. A drive that is there at once moves as such a servo
+/// does.
+#[test]
+#[ignore = "minutes: cargo test --release -p servoid-identification --lib no_speed_is_cut_off -- --ignored --nocapture"]
+fn no_speed_is_cut_off_where_none_is() {
+    let (first, servos) = (number("FIRST", 1300), number("SERVOS", 4));
+    let mut taken = Vec::new();
+    let mut count = 0;
+    let others = Row::all().into_iter();
+    let is_cut_off = |row: &Row| matches!(row.kind, Kind::CutOffSpeed | Kind::RateLimit);
+    for row in others.filter(|row| !is_cut_off(row)) {
+        let trials = row.trials(first..first + servos, 1);
+        count += trials.len();
+        let has_limit = |trial: &&Trial| trial.found.terms.speed_limit;
+        taken.extend(trials.iter().filter(has_limit).map(table::line));
+    }
+    println!("{} of {count} have one:\n{}", taken.len(), taken.join("\n"));
+    // Two of 224, both of a servo with stiction, which is outside of the class.
+    assert!(50 * taken.len() <= count, "{taken:?}");
+}
+
 /// Linear servos hardly ever get terms that they do not have.
 #[test]
 #[ignore = "minutes: cargo test --release -p servoid-identification --lib linear_servos_stay_linear -- --ignored --nocapture"]

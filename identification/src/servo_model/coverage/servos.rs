@@ -18,6 +18,8 @@ pub(super) enum Kind {
     RateLimit,
     /// Within the class too, at its other edge: only the acceleration is limited.
     UndampedMotor,
+    /// Within the class too: the speed is cut off at a limit, and the acceleration has one or not.
+    CutOffSpeed,
     Stiction,
     Backlash,
     CurrentLimit,
@@ -26,10 +28,11 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    pub(super) const ALL: [Self; 8] = [
+    pub(super) const ALL: [Self; 9] = [
         Self::InClass,
         Self::RateLimit,
         Self::UndampedMotor,
+        Self::CutOffSpeed,
         Self::Stiction,
         Self::Backlash,
         Self::CurrentLimit,
@@ -40,7 +43,9 @@ impl Kind {
     /// What servos of this kind have beyond the class.
     fn beyond(self, top_speed: f64, between: &mut impl FnMut(f64, f64) -> f64) -> Beyond {
         match self {
-            Self::InClass | Self::RateLimit | Self::UndampedMotor => Beyond::Nothing,
+            Self::InClass | Self::RateLimit | Self::UndampedMotor | Self::CutOffSpeed => {
+                Beyond::Nothing
+            }
             Self::Stiction => Beyond::Stiction {
                 excess: between(0.5, 2.0),
                 until: top_speed * between(0.002, 0.02),
@@ -66,6 +71,7 @@ impl fmt::Display for Kind {
             Self::InClass => "in class",
             Self::RateLimit => "rate limit",
             Self::UndampedMotor => "undamped motor",
+            Self::CutOffSpeed => "cut-off speed",
             Self::Stiction => "stiction",
             Self::Backlash => "backlash",
             Self::CurrentLimit => "current limit",
@@ -101,14 +107,19 @@ pub(super) fn servo(kind: Kind, seed: u64) -> Truth {
             [bandwidth * bandwidth, damping, full_drive, share]
         }
     };
-    let top_speed = full_drive * stiffness / (share * damping);
+    let top_speed = match kind {
+        // A linear servo of this bandwidth would reach 3.7 times it in strokes of 10 degrees.
+        Kind::CutOffSpeed => stiffness.sqrt() * between(0.8, 2.0),
+        _ => full_drive * stiffness / (share * damping),
+    };
     let mut value = |at: &Coordinate| match at {
         Coordinate::Delay => Truth::on_grid(between(0.006, 0.04)),
         Coordinate::LnStiffness => stiffness.ln(),
         Coordinate::LnDamping => damping.ln(),
         Coordinate::Gain => between(0.8, 1.2),
         Coordinate::Offset => between(-1.0, 1.0),
-        Coordinate::LnTopSpeed => top_speed.ln(),
+        Coordinate::LnTopSpeed | Coordinate::LnSpeedLimit => top_speed.ln(),
+        Coordinate::LnAcceleration => (top_speed / between(0.008, 0.04)).ln(),
         Coordinate::MotorShare => share,
         Coordinate::LnDownToUp => between(-0.4, 0.4),
         Coordinate::DeadBand => between(0.1, 0.4),
@@ -136,8 +147,9 @@ pub(super) fn servo(kind: Kind, seed: u64) -> Truth {
 fn terms(kind: Kind, seed: u64) -> Terms {
     let loads = [LoadKind::None, LoadKind::Constant, LoadKind::None];
     Terms {
-        limit: true,
+        limit: kind != Kind::CutOffSpeed || seed / 2 % 2 == 1,
         two_speeds: seed % 2 == 1,
+        speed_limit: kind == Kind::CutOffSpeed,
         dead_band: seed % 3 == 1,
         friction: seed % 3 == 2 || kind == Kind::Stiction,
         friction_of_gears: false,

@@ -133,13 +133,21 @@ impl Machine {
     fn advance(&self, state: &mut Moving, command: f64) {
         let half = Moving {
             angle: state.angle + 0.5 * STEP_S * state.speed,
-            speed: state.speed + 0.5 * STEP_S * self.acceleration(*state, command),
+            speed: self.cut_off(state.speed + 0.5 * STEP_S * self.acceleration(*state, command)),
         };
         let before = state.speed;
         state.angle += STEP_S * half.speed;
-        state.speed += STEP_S * self.acceleration(half, command);
+        state.speed = self.cut_off(state.speed + STEP_S * self.acceleration(half, command));
         if self.p.friction.is_some() && before * state.speed < 0.0 {
             state.speed = 0.0;
+        }
+    }
+
+    /// The speed, as far as it has no limit.
+    fn cut_off(&self, speed: f64) -> f64 {
+        match self.p.speed_limit {
+            None => speed,
+            Some(limit) => speed.clamp(-limit.up * limit.down_to_up, limit.up),
         }
     }
 

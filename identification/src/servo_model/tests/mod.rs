@@ -6,6 +6,7 @@ mod no_intervals;
 mod offsets;
 mod poor_recordings;
 mod recovery;
+mod speed_limit;
 mod stops;
 
 use rand::SeedableRng;
@@ -43,6 +44,8 @@ fn value(at: Coordinate) -> f64 {
         Coordinate::LnTopSpeed => 178.6f64.ln(),
         Coordinate::MotorShare => 0.4,
         Coordinate::LnDownToUp => 0.3,
+        Coordinate::LnSpeedLimit => 150f64.ln(),
+        Coordinate::LnAcceleration => 5000f64.ln(),
         Coordinate::DeadBand => 0.11,
         Coordinate::Friction => 0.13,
         Coordinate::FrictionAtRest => 0.7,

@@ -137,7 +137,8 @@ impl ServoExport<'_> {
         let p = &self.parameters;
         let friction = p.friction;
         let at_rest = friction.and_then(|friction| friction.at_rest);
-        let limit = p.limit;
+        let limit = p.drive_limit();
+        let [lowest_speed, highest_speed] = self.speed_limits();
         let mut lines = vec![
             (
                 "delay_fraction",
@@ -157,6 +158,16 @@ impl ServoExport<'_> {
                 "A+; 1e30: no limit",
             ),
             ("down_to_up", limit.map_or(1.0, |l| l.down_to_up), "A-/A+"),
+            (
+                "lowest_speed",
+                lowest_speed,
+                "omega is cut off there; -1e30: no limit",
+            ),
+            (
+                "highest_speed",
+                highest_speed,
+                "omega is cut off there; 1e30: no limit",
+            ),
             ("dead_band", p.dead_band.unwrap_or(0.0), "w"),
             ("friction", friction.map_or(0.0, |f| f.coulomb), "C"),
             (

@@ -16,6 +16,7 @@ mod load_mass;
 mod mujoco;
 mod rate_limit;
 mod smooth_command;
+mod speed_by_drive;
 mod statement;
 mod subject;
 mod terms;

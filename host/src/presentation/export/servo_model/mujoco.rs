@@ -8,6 +8,7 @@ use super::exported::ExportedServo;
 use super::fixed_step::step_s;
 use super::load_mass::{GRAVITY, Turn, Weight};
 use super::smooth_command::SmoothCommand;
+use super::speed_by_drive::closest_drive;
 use super::statement::{Comparison, Frame, line};
 use super::subject::ServoExport;
 use super::terms::Term;
@@ -15,8 +16,9 @@ use super::trial_command::{Difference, Trial, recorded};
 use crate::presentation::export::error::ExportError;
 use crate::presentation::export::target::Target;
 use crate::presentation::export::text::{XML_STYLE, identifier, number};
+use crate::presentation::summary::four_digits;
 use crate::presentation::template::fill;
-use servoid_identification::servo_model::Load;
+use servoid_identification::servo_model::{DriveLimit, Load};
 
 /// Impedance of the constraint that holds the joint by friction: the largest that MuJoCo takes, so that it hardly creeps.
 const IMPEDANCE: f64 = 0.9999;
@@ -28,7 +30,8 @@ const TIME_CONSTANT: f64 = 2.0;
 const TURNS: f64 = 1e3;
 
 /// What position actuator and joint have not.
-const LEFT_OUT: [Term; 5] = [
+const LEFT_OUT: [Term; 6] = [
+    Term::SpeedLimit,
     Term::WeakerLoopDownwards,
     Term::DeadBand,
     Term::FrictionOfGears,
@@ -56,15 +59,21 @@ struct Joint {
 }
 
 impl Joint {
-    fn of(export: &ServoExport<'_>, step_s: f64, radians: f64) -> Self {
+    /// With this drive, that of the servo or the one that stands for its limit of the speed.
+    fn of(
+        export: &ServoExport<'_>,
+        step_s: f64,
+        radians: f64,
+        limit: Option<DriveLimit<f64>>,
+    ) -> Self {
         let p = &export.parameters;
         let turn = turn(export, radians);
         let size = turn.each.abs();
-        let damping = p.limit.map_or(0.0, |limit| limit.motor_damping);
+        let damping = limit.map_or(0.0, |limit| limit.motor_damping);
         Self {
             kp: p.stiffness,
             kv: p.damping - damping,
-            range: p.limit.map(|limit| {
+            range: limit.map(|limit| {
                 let drives = [limit.up, limit.up * limit.down_to_up];
                 let [up, down] = p.upwards_first(drives).map(|drive| size * drive);
                 (up, down)
@@ -195,16 +204,21 @@ fn turn(export: &ServoExport<'_>, radians: f64) -> Turn {
 pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportError> {
     let radians = export.radians_per_position()?;
     let step_s = step_s(export)?;
-    let joint = Joint::of(export, step_s, radians);
     let turn = turn(export, radians);
     let servo = &export.parameters;
     let trial = Trial::of(export, step_s, [f64::NEG_INFINITY, f64::INFINITY]);
     let rest = radians * servo.resting_output(trial.middle());
-    let positions = |commands: Vec<f64>| -> Vec<f64> {
+    let positions_of = |joint: &Joint, commands: Vec<f64>| -> Vec<f64> {
         let controls: Vec<f64> = commands.into_iter().map(|u| turn.at(u)).collect();
         let angles = joint.respond(&controls, rest).into_iter();
         angles.map(|angle| angle / radians).collect()
     };
+    let drive = closest_drive(export, &trial, |drive, trial| {
+        let joint = Joint::of(export, step_s, radians, Some(drive));
+        positions_of(&joint, trial.command())
+    });
+    let joint = Joint::of(export, step_s, radians, drive);
+    let positions = |commands: Vec<f64>| positions_of(&joint, commands);
     let smooth = SmoothCommand::of(export, &trial, None);
     let late_s = smooth.lag_s(export, &positions(smooth.held()));
     let found = positions(trial.command());
@@ -216,6 +230,7 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     let difference = Difference::of(export, trial, |_| found.clone(), &like);
     let control = control(export, turn);
     let mut about = about(export, radians, &control, &difference);
+    about.extend(speed_in_words(export, drive));
     about.push(smooth.in_words(export, late_s));
     let mut values = joint.values(&identifier(export.name));
     values.push(("about", XML_STYLE.comment(&about)));
@@ -225,6 +240,17 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     Ok(ExportedServo::new(text, difference)?
         .lacking(export, "MuJoCo", &LEFT_OUT)
         .with([remark]))
+}
+
+/// What stands for a limit of the speed.
+fn speed_in_words(export: &ServoExport<'_>, drive: Option<DriveLimit<f64>>) -> Option<String> {
+    let drive = drive.filter(|_| export.parameters.speed_limit.is_some())?;
+    let unit = export.command_unit();
+    let [up, down] = [drive.up, drive.up * drive.down_to_up].map(four_digits);
+    Some(format!(
+        "Speed: MuJoCo has no limit of it. Here the speed comes to that by and by, as that of a motor does: B is {} 1/s, A+ {up} {unit}/s^2 and A- {down} {unit}/s^2, with which the joint is closest to the servo in the staircase, in the mean of squares.",
+        four_digits(drive.motor_damping)
+    ))
 }
 
 /// What ctrl is for a command.

@@ -95,7 +95,7 @@ impl ServoExport<'_> {
 
     /// That larger or quicker strokes than the recorded ones are not known, where that is so.
     fn unknown_speed(&self) -> Option<String> {
-        if self.parameters.limit.is_none() {
+        if self.top_speeds().is_none() {
             let (commands, reached) = (self.model.commands, self.model.reached);
             return Some(recorded::no_limit(commands, reached, self.metadata.units()));
         }
@@ -156,7 +156,7 @@ impl ServoExport<'_> {
         let warnings = self.warnings(target).into_iter();
         paragraphs.extend(warnings.map(|warning| format!("WARNING: {warning}.")));
         paragraphs.extend([
-            EQUATION.to_owned(),
+            self.equation(),
             self.units_and_signs(),
             PER_INERTIA.to_owned(),
             self.identified(),
@@ -165,6 +165,18 @@ impl ServoExport<'_> {
         paragraphs.extend(offset.map(|sentence| format!("Offset: {sentence}")));
         paragraphs.push(self.quality());
         paragraphs
+    }
+
+    /// The equation, with what few servos have.
+    fn equation(&self) -> String {
+        let Some(limit) = self.parameters.speed_limit else {
+            return EQUATION.to_owned();
+        };
+        let [up, down] = [limit.up, limit.up * limit.down_to_up].map(four_digits);
+        let unit = self.command_unit();
+        format!(
+            "{EQUATION} Where omega is {up} {unit}/s, or -{down} {unit}/s, it goes no further: the speed is cut off there, and B is 0."
+        )
     }
 
     fn units_and_signs(&self) -> String {

@@ -178,6 +178,14 @@ impl<'a> ServoExport<'a> {
         range.map(|end| end.clamp(-NO_LIMIT, NO_LIMIT))
     }
 
+    /// The least and the largest speed at which that of theta is cut off \[units of the command/s\], -[`NO_LIMIT`] and [`NO_LIMIT`] without.
+    pub(super) fn speed_limits(&self) -> [f64; 2] {
+        let limit = self.parameters.speed_limit;
+        limit.map_or([-NO_LIMIT, NO_LIMIT], |limit| {
+            [-limit.up * limit.down_to_up, limit.up]
+        })
+    }
+
     /// `servo` without stops.
     pub(super) fn without_stops(servo: ServoParameters) -> ServoParameters {
         ServoParameters {
@@ -186,11 +194,10 @@ impl<'a> ServoExport<'a> {
         }
     }
 
-    /// The speeds towards larger and smaller theta at which full drive, damping, friction and the constant load balance
-    /// \[units of the command/s\]; `None` where the drive has no limit.
+    /// The speeds towards larger and smaller theta at which full drive, damping, friction and the constant load balance, or which are cut off
+    /// \[units of the command/s\]; `None` without a limit.
     pub(super) fn top_speeds(&self) -> Option<(f64, f64)> {
-        let limit = self.parameters.limit?;
-        let slowest = SLOWEST * limit.up / limit.motor_damping;
+        let slowest = SLOWEST * self.parameters.free_speed()?;
         let speeds = self.parameters.top_speeds(self.constant_load())?;
         let [up, down] = speeds.map(|speed| speed.max(slowest));
         Some((up, down))
@@ -202,8 +209,11 @@ fn is_possible(servo: &ServoParameters) -> bool {
     let positive = |value: f64| value.is_finite() && value > 0.0;
     let not_negative = |value: f64| value.is_finite() && value >= 0.0;
     let limit = servo.limit.is_none_or(|limit| {
-        positive(limit.up) && positive(limit.down_to_up) && positive(limit.motor_damping)
+        let of_motor = positive(limit.down_to_up) && positive(limit.motor_damping);
+        positive(limit.up) && (of_motor || servo.speed_limit.is_some())
     });
+    let speed_limit =
+        (servo.speed_limit).is_none_or(|limit| positive(limit.up) && positive(limit.down_to_up));
     let friction = servo.friction.is_none_or(|friction| {
         let at_rest = friction
             .at_rest
@@ -218,6 +228,7 @@ fn is_possible(servo: &ServoParameters) -> bool {
         && not_negative(servo.dead_band.unwrap_or(0.0))
         && servo.stops.have_travel()
         && limit
+        && speed_limit
         && friction
         && servo.holding_command(0.0).is_finite()
 }

@@ -9,6 +9,8 @@ use servoid_identification::servo_model::{Load, ServoParameters};
 pub(super) enum Term {
     /// Full drive is an acceleration, and speed builds up.
     FullDrive,
+    /// Speed is cut off.
+    SpeedLimit,
     /// Speed in one direction only differs from that in the other.
     TwoSpeeds,
     /// The loop is weaker where the drive is negative.
@@ -31,6 +33,7 @@ impl Term {
     fn name(self) -> &'static str {
         match self {
             Self::FullDrive => "the time in which speed builds up",
+            Self::SpeedLimit => "the speed that is cut off",
             Self::TwoSpeeds => "one of the two speeds",
             Self::WeakerLoopDownwards => "the weaker loop to one side",
             Self::DampingRatio => "the damping ratio",
@@ -76,7 +79,10 @@ impl ServoExport<'_> {
         let p = &self.parameters;
         let command = self.command_unit();
         match term {
-            Term::FullDrive | Term::TwoSpeeds | Term::WeakerLoopDownwards => self.drive(term),
+            Term::FullDrive => self.full_drive(),
+            Term::SpeedLimit => self.speed_limit(),
+            Term::TwoSpeeds => self.two_speeds(),
+            Term::WeakerLoopDownwards => self.weaker_loop(),
             Term::DampingRatio => {
                 let ratio = four_digits(p.damping / (2.0 * p.stiffness.sqrt()));
                 Some(format!("the damping ratio of {ratio}"))
@@ -145,33 +151,56 @@ impl ServoExport<'_> {
         Some(format!("Stops: {stops}. {has} part of {how}. {beyond}"))
     }
 
-    fn drive(&self, term: Term) -> Option<String> {
+    fn full_drive(&self) -> Option<String> {
         let command = self.command_unit();
-        let limit = self.parameters.limit?;
-        if term == Term::FullDrive {
-            let drives = [limit.up, limit.up * limit.down_to_up];
-            let [up, down] = self.parameters.upwards_first(drives).map(four_digits);
-            let per_s = four_digits(limit.motor_damping);
-            return Some(format!(
-                "full drive as an acceleration, {up} {command}/s^2 upwards and {down} downwards, against the motor's damping of {per_s} 1/s: here speed follows at once"
-            ));
-        }
-        if limit.down_to_up == 1.0 {
-            return None;
-        }
-        if term == Term::TwoSpeeds {
-            let (larger, smaller) = self.top_speeds()?;
-            let [up, down] = (self.parameters)
-                .upwards_first([larger, smaller])
-                .map(four_digits);
-            return Some(format!(
-                "two speeds, {up} {command}/s upwards and {down} downwards: one rate stands for both"
-            ));
-        }
-        let ratio = four_digits(limit.down_to_up);
+        let limit = self.parameters.drive_limit()?;
+        let drives = [limit.up, limit.up * limit.down_to_up];
+        let [up, down] = self.parameters.upwards_first(drives).map(four_digits);
+        let per_s = four_digits(limit.motor_damping);
+        let against = match self.parameters.speed_limit {
+            None => format!(", against the motor's damping of {per_s} 1/s"),
+            Some(_) => String::new(),
+        };
         Some(format!(
-            "stiffness and damping of the loop that are {ratio} times as large where the drive is negative"
+            "full drive as an acceleration, {up} {command}/s^2 upwards and {down} downwards{against}: here speed follows at once"
         ))
+    }
+
+    fn speed_limit(&self) -> Option<String> {
+        let command = self.command_unit();
+        let limit = self.parameters.speed_limit?;
+        let speeds = [limit.up, limit.up * limit.down_to_up];
+        let [up, down] = self.parameters.upwards_first(speeds).map(four_digits);
+        let drive = self.parameters.drive_limit().map(|drive| {
+            let most = four_digits(drive.up);
+            format!(" and full drive as an acceleration of {most} {command}/s^2")
+        });
+        let drive = drive.unwrap_or_default();
+        Some(format!(
+            "the limit of the speed, {up} {command}/s upwards and {down} downwards{drive}: here a motor's damping stands for that"
+        ))
+    }
+
+    fn two_speeds(&self) -> Option<String> {
+        let command = self.command_unit();
+        let p = &self.parameters;
+        let of_speed = p.speed_limit.map(|limit| limit.down_to_up);
+        let ratio = of_speed.or_else(|| Some(p.drive_limit()?.down_to_up))?;
+        let (larger, smaller) = self.top_speeds().filter(|_| ratio != 1.0)?;
+        let [up, down] = p.upwards_first([larger, smaller]).map(four_digits);
+        Some(format!(
+            "two speeds, {up} {command}/s upwards and {down} downwards: one rate stands for both"
+        ))
+    }
+
+    fn weaker_loop(&self) -> Option<String> {
+        let ratio = self.parameters.drive_limit()?.down_to_up;
+        (ratio != 1.0).then(|| {
+            let ratio = four_digits(ratio);
+            format!(
+                "stiffness and damping of the loop that are {ratio} times as large where the drive is negative"
+            )
+        })
     }
 
     fn load(&self, term: Term) -> Option<String> {

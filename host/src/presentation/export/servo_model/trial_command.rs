@@ -305,7 +305,7 @@ fn hold_s(export: &ServoExport<'_>, amplitude: f64) -> f64 {
         .map_or(f64::INFINITY, |(up, down)| up.min(down));
     let stroke = 2.0 * amplitude;
     // Under full drive to the middle, and against it to the end.
-    let accelerated = parameters.limit.map_or(0.0, |limit| {
+    let accelerated = parameters.drive_limit().map_or(0.0, |limit| {
         2.0 * (stroke / (limit.up * limit.down_to_up.min(1.0))).sqrt()
     });
     let wanted = parameters.delay_s + stroke / speed + accelerated + SETTLING / slower;
@@ -354,6 +354,7 @@ mod tests {
                 gain,
                 offset: 0.0,
                 limit: None,
+                speed_limit: None,
                 dead_band: None,
                 friction: None,
                 load: Load::None,
@@ -374,6 +375,7 @@ mod tests {
             gain: 20.0,
             offset: 0.0,
             limit: None,
+            speed_limit: None,
             dead_band: Some(0.5),
             friction: Some(Friction {
                 coulomb: 4500.0,

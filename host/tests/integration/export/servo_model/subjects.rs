@@ -47,8 +47,8 @@ pub struct Servo {
 
 const ALL_TERMS: &[&str] = &["limit", "two_speeds", "dead_band", "friction", "gears"];
 
-/// One with each term and each load, one without any, and one that runs into its stops.
-pub const SERVOS: [Servo; 11] = [
+/// One with each term and each load, one without any, one that runs into its stops, and those whose speed is cut off.
+pub const SERVOS: [Servo; 13] = [
     servo("linear", &[], "none"),
     servo("limited", &["limit"], "none"),
     servo(
@@ -68,6 +68,12 @@ pub const SERVOS: [Servo; 11] = [
     // The load pushes it through the dead band.
     servo("pushed", &["limit", "two_speeds", "dead_band"], "constant"),
     servo("stopped", &["limit", "friction"], "constant"),
+    servo("clipped", &["speed_limit"], "none"),
+    servo(
+        "profiled",
+        &["limit", "speed_limit", "two_speeds", "friction"],
+        "constant",
+    ),
 ];
 
 const fn servo(name: &'static str, terms: &'static [&'static str], load: &'static str) -> Servo {
@@ -236,8 +242,13 @@ impl Servo {
             let named = names.iter().map(|(name, value)| (json!(name), *value));
             pairs.extend(named.filter(|_| wanted));
         };
+        with(has("speed_limit"), &[("ln_speed_limit", 80f64.ln())]);
         with(
-            has("limit"),
+            has("limit") && has("speed_limit"),
+            &[("ln_acceleration", 5000f64.ln())],
+        );
+        with(
+            has("limit") && !has("speed_limit"),
             &[("ln_top_speed", 250f64.ln()), ("motor_share", 0.3)],
         );
         with(has("two_speeds"), &[("ln_down_to_up", 0.7f64.ln())]);
@@ -269,6 +280,7 @@ impl Servo {
         model["terms"] = json!({
             "limit": has("limit"),
             "two_speeds": has("two_speeds"),
+            "speed_limit": has("speed_limit"),
             "dead_band": has("dead_band"),
             "friction": has("friction"),
             "friction_of_gears": has("gears"),

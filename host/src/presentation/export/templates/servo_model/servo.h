@@ -209,8 +209,15 @@ static inline void {{id}}_advance({{id}}_state *servo, {{id}}_real h, {{id}}_rea
     {{id}}_real relative = speed / {{id}}_friction_speed;
     {{id}}_real held = h * {{id}}_friction + {{id}}_friction_of_gears * {{id}}_size(drive + load);
     held = held * (1 + {{id}}_friction_at_rest / (1 + relative * relative));
-    servo->speed = {{id}}_nearer_zero((loaded + pushed) * left, left * held);
+    {{id}}_real wanted = {{id}}_nearer_zero((loaded + pushed) * left, left * held);
+    {{id}}_real limit = wanted < {{id}}_lowest_speed ? {{id}}_lowest_speed : wanted;
+    limit = limit > {{id}}_highest_speed ? {{id}}_highest_speed : limit;
+    servo->speed = limit;
     servo->angle = middle + h * servo->speed / 2;
+    /* The speed stays at its limit for the rest of the step. */
+    if ((limit < wanted || limit > wanted) && (limit < speed || limit > speed)) {
+        servo->angle += h / 2 * (limit - speed) * ((wanted - limit) / (wanted - speed));
+    }
     /* A stop takes all speed. */
     {{id}}_real free = servo->angle;
     servo->angle = {{id}}_between_stops(free);

@@ -139,8 +139,14 @@ function advance!(servo::Servo, h, command)
     relative = servo.speed / FRICTION_SPEED
     held = h * FRICTION + FRICTION_OF_GEARS * abs(drive + loading)
     held = held * (1.0 + FRICTION_AT_REST / (1.0 + relative * relative))
-    servo.speed = nearer_zero((loaded + pushed) * left, left * held)
+    before, wanted = servo.speed, nearer_zero((loaded + pushed) * left, left * held)
+    servo.speed = clamp(wanted, LOWEST_SPEED, HIGHEST_SPEED)
     servo.angle = middle + 0.5 * h * servo.speed
+    # The speed stays at its limit for the rest of the step.
+    if servo.speed != wanted && servo.speed != before
+        share = (wanted - servo.speed) / (wanted - before)
+        servo.angle += 0.5 * h * (servo.speed - before) * share
+    end
     # A stop takes all speed.
     if servo.angle != between_stops(servo.angle)
         servo.angle, servo.speed = between_stops(servo.angle), 0.0

@@ -141,8 +141,15 @@ end
 relative = servo.speed / p.friction_speed;
 held = h * p.friction + p.friction_of_gears * abs(drive + load);
 held = held * (1.0 + p.friction_at_rest / (1.0 + relative * relative));
-servo.speed = nearer_zero((loaded + pushed) * left, left * held);
+before = servo.speed;
+wanted = nearer_zero((loaded + pushed) * left, left * held);
+servo.speed = max(p.lowest_speed, min(p.highest_speed, wanted));
 servo.angle = middle + 0.5 * h * servo.speed;
+% The speed stays at its limit for the rest of the step.
+if servo.speed ~= wanted && servo.speed ~= before
+    share = (wanted - servo.speed) / (wanted - before);
+    servo.angle = servo.angle + 0.5 * h * (servo.speed - before) * share;
+end
 % A stop takes all speed.
 if servo.angle ~= between_stops(servo.angle, p)
     servo.angle = between_stops(servo.angle, p);

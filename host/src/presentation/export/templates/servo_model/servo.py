@@ -167,8 +167,13 @@ class Servo:
         relative = self.speed / FRICTION_SPEED
         held = h * FRICTION + FRICTION_OF_GEARS * abs(drive + loading)
         held = held * (1.0 + FRICTION_AT_REST / (1.0 + relative * relative))
-        self.speed = nearer_zero((loaded + pushed) * left, left * held)
+        before, wanted = self.speed, nearer_zero((loaded + pushed) * left, left * held)
+        self.speed = max(LOWEST_SPEED, min(HIGHEST_SPEED, wanted))
         self.angle = middle + 0.5 * h * self.speed
+        # The speed stays at its limit for the rest of the step.
+        if self.speed not in (wanted, before):
+            share = (wanted - self.speed) / (wanted - before)
+            self.angle += 0.5 * h * (self.speed - before) * share
         # A stop takes all speed.
         if self.angle != between_stops(self.angle):
             self.angle, self.speed = between_stops(self.angle), 0.0

@@ -1,0 +1,151 @@
+//! Servos whose speed is cut off, as digital servos and simulations have it, and servos whose speed is not.
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+use super::PERIOD_S;
+use crate::data::Record;
+use crate::servo_model::{QuantityKind, ServoModel, ServoModelOptions, fit};
+
+/// Steps of the integration in a sample period: by Euler's rule in 20 µs, as a simulation would have it.
+const STEPS: usize = 100;
+
+/// How it moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Motion {
+    /// By an error and a damping, with an acceleration that may be limited.
+    SecondOrder,
+    /// At a speed that is proportional to the error, as far as speed and acceleration have no limits.
+    Profile,
+}
+
+/// A servo of second order whose speed is cut off, drawn by `seed`; every other one has a largest acceleration, too.
+struct Profiled {
+    delay_s: f64,
+    bandwidth: f64,
+    damping_ratio: f64,
+    speed: f64,
+    acceleration: f64,
+    random: ChaCha8Rng,
+}
+
+impl Profiled {
+    fn new(seed: u64) -> Self {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut between = |low: f64, high: f64| random.random_range(low..high);
+        let speed = between(200.0, 600.0);
+        Self {
+            delay_s: between(0.005, 0.015),
+            bandwidth: between(30.0, 80.0),
+            damping_ratio: between(0.7, 1.0),
+            speed,
+            acceleration: match seed % 2 {
+                0 => f64::INFINITY,
+                _ => speed / between(0.01, 0.04),
+            },
+            random,
+        }
+    }
+
+    /// The speed after a step of the integration.
+    fn next_speed(&self, motion: Motion, error: f64, speed: f64, step_s: f64) -> f64 {
+        let stiffness = self.bandwidth.powi(2);
+        let damping = 2.0 * self.damping_ratio * self.bandwidth;
+        let most = self.acceleration;
+        let change = match motion {
+            Motion::SecondOrder => {
+                (stiffness * error - damping * speed).clamp(-most, most) * step_s
+            }
+            Motion::Profile => {
+                let wanted = (stiffness / damping * error).clamp(-self.speed, self.speed);
+                (wanted - speed).clamp(-most * step_s, most * step_s)
+            }
+        };
+        (speed + change).clamp(-self.speed, self.speed)
+    }
+
+    /// Strokes of up to 60 degrees to each side, small and large, under noise of 0.1 degrees.
+    fn recorded(&mut self, motion: Motion, samples: usize) -> (Vec<f64>, Vec<f64>) {
+        let mut input: Vec<f64> = Vec::new();
+        while input.len() < samples {
+            let largest = [5.0, 15.0, 40.0, 60.0][self.random.random_range(0..4)];
+            let level = self.random.random_range(-largest..largest);
+            let hold = self.random.random_range(75..300);
+            input.extend(std::iter::repeat_n(level, hold));
+        }
+        input.truncate(samples);
+        let step_s = PERIOD_S / STEPS as f64;
+        let late = (self.delay_s / step_s).round() as usize;
+        let (mut angle, mut speed) = (input[0], 0.0_f64);
+        let mut output = Vec::new();
+        for step in 0..samples * STEPS {
+            if step % STEPS == 0 {
+                let v: f64 = StandardNormal.sample(&mut self.random);
+                output.push(angle + 0.1 * v);
+            }
+            let error = input[step.saturating_sub(late) / STEPS] - angle;
+            speed = self.next_speed(motion, error, speed, step_s);
+            angle += step_s * speed;
+        }
+        (input, output)
+    }
+}
+
+fn near(found: &ServoModel, kind: QuantityKind, truth: f64, share: f64) -> Result<(), String> {
+    let quantity = found.quantity(kind).ok_or("not there")?;
+    match (quantity.value / truth - 1.0).abs() < share {
+        true => Ok(()),
+        false => Err(format!("{kind:?}: {} for {truth}", quantity.value)),
+    }
+}
+
+/// Finds a servo of this seed again, which was recorded for `samples`.
+fn find(motion: Motion, seed: u64, samples: usize) -> Result<(), String> {
+    let mut servo = Profiled::new(seed);
+    let (input, output) = servo.recorded(motion, samples);
+    let record = Record::of_run(PERIOD_S, &input, &output).unwrap();
+    let found = fit(&record, &ServoModelOptions::default()).unwrap();
+    if !found.terms.speed_limit {
+        return Err(format!("{:?}", found.terms));
+    }
+    near(&found, QuantityKind::Delay, servo.delay_s, 0.02)?;
+    near(&found, QuantityKind::TopSpeedUpwards, servo.speed, 0.005)?;
+    near(&found, QuantityKind::TopSpeedDownwards, servo.speed, 0.005)?;
+    if servo.acceleration.is_finite() {
+        near(
+            &found,
+            QuantityKind::AccelerationUpwards,
+            servo.acceleration,
+            0.05,
+        )?;
+    }
+    Ok(())
+}
+
+#[test]
+fn a_servo_whose_speed_is_cut_off_is_found_again() {
+    for seed in [1, 2] {
+        assert_eq!(find(Motion::SecondOrder, seed, 5000), Ok(()), "{seed}");
+    }
+}
+
+/// A damping without end of the loop within, which no fit of the motor's own has.
+#[test]
+fn a_profile_of_speed_and_acceleration_is_found_again() {
+    assert_eq!(find(Motion::Profile, 3, 5000), Ok(()));
+}
+
+#[test]
+#[ignore = "a minute: cargo test --release -p servoid-identification --lib speeds_that_are_cut_off -- --ignored"]
+fn speeds_that_are_cut_off_are_found_again() {
+    for motion in [Motion::SecondOrder, Motion::Profile] {
+        // Without a limit of its own the acceleration of a profile has no end.
+        let seeds = (100..120).filter(|seed| seed % 2 == 1 || motion == Motion::SecondOrder);
+        let missed: Vec<String> = seeds
+            .filter_map(|seed| Some(format!("{seed}: {}", find(motion, seed, 10_000).err()?)))
+            .collect();
+        println!("{motion:?}: {missed:?}");
+        assert!(missed.len() <= 1, "{motion:?}: {missed:?}");
+    }
+}
