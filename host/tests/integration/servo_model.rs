@@ -158,7 +158,7 @@ fn the_simulated_aircraft_is_predicted_by_another_run_of_it() {
         "-o",
         arg(&model),
     ]);
-    let said = "This servo did not reach its top speed";
+    let said = "This servo shows no top speed";
     assert!(text.starts_with(said), "{text}");
     let found = run(&["validate", arg(&model), arg(&files[1]), "--json"]);
     let found: Value = serde_json::from_str(&found).unwrap();

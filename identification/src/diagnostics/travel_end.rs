@@ -31,7 +31,11 @@ impl TravelEnd {
         }
         let step = sensor_step(record).unwrap_or_default();
         let runs = simulated_whole(record, moments, fit);
-        [1.0, -1.0].map(|sign| Touched::by(&runs, sign, (moments.centre.1, step)).end(fit))
+        let gain: f64 = fit.impulse().iter().sum();
+        let offset = fit.solution.offset();
+        let rest_under = |command: f64| gain * (command - moments.centre.0) + offset;
+        [1.0, -1.0]
+            .map(|sign| Touched::by(&runs, sign, (moments.centre.1, step), &rest_under).end(fit))
     }
 }
 
@@ -55,8 +59,13 @@ struct Touched<'a> {
 
 impl<'a> Touched<'a> {
     /// Those up (`sign` 1) or down (-1). Outputs of the model count from `centre`, and the
-    /// sensor has steps of `step`.
-    fn by(runs: &'a [Simulated<'a>], sign: f64, (centre, step): (f64, f64)) -> Self {
+    /// sensor has steps of `step`. The model rests at `rest_under` a command: where it only passes there, the servo may pass less.
+    fn by(
+        runs: &'a [Simulated<'a>],
+        sign: f64,
+        (centre, step): (f64, f64),
+        rest_under: &dyn Fn(f64) -> f64,
+    ) -> Self {
         let mut all = Self {
             runs,
             strokes: Vec::new(),
@@ -71,7 +80,11 @@ impl<'a> Touched<'a> {
                 .fold(f64::INFINITY, |near, y| near.min(sign * y));
             let notable = (NOTABLE * (farthest - nearest)).max(step);
             let zero = centre + offset(run);
-            let beyond = |k: usize| sign * (run.output[k] + zero) - farthest;
+            let beyond = |k: usize| {
+                let passes = sign * run.output[k];
+                let rests = sign * rest_under(run.run.input()[k]);
+                passes.min(rests) + sign * zero - farthest
+            };
             let mut samples: Vec<usize> = (0..measured.len())
                 .filter(|k| beyond(*k) > notable)
                 .collect();

@@ -18,10 +18,16 @@ const LITTLE_NOISE_PERCENT: f64 = 95.0;
 
 impl ServoModel {
     /// How well it predicts \[%\]: the lesser of its fit to the whole record and to parts not seen. In the latter the largest
-    /// errors count for less, so that a model which is lost there may seem the better for it.
+    /// errors count for less, so that a model which is lost there may seem the better for it. Beside linear models it is found and simulated again: one that
+    /// predicts poorly there owes its fit to where it was begun.
     #[must_use]
     pub fn prediction_percent(&self) -> f64 {
-        self.fit.simulation_percent.min(self.fit.held_out_percent)
+        let fit = self.fit.simulation_percent.min(self.fit.held_out_percent);
+        let beside = self.linear_models.as_ref();
+        let again = beside.map(|found| found.servo_model_percent);
+        again
+            .filter(|percent| *percent < POOR_PREDICTION_PERCENT)
+            .map_or(fit, |percent| fit.min(percent))
     }
 
     /// The fit of a model whose errors are noise alone \[%\]; `None` where noise matters little.

@@ -148,9 +148,7 @@ fn what_was_seen(
     let agreed = speeds.and_then(|speeds| agreed(model, speeds));
     let kind = limited_to(model, agreed, units, 3).unwrap_or_else(|| match speeds {
         // The speed that follows is not to be read as the limit.
-        Some(speeds) if is_never_reached(model, &speeds) => {
-            "did not reach its top speed".to_owned()
-        }
+        Some(speeds) if is_never_reached(model, &speeds) => "shows no top speed".to_owned(),
         Some(_) => "is limited in its speed".to_owned(),
         // A stop in the travel looks like a drive that a load holds.
         None if lacks_something(model) && model.terms.is_limited() => "is not linear".to_owned(),

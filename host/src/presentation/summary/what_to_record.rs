@@ -29,8 +29,7 @@ fn holds_alike(model: &ServoModel) -> bool {
 }
 
 /// Said of a servo that was faster than any stroke let it show.
-const LARGER_STROKES: &str =
-    "The servo did not reach its top speed: record larger strokes, as far as the travel allows.";
+const LARGER_STROKES: &str = "Strokes of this recording were too small to show the top speed: record larger ones, as far as the travel allows.";
 
 /// Said of a servo that a dead band or friction holds, where the record does not show which.
 const STAIRS_DO_NOT_SEPARATE: &str = "Dead band and friction rest alike, and stairs hardly distinguish them: a large slow motion that goes on does, such as \

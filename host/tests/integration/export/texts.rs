@@ -293,7 +293,7 @@ fn a_linear_file_says_which_commands_and_speeds_were_recorded() {
         let recorded =
             "Recorded: commands from -5.00 to 5.00 deg, and the position moved at up to ";
         assert!(said.contains(recorded), "{target}: {said}");
-        let warning = "WARNING: no limit of the speed was reached up to ";
+        let warning = "WARNING: no limit of the speed was seen up to ";
         assert!(
             said.contains(warning) && said.contains("a servo has one"),
             "{target}: {said}"

@@ -71,7 +71,7 @@ fn excited_by_errors(evidence: &Evidence<'_>, errors: Inexact, power_up_to_hz: f
         ),
         Inexact::Noisy(sd) => (
             format!(
-                "No bounds can be given, because the column of the command has noise of {} (standard deviation), and part of the response may rest on \
+                "No bounds can be given, because the column of the command has noise of up to {} (standard deviation), and part of the response may rest on \
                  that noise alone: where the commands were measured, the servo got none of it.",
                 evidence.input(two_digits(sd))
             ),

@@ -80,7 +80,7 @@ pub(super) fn scatter(evidence: &Evidence<'_>) -> Option<Advice> {
             Check::RunScatter,
             format!(
                 "The runs differ by more than their noise: gain by {:.2} %, delay by {:.2} ms, offset by {:.3} \
-                 (standard deviations between runs; a bandwidth that differs passes for gain and delay here).{bounds}{}",
+                 (standard deviations between runs; another bandwidth or damping passes for gain and delay here).{bounds}{}",
                 runs.gain_percent.sd,
                 1000.0 * runs.delay_s.sd,
                 runs.offset.sd,

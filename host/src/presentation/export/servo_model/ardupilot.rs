@@ -34,8 +34,9 @@ const HIGHEST_CUTOFF: f64 = 0.45;
 const LIMIT_THE_COMMAND: &str = "limit the command to the stops, by the limits of its channel (SERVOn_MIN, SERVOn_MAX) or before it";
 
 /// What SITL has not.
-const LEFT_OUT: [Term; 11] = [
+const LEFT_OUT: [Term; 12] = [
     Term::FullDrive,
+    Term::SpeedInLoop,
     Term::TwoSpeeds,
     Term::DampingRatio,
     Term::DeadBand,

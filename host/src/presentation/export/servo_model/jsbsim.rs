@@ -25,8 +25,9 @@ use servoid_identification::servo_model::ServoParameters;
 const STEP_S: f64 = 0.002;
 
 /// What an actuator has not.
-const LEFT_OUT: [Term; 5] = [
+const LEFT_OUT: [Term; 6] = [
     Term::FullDrive,
+    Term::SpeedInLoop,
     Term::FrictionOfGears,
     Term::FrictionAtRest,
     Term::Weight,

@@ -11,6 +11,8 @@ pub(super) enum Term {
     FullDrive,
     /// Speed is cut off.
     SpeedLimit,
+    /// Speed is limited within the loop, not behind it.
+    SpeedInLoop,
     /// Speed in one direction only differs from that in the other.
     TwoSpeeds,
     /// The loop is weaker where the drive is negative.
@@ -34,6 +36,7 @@ impl Term {
         match self {
             Self::FullDrive => "the time in which speed builds up",
             Self::SpeedLimit => "the speed that is cut off",
+            Self::SpeedInLoop => "the limit of the speed within the loop, and has one behind it",
             Self::TwoSpeeds => "one of the two speeds",
             Self::WeakerLoopDownwards => "the weaker loop to one side",
             Self::DampingRatio => "the damping ratio",
@@ -81,6 +84,9 @@ impl ServoExport<'_> {
         match term {
             Term::FullDrive => self.full_drive(),
             Term::SpeedLimit => self.speed_limit(),
+            Term::SpeedInLoop => p.speed_limit.map(|_| {
+                "a limit of the speed within the loop: here it stands behind that, and the servo turns round later".to_owned()
+            }),
             Term::TwoSpeeds => self.two_speeds(),
             Term::WeakerLoopDownwards => self.weaker_loop(),
             Term::DampingRatio => {

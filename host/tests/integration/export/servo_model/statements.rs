@@ -388,8 +388,8 @@ fn what_a_model_does_not_know_of_speeds_is_a_warning() {
     let linear = SERVOS[0].export("ardupilot", folder.path(), &[]).text;
     let said = prose(&linear);
     for part in [
-        "WARNING: no limit of the speed was reached up to ",
-        "so this file has none, and a servo has one",
+        "WARNING: no limit of the speed was seen up to ",
+        "this file has none, and a servo has one",
         "Rate: this file has no limit, as none was reached",
         "or 0 for no limit",
     ] {

@@ -276,10 +276,10 @@ fn a_speed_of_zero_is_not_called_reached() {
         };
         prose(&exported(&changed(&linear, folder.path(), change), "c"))
     };
-    assert!(with(57.0).contains("was reached up to 57 deg/s upwards"));
+    assert!(with(57.0).contains("was seen up to 57 deg/s upwards"));
     let said = with(0.0);
     assert!(
-        said.contains("no limit of the speed was reached (commands "),
+        said.contains("no limit of the speed was seen (commands "),
         "{said}"
     );
 }
