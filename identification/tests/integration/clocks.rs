@@ -4,6 +4,7 @@
 use servoid_identification::results::Reason;
 use servoid_identification::{Options, Record, identify};
 use servoid_test_support::loggers::Logger;
+use servoid_test_support::plants::{normal, random};
 
 #[test]
 fn clocks_that_differ_slow_sensors_and_stops_take_the_level() {
@@ -108,6 +109,40 @@ fn a_drift_is_no_stop() {
         let model = identify(&record, &Options::default()).unwrap();
         assert_ne!(
             model.bounds.withdrawn(),
+            Some(Reason::TravelEnd),
+            "seed {seed}"
+        );
+    }
+}
+
+/// A square wave of ±30, 64 holds of 0.6 s of which the last is longer, at 5 ms, behind a servo whose speed is limited. The response to strokes of 60
+/// goes beyond 30 at some times, where the first stroke of 30 has not; it rests below.
+#[test]
+fn a_square_wave_into_a_limited_speed_is_no_stop() {
+    const STEP_S: f64 = 0.0005;
+    let command = |k: usize| match (k.checked_sub(120).map(|k| (k / 120).min(63)), k < 7880) {
+        (Some(hold), true) => 30.0 - 60.0 * (hold % 2) as f64,
+        _ => 0.0,
+    };
+    for seed in 1..3 {
+        let mut random = random(seed);
+        let (mut angle, mut speed) = (0.0, 0.0);
+        let mut output = Vec::new();
+        for k in 0..8000 {
+            output.push(angle + 0.05 * normal(&mut random));
+            // A delay of two samples.
+            let sent = command(k.saturating_sub(2));
+            for _ in 0..10 {
+                speed += STEP_S * (2500.0 * (sent - angle) - 80.0 * speed);
+                speed = f64::clamp(speed, -300.0, 300.0);
+                angle += STEP_S * speed;
+            }
+        }
+        let input: Vec<f64> = (0..8000).map(command).collect();
+        let record = Record::of_run(0.005, input, output).unwrap();
+        let found = identify(&record, &Options::default()).unwrap();
+        assert_ne!(
+            found.bounds.withdrawn(),
             Some(Reason::TravelEnd),
             "seed {seed}"
         );
