@@ -128,7 +128,7 @@ fn a_square_wave_into_a_limited_speed_is_no_stop() {
         let mut random = random(seed);
         let (mut angle, mut speed) = (0.0, 0.0);
         let mut output = Vec::new();
-        for k in 0..8000 {
+        for k in 0..8000usize {
             output.push(angle + 0.05 * normal(&mut random));
             // A delay of two samples.
             let sent = command(k.saturating_sub(2));

@@ -82,7 +82,7 @@ fn a_square_wave_with_noise_has_no_bounds_by_its_noise() {
     let excitation = model.advice.iter().find(|of| of.check == Check::Excitation);
     let excitation = excitation.unwrap();
     assert!(
-        excitation.finding.contains("has noise of 0.030"),
+        excitation.finding.contains("has noise of up to 0.030"),
         "{excitation:?}"
     );
     let noise = noise(&model).unwrap();
