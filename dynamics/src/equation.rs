@@ -185,6 +185,24 @@ pub struct SpeedLimit<S> {
     pub down_to_up: S,
 }
 
+impl<S: Scalar> DriveLimit<S> {
+    /// A+ and A-, the largest accelerations towards larger and smaller θ.
+    #[inline(always)]
+    #[must_use]
+    pub fn both_ways(&self) -> [S; 2] {
+        [self.up, self.up * self.down_to_up]
+    }
+}
+
+impl<S: Scalar> SpeedLimit<S> {
+    /// V+ and V-, the largest speeds towards larger and smaller θ.
+    #[inline(always)]
+    #[must_use]
+    pub fn both_ways(&self) -> [S; 2] {
+        [self.up, self.up * self.down_to_up]
+    }
+}
+
 /// The outputs at which the shaft meets a stop: it takes all speed, and holds the shaft until that is driven back.
 ///
 /// A stop is an angle of the mechanism. It is known by the output that the sensor shows there, which a record shows by itself: that stays where it is
@@ -270,7 +288,7 @@ impl ServoParameters<f64> {
     /// the command/s\], or at which they are cut off; 0 where the load holds the drive. `None` without a limit.
     #[must_use]
     pub fn top_speeds(&self, load: f64) -> Option<[f64; 2]> {
-        let cut_off = (self.speed_limit).map(|limit| [limit.up, limit.up * limit.down_to_up]);
+        let cut_off = self.speed_limit.map(|limit| limit.both_ways());
         let Some(limit) = self.drive_limit() else {
             return cut_off;
         };
@@ -278,7 +296,8 @@ impl ServoParameters<f64> {
             (self.friction).map_or(0.0, |friction| friction.in_motion(through_gears))
         };
         let net = |drive: f64, load: f64| (drive - load - friction(drive + load)).max(0.0);
-        let net = [net(limit.up, load), net(limit.up * limit.down_to_up, -load)];
+        let [up, down] = limit.both_ways();
+        let net = [net(up, load), net(down, -load)];
         Some(match cut_off {
             None => net.map(|net| net / limit.motor_damping),
             Some([up, down]) => {

@@ -120,7 +120,7 @@ impl<S: Scalar> Stepper<S> {
             range: physics.range(),
             fastest: match physics.speed_limit {
                 None => [S::constant(f64::INFINITY); 2],
-                Some(limit) => [limit.up, limit.up * limit.down_to_up],
+                Some(limit) => limit.both_ways(),
             },
         }
     }

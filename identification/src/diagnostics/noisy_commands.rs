@@ -15,7 +15,7 @@ use crate::thresholds::{CHANGED_BEYOND_NOISE, HELD_BUT_FOR_NOISE};
 /// Noise in the column of a command that is held but for it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct CommandNoise {
-    /// Its standard deviation \[units of the input\].
+    /// Its standard deviation at the most \[units of the input\]: where holds are short, levels that are near each other count as noise.
     pub sd: f64,
     /// By how many standard deviations of its noise the estimate is off at the most, whichever part of it is looked at, if the servo was not sent this noise;
     /// `None` where there are no bounds.
@@ -55,12 +55,13 @@ fn holds_of_means<'r>(runs: &[&'r Run], block: usize) -> Option<Vec<&'r [f64]>> 
         changes.extend(long.windows(2).filter_map(|pair| {
             let level = |hold: &Hold| mean(&means.input()[hold.samples.clone()]);
             let between = &means.input()[pair[0].samples.end..pair[1].samples.start];
-            // A change may be within a block. Behind a missing command, the level may be the same.
             match between {
+                // Behind a missing command, the level may be the same.
+                _ if between.iter().any(|u| u.is_nan()) => None,
+                // A change may be within a block.
                 [] | [_] => Some((level(&pair[1]) - level(&pair[0])).abs()),
                 _ => Some(0.0),
             }
-            .filter(|_| between.iter().all(|u| !u.is_nan()))
         }));
         held.extend(long.iter().map(|hold| {
             // The blocks at both ends may have samples of the next hold.

@@ -251,7 +251,8 @@ fn top_speeds(p: &ServoParameters<f64>, middle: f64) -> Option<[f64; 2]> {
 fn accelerations(p: &ServoParameters<f64>, middle: f64) -> Option<[f64; 2]> {
     let limit = p.drive_limit()?;
     let load = p.load.at(middle);
-    let net = [limit.up - load, limit.up * limit.down_to_up + load];
+    let [up, down] = limit.both_ways();
+    let net = [up - load, down + load];
     Some(p.upwards_first(net.map(|net| net.max(0.0) * p.gain.abs())))
 }
 

@@ -63,7 +63,7 @@ pub const ROUNDED_EXCITATION: f64 = 0.9;
 /// The same of noise in the column of the command.
 ///
 /// Protects: bounds of stairs, whose equal holds leave much to the noise. Evidence: of stairs with AR(1) noise of 1 %, at 0.7 a quarter of the recordings had
-/// bounds, of which up to two thirds did not hold the curve; at 0.6 one in forty has. Random levels have as many bounds with either.
+/// bounds, of which up to two thirds did not hold the curve; at 0.6 none of the forty of that table has. Random levels have as many bounds with either.
 pub const NOISY_EXCITATION: f64 = 0.6;
 
 // What is in a record beside the servo and its noise.

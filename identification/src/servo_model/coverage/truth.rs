@@ -147,7 +147,10 @@ impl Machine {
     fn cut_off(&self, speed: f64) -> f64 {
         match self.p.speed_limit {
             None => speed,
-            Some(limit) => speed.clamp(-limit.up * limit.down_to_up, limit.up),
+            Some(limit) => {
+                let [up, down] = limit.both_ways();
+                speed.clamp(-down, up)
+            }
         }
     }
 

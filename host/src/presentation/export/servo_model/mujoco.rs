@@ -74,8 +74,8 @@ impl Joint {
             kp: p.stiffness,
             kv: p.damping - damping,
             range: limit.map(|limit| {
-                let drives = [limit.up, limit.up * limit.down_to_up];
-                let [up, down] = p.upwards_first(drives).map(|drive| size * drive);
+                let drives = p.upwards_first(limit.both_ways());
+                let [up, down] = drives.map(|drive| size * drive);
                 (up, down)
             }),
             damping,
@@ -246,7 +246,7 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
 fn speed_in_words(export: &ServoExport<'_>, drive: Option<DriveLimit<f64>>) -> Option<String> {
     let drive = drive.filter(|_| export.parameters.speed_limit.is_some())?;
     let unit = export.command_unit();
-    let [up, down] = [drive.up, drive.up * drive.down_to_up].map(four_digits);
+    let [up, down] = drive.both_ways().map(four_digits);
     Some(format!(
         "Speed: MuJoCo has no limit of it. Here the speed comes to that by and by, as that of a motor does: B is {} 1/s, A+ {up} {unit}/s^2 and A- {down} {unit}/s^2, with which the joint is closest to the servo in the staircase, in the mean of squares.",
         four_digits(drive.motor_damping)

@@ -172,7 +172,7 @@ impl ServoExport<'_> {
         let Some(limit) = self.parameters.speed_limit else {
             return EQUATION.to_owned();
         };
-        let [up, down] = [limit.up, limit.up * limit.down_to_up].map(four_digits);
+        let [up, down] = limit.both_ways().map(four_digits);
         let unit = self.command_unit();
         format!(
             "{EQUATION} Where omega is {up} {unit}/s, or -{down} {unit}/s, it goes no further: the speed is cut off there, and B is 0."

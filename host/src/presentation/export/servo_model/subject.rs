@@ -181,9 +181,8 @@ impl<'a> ServoExport<'a> {
     /// The least and the largest speed at which that of theta is cut off \[units of the command/s\], -[`NO_LIMIT`] and [`NO_LIMIT`] without.
     pub(super) fn speed_limits(&self) -> [f64; 2] {
         let limit = self.parameters.speed_limit;
-        limit.map_or([-NO_LIMIT, NO_LIMIT], |limit| {
-            [-limit.up * limit.down_to_up, limit.up]
-        })
+        let [up, down] = limit.map_or([NO_LIMIT; 2], |limit| limit.both_ways());
+        [-down, up]
     }
 
     /// `servo` without stops.

@@ -160,8 +160,8 @@ impl ServoExport<'_> {
     fn full_drive(&self) -> Option<String> {
         let command = self.command_unit();
         let limit = self.parameters.drive_limit()?;
-        let drives = [limit.up, limit.up * limit.down_to_up];
-        let [up, down] = self.parameters.upwards_first(drives).map(four_digits);
+        let drives = self.parameters.upwards_first(limit.both_ways());
+        let [up, down] = drives.map(four_digits);
         let per_s = four_digits(limit.motor_damping);
         let against = match self.parameters.speed_limit {
             None => format!(", against the motor's damping of {per_s} 1/s"),
@@ -175,8 +175,8 @@ impl ServoExport<'_> {
     fn speed_limit(&self) -> Option<String> {
         let command = self.command_unit();
         let limit = self.parameters.speed_limit?;
-        let speeds = [limit.up, limit.up * limit.down_to_up];
-        let [up, down] = self.parameters.upwards_first(speeds).map(four_digits);
+        let speeds = self.parameters.upwards_first(limit.both_ways());
+        let [up, down] = speeds.map(four_digits);
         let drive = self.parameters.drive_limit().map(|drive| {
             let most = four_digits(drive.up);
             format!(" and full drive as an acceleration of {most} {command}/s^2")
