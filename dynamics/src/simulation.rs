@@ -20,6 +20,10 @@ pub struct Grid {
 /// ten-thousandth of the stroke, well below the noise of any sensor.
 const FINENESS: f64 = 0.05;
 
+/// A servo rests where its speed comes to this share of the range of the command in the time 1/ω, and its acceleration in 1/ω²: so far from its end it is then, but
+/// for a factor that grows with its damping, far below the error of the integration. In recordings with holds, a servo rests for most of the time.
+const STILL: f64 = 1e-6;
+
 /// Shortest and longest step \[s\].
 const STEP_S: (f64, f64) = (0.2e-3, 5e-3);
 
@@ -92,6 +96,8 @@ pub fn simulate<S: Scalar>(
     let edge = DelayedEdge::new(physics.delay_s, grid);
     let whole_s = S::constant(grid.step_s());
     let period = Period {
+        sample_s: grid.period_s,
+        bandwidth: physics.stiffness.value().sqrt(),
         periods: edge.periods,
         step: edge.step,
         steps: grid.steps,
@@ -124,6 +130,8 @@ pub fn simulate_with_slopes(
     let edge = DelayedEdge::new(physics.delay_s, grid);
     let whole_s = grid.step_s();
     let period = Period {
+        sample_s: grid.period_s,
+        bandwidth: physics.stiffness.sqrt(),
         periods: edge.periods,
         step: edge.step,
         steps: grid.steps,
@@ -148,6 +156,10 @@ pub fn simulate_with_slopes(
 
 /// A sample period, in which the delayed input may change once.
 struct Period<A> {
+    /// Its length \[s\].
+    sample_s: f64,
+    /// ω of the servo at small signals \[rad/s\].
+    bandwidth: f64,
     /// Whole sample periods between a sample of the input and the period in which it acts. Negative where the output is sampled
     /// after the edge, and the delay is shorter than that.
     periods: isize,
@@ -181,24 +193,48 @@ impl<A: Advance> Period<A> {
         };
         let mut held = acting(-1);
         let mut command = held.map_or(before, A::command);
+        let still = STILL * range(input);
+        let mut rests = false;
         for k in 0..input.len() {
             each(k, &state);
+            let new = acting(k as isize).filter(|new| held != Some(*new));
+            if rests && new.is_none() {
+                continue;
+            }
+            let before = A::speed(&state);
             for _ in 0..self.step {
                 self.whole.advance(&mut state, command);
             }
-            match acting(k as isize) {
-                Some(new) if held != Some(new) => {
+            match new {
+                Some(new) => {
                     self.until.advance(&mut state, command);
                     (held, command) = (Some(new), A::command(new));
                     self.after.advance(&mut state, command);
                 }
-                _ => self.whole.advance(&mut state, command),
+                None => self.whole.advance(&mut state, command),
             }
             for _ in self.step + 1..self.steps {
                 self.whole.advance(&mut state, command);
             }
+            rests = new.is_none() && self.is_still([before, A::speed(&state)], still);
         }
     }
+
+    /// Whether the speeds at both ends of this period leave the servo within `still` of where it is.
+    #[inline(always)]
+    fn is_still(&self, [before, after]: [f64; 2], still: f64) -> bool {
+        let lag_s = 1.0 / self.bandwidth;
+        let acceleration = (after - before) / self.sample_s;
+        after.abs() * lag_s < still && acceleration.abs() * lag_s * lag_s < still
+    }
+}
+
+/// What the largest of `input` is above the least.
+fn range(input: &[f64]) -> f64 {
+    let [least, largest] = (input.iter()).fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], u| {
+        [a.min(*u), b.max(*u)]
+    });
+    largest - least
 }
 
 /// Where the delayed edge of the input falls: in every sample period at the same time.

@@ -396,6 +396,11 @@ impl<'a> Advance for SlopedStepper<'a> {
             *state = SlopedState::stopped(self.physics, end);
         }
     }
+
+    #[inline(always)]
+    fn speed(state: &SlopedState) -> f64 {
+        state.plain.speed
+    }
 }
 
 impl SlopedStepper<'_> {

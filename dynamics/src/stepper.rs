@@ -15,6 +15,9 @@ pub(crate) trait Advance {
 
     /// Moves `state` by one step under `command`.
     fn advance(&self, state: &mut Self::State, command: Self::Command);
+
+    /// The speed of the shaft.
+    fn speed(state: &Self::State) -> f64;
 }
 
 /// Angle and speed of the shaft.
@@ -312,5 +315,10 @@ impl<S: Scalar> Advance for Stepper<S> {
     #[inline(always)]
     fn advance(&self, state: &mut State<S>, command: S) {
         Stepper::advance(self, state, command);
+    }
+
+    #[inline(always)]
+    fn speed(state: &State<S>) -> f64 {
+        state.speed.value()
     }
 }

@@ -128,8 +128,6 @@ fn input() -> Vec<f64> {
     (0..500).map(sample).collect()
 }
 
-/// Both are the same sums in another order: apart by rounding, of which 500 samples of 3 steps in a stable servo gather
-/// some thousand times 1e-16 of the largest derivative.
 /// Full drive lifts a load slowly and lets it down fast; the gears take their share of both.
 #[test]
 fn a_long_stroke_reaches_the_top_speed_under_its_load() {
@@ -229,6 +227,8 @@ fn a_speed_is_cut_off_as_in_tiny_steps() {
     }
 }
 
+/// Both are the same sums in another order: apart by rounding, of which 500 samples of 3 steps in a stable servo gather
+/// some thousand times 1e-16 of the largest derivative.
 #[test]
 fn slopes_are_those_of_dual_numbers() {
     let input = input();
@@ -270,6 +270,42 @@ fn slopes_are_those_of_dual_numbers() {
                         slopes[place]
                     );
                 }
+            }
+        }
+    }
+}
+
+/// A command of one value has no range beside which a motion is none, so each of its steps is computed.
+#[test]
+fn a_servo_is_at_rest_where_each_further_step_would_leave_it() {
+    // Of which the stroke is a hundredth: what is still beside that range moves it most.
+    const RANGE: f64 = 900.0;
+    let start = Start::at_rest(-3.0, Some(-4.0));
+    // Where samples are near each other, a servo hardly moves from one to the next where it turns round.
+    for (servo, period_s) in (servos().into_iter()).flat_map(|servo| [(servo, 2e-3), (servo, 1e-4)])
+    {
+        let grid = Grid::new(period_s, 0.0, 0.0008);
+        let held = vec![6.0; (3.0 / period_s) as usize];
+        let followed = [held.clone(), vec![6.0 - RANGE]].concat();
+        let motion = |input: &[f64]| {
+            let mut motion = Vec::new();
+            simulate_with_slopes(&servo, &grid, &start, input, |_, y, slopes, _| {
+                motion.push((y, *slopes));
+            });
+            motion
+        };
+        let [every, until_rest] = [&held, &followed].map(|input| motion(input));
+        for place in 0..PARAMETERS {
+            let sizes = every.iter().map(|(_, slopes)| slopes[place].abs());
+            let largest = sizes.fold(0.0, f64::max);
+            for ((y, slopes), (same, as_steep)) in every.iter().zip(&until_rest) {
+                // A slow end is ten times as far away. Derivatives end later, and only steer a fit.
+                let holds = (y - same).abs() < 10.0 * STILL * RANGE
+                    && (slopes[place] - as_steep[place]).abs() <= 0.1 * largest;
+                assert!(
+                    holds,
+                    "{place}: {y} {same} {slopes:?} {as_steep:?} {servo:?}"
+                );
             }
         }
     }

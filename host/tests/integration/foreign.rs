@@ -193,7 +193,7 @@ fn a_recording_without_steps_says_for_which_steps_it_stands() {
         let off = 0.05 * noise(k + 77_777);
         format!("{},{command},{:.3}\n", 10 * k, states[2] + off)
     };
-    let rows: String = (0..4000).map(row).collect();
+    let rows: String = (0..2000).map(row).collect();
     let path = dir.path().join("stick.csv");
     std::fs::write(&path, format!("time_ms,u_deg,y_deg\n{rows}")).unwrap();
     let said = run(&[&["identify", "-q", arg(&path)][..], &IN_DEGREES].concat());

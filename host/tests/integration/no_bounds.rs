@@ -42,15 +42,14 @@ enum Withdrawn {
 }
 
 impl Withdrawn {
-    /// But for [`Self::InputUnexcited`], which the quick tests have.
-    const OTHERS: [Self; 12] = [
+    /// But for [`Self::InputUnexcited`] and [`Self::TravelEnd`], which the quick test has.
+    const OTHERS: [Self; 11] = [
         Self::FrequenciesLeftOut,
         Self::ErrorsNotNoise,
         Self::QuantisationAboveNoise,
         Self::EarlyMotion,
         Self::HeldOutput,
         Self::LagDrift,
-        Self::TravelEnd,
         Self::GainDrift,
         Self::InputFollowsOutput,
         Self::EndUnseen,
@@ -207,7 +206,7 @@ fn under_equal_holds(seed: u32) -> Record<'static> {
     Record::of_run(plants::PERIOD, input, output).unwrap()
 }
 
-/// 90 % with 20 ms and 10 % with 0.8 s.
+/// 90 % with 20 ms and 10 % with 0.8 s, of which every second sample is recorded: the fewer, the sooner a response of a second is found.
 fn with_slow_end(seed: u32) -> Record<'static> {
     let input = plants::staircase();
     let noise = Noise::White.samples(&mut plants::random(seed.into()), input.len());
@@ -219,7 +218,11 @@ fn with_slow_end(seed: u32) -> Record<'static> {
             0.9 * fast + 0.1 * slow + v
         })
         .collect();
-    Record::of_run(plants::PERIOD, input, output).unwrap()
+    let [input, output] = [input, output].map(|all| {
+        let kept = all.into_iter().step_by(2);
+        kept.collect::<Vec<f64>>()
+    });
+    Record::of_run(2.0 * plants::PERIOD, input, output).unwrap()
 }
 
 /// A servo whose speed is limited: its errors are not noise.

@@ -142,7 +142,7 @@ fn a_profile_of_speed_and_acceleration_is_found_again() {
 fn speeds_that_are_cut_off_are_found_again() {
     for motion in [Motion::SecondOrder, Motion::Profile] {
         // Without a limit of its own the acceleration of a profile has no end.
-        let seeds = (100..112u64).filter(|seed| seed % 2 == 1 || motion == Motion::SecondOrder);
+        let seeds = (100..106u64).filter(|seed| seed % 2 == 1 || motion == Motion::SecondOrder);
         let missed: Vec<String> = (seeds.collect::<Vec<_>>().into_par_iter())
             .filter_map(|seed| Some(format!("{seed}: {}", find(motion, seed, 10_000).err()?)))
             .collect();

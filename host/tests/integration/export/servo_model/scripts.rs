@@ -78,13 +78,13 @@ fn matlab_functions_move_as_the_servo_model_in_octave() {
         return missing("the servo model in MATLAB", "there is no octave-cli");
     }
     let folder = tempfile::tempdir().unwrap();
-    // Each second servo: Octave takes ten seconds for one.
+    // Each fourth servo: Octave takes ten seconds for one.
     let exports: Vec<Exported> = exports("matlab", "m", folder.path())
         .into_iter()
-        .step_by(2)
+        .step_by(4)
         .collect();
     let mut script = String::new();
-    for (servo, exported) in SERVOS.iter().step_by(2).zip(&exports) {
+    for (servo, exported) in SERVOS.iter().step_by(4).zip(&exports) {
         // In two parts, to see that the state goes on.
         let _infallible = writeln!(
             script,
@@ -98,7 +98,7 @@ fn matlab_functions_move_as_the_servo_model_in_octave() {
     octave
         .args(["--norc", "--eval", "run_it"])
         .current_dir(folder.path());
-    check_each(2, &exports, &must(&mut octave));
+    check_each(4, &exports, &must(&mut octave));
 }
 
 #[test]
