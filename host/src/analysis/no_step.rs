@@ -40,7 +40,7 @@ pub(super) fn advice(data: &Dataset, model: &Model) -> Option<Advice> {
         ),
         most,
         0.0,
-        "For larger ones, record steps: a servo may meet a limit of its speed there. A servo model ('--servo-model') looks for one in this recording.",
+        "For larger ones, record steps: a servo may meet a limit of its speed there, which a servo model looks for in this recording.",
     ))
 }
 

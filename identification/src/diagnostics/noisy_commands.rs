@@ -37,7 +37,11 @@ pub(super) fn noisy_holds<'r>(runs: &[&'r Run]) -> Option<Vec<&'r [f64]>> {
     if second_difference(&columns)? == 0.0 {
         return None;
     }
-    BLOCKS.iter().find_map(|block| holds_of_means(runs, *block))
+    let found = BLOCKS
+        .iter()
+        .filter_map(|block| holds_of_means(runs, *block));
+    let sd = |held: &Vec<&[f64]>| CommandErrors::of_noise(held, 1).sd();
+    found.min_by(|a, b| sd(a).total_cmp(&sd(b)))
 }
 
 /// The same, where the means of each `block` of samples show holds.

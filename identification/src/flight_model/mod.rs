@@ -78,6 +78,15 @@ pub struct FlightModel {
 }
 
 impl FlightModel {
+    /// The transfer function of this order, as text of ASCII characters.
+    pub fn formula(&self) -> &'static str {
+        match self.order {
+            1 => "K exp(-L s) / (1 + T s)",
+            2 => "K exp(-L s) / (1 + 2 zeta s/w + s^2/w^2)",
+            _ => "K exp(-L s) / ((1 + 2 zeta s/w + s^2/w^2) (1 + T s))",
+        }
+    }
+
     /// Whether order, parameters and covariance agree and the poles are stable. A fitted model is always
     /// consistent; one that was read from a file must be checked.
     pub fn is_consistent(&self) -> bool {
@@ -339,7 +348,7 @@ impl FittedOrder {
             || "the delay counts from the applied edge of the command".to_owned(),
             |period| {
                 format!(
-                    "put a sample and hold of {:.1} ms before it, or add {:.1} ms of delay",
+                    "the hold of the command for {:.1} ms comes before it: a sample and hold, or {:.1} ms more of delay",
                     1e3 * period,
                     1e3 * period / 2.0
                 )

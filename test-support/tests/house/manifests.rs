@@ -1,4 +1,4 @@
-//! The arrows between the crates go one way, and the manifest promises the compiler that is tested.
+//! The arrows between the crates go one way, the manifest promises the compiler that is tested, and who cites servoid names its version.
 
 use crate::workspace;
 use std::fs;
@@ -87,4 +87,16 @@ fn the_promised_compiler_is_the_tested_one() {
     let pin = pin.as_str().expect("a channel is a text");
     let promised = promised.as_str().expect("a version is a text");
     assert_eq!(pin, promised, "rust-toolchain.toml and Cargo.toml differ");
+}
+
+/// Who cites servoid names the version that the program prints.
+#[test]
+fn the_cited_version_is_that_of_the_program() {
+    let version = table("Cargo.toml")["workspace"]["package"]["version"].clone();
+    let version = version.as_str().expect("a version is a text");
+    let cited = fs::read_to_string(workspace().join("CITATION.cff")).expect("it can be read");
+    assert!(
+        cited.contains(&format!("\nversion: {version}\n")),
+        "{version}"
+    );
 }

@@ -300,12 +300,7 @@ pub(super) fn low_order_covariance(flight: &FlightModel, style: &Style) -> Optio
 }
 
 fn low_order(flight: &FlightModel, largest_error_percent: f64) -> String {
-    let form = match flight.order {
-        1 => "K exp(-L s) / (1 + T s)",
-        2 => "K exp(-L s) / (1 + 2 zeta s/w + s^2/w^2)",
-        _ => "K exp(-L s) / ((1 + 2 zeta s/w + s^2/w^2) (1 + T s))",
-    };
-    let mut text = format!("Low-order model, continuous: {form} with");
+    let mut text = format!("Low-order model, continuous: {} with", flight.formula());
     for (name, unit, interval) in [
         ("K", "", Some(flight.gain)),
         ("L", " s", Some(flight.delay_s)),

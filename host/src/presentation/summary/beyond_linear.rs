@@ -20,8 +20,11 @@ pub fn of_flight_model(flight: &FlightModel) -> String {
     ];
     let head = head_of_bounds(flight.bounds.as_ref().map(|bounds| bounds.level));
     let mut text = format!(
-        "\nlow-order model: K e^(-Ls) / ((1 + 2 zeta s/w + s^2/w^2) (1 + Ts))\n  {:22} {:>10} {:5} {head}\n",
-        "", "value", ""
+        "\nlow-order model: {}\n  {:22} {:>10} {:5} {head}\n",
+        flight.formula(),
+        "",
+        "value",
+        ""
     );
     for (name, unit, scale, interval) in rows {
         let Some(Interval {

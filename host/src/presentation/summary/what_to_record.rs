@@ -33,7 +33,7 @@ const LARGER_STROKES: &str = "Strokes of this recording were too small to show t
 
 /// Said of a servo that a dead band or friction holds, where the record does not show which.
 const STAIRS_DO_NOT_SEPARATE: &str = "Dead band and friction rest alike, and stairs hardly distinguish them: a large slow motion that goes on does, such as \
-    --reference multisine --amplitude 30 --frequencies 0.1:3 --length 20, as far as the travel allows.";
+    sines of 0.1 to 3 Hz that add up to 30 degrees, for 20 s (in servoid: --reference multisine --amplitude 30 --frequencies 0.1:3 --length 20).";
 
 /// Said of a servo model without any term beyond a linear servo.
 const LINEAR_IS_SHARPER: &str = "This recording needs no more than a linear servo: where the linear model has intervals, they are \
@@ -49,7 +49,7 @@ const WHAT_SHOWS: [(&[QuantityKind], &str, &str); 3] = [
     (
         QuantityKind::OF_SMALL_SIGNALS,
         "small quick strokes show it",
-        "Bandwidth and damping show in small quick strokes: record steps or random levels of a few degrees, sampled every 5 ms or faster.",
+        "Bandwidth and damping show in small quick strokes: record steps or random levels of a few degrees, sampled several times within the rise time.",
     ),
     (
         QuantityKind::OF_REST,

@@ -321,7 +321,7 @@ pub(super) fn independence(evidence: &Evidence<'_>) -> Option<Advice> {
     Some(Advice::new(
         Check::InputIndependence,
         "The residuals depend on the input: the response is longer than the settling time, has more detail than the \
-         frequencies, or the servo is not linear.",
+         frequencies, or the servo is not linear. Of a linear servo, one or two recordings in a hundred show this by chance.",
         p,
         RESIDUAL_SIGNIFICANCE,
         format!(

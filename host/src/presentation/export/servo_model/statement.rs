@@ -388,7 +388,7 @@ impl ServoExport<'_> {
             }
         };
         format!(
-            "Largest difference from servoid's own integrator with steps {FINER} times as fine as usual: {}, {}, with steps of {} ms{emulation}; root mean square {} %. It is that of repeated reversals, as a loop that swings has them, and of strokes that are held or broken off once: in these alone it is {}.{} The command: {}",
+            "Largest difference from servoid's own integrator with steps {FINER} times as fine as usual, under the command named below: {}, {}, with steps of {} ms{emulation}; root mean square {} %. It is that of repeated reversals, as a loop that swings has them, and of strokes that are held or broken off once: in these alone it is {}. Reversals of other periods may show more.{} The command: {}",
             largest,
             self.strokes(trial),
             four_digits(1e3 * trial.step_s),

@@ -6,7 +6,7 @@ function [position, servo] = {{id}}(command, servo)
 % [position, servo] = {{id}}(command, servo) takes and gives the state.
 
 p = parameters();
-if nargin < 2
+if nargin < 2 || isempty(servo)
     servo = at_rest(command(1), p);
 end
 position = zeros(size(command));
