@@ -3,7 +3,7 @@
 //! No model is asked: one of more lags than a hold describes what a servo that is not linear does in each period of a reference that repeats
 //! itself, as a response that goes on for several holds. The output shows whether anything moves then.
 //!
-//! What moves is looked for in the second half of each hold, as far as the usual hold goes, beside the size of the stroke that led into it. Over all
+//! What moves is looked for in the second half of each hold, as far as the usual hold goes, beside the size of the stroke before. Over all
 //! holds together even a creep of a few percent is seen that no single hold shows. The levels themselves do not count: play and friction leave
 //! the servo beside its command, and at rest.
 
@@ -45,8 +45,8 @@ pub(crate) fn rests_within(record: &Record, hold: usize) -> bool {
         && each.into_iter().all(is_chance)
 }
 
-/// Whether a response is elsewhere for a quarter of a hold, at any time after `hold` samples, than in the second half of the hold, by more than a creep would be
-/// that [`rests_within`] does not see.
+/// Whether a response is elsewhere for a quarter of a hold, at any time after `hold` samples, than in the second half of the hold, by more than
+/// a creep would be that [`rests_within`] does not see.
 pub(crate) fn moves_after(step: &[f64], hold: usize) -> bool {
     let quarter = hold / 4;
     if quarter == 0 || step.len() < hold + quarter {
@@ -60,7 +60,7 @@ pub(crate) fn moves_after(step: &[f64], hold: usize) -> bool {
 
 /// The end of a hold.
 struct HoldEnd {
-    /// The change of the input that led into it, with its sign \[input\].
+    /// The change of the input before it, with its sign \[input\].
     stroke: f64,
     /// The mean output of equal parts of its second half.
     parts: Vec<f64>,

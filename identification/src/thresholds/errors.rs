@@ -61,9 +61,9 @@ pub const AT_REST_SIGNIFICANCE: f64 = 0.001;
 
 /// Share of its largest value by which a response must move after a hold to contradict an output at rest.
 ///
-/// Protects: linear servos that creep so slowly that no hold shows it. After strokes of 10 to 30 degrees in noise of 0.05, a creep of 1 % with more than twice a
-/// hold is not seen within holds, and moves such a response by up to 2 %; play of 1 to 2 degrees moves it by 6 % and more. Evidence: the tests of references
-/// that repeat themselves.
+/// Protects: linear servos that creep so slowly that no hold shows it. After strokes of 10 to 30 degrees in noise of 0.05, a creep of 1 % with
+/// more than twice a hold is not seen within holds, and moves such a response by up to 2 %; play of 1 to 2 degrees moves it by 6 % and more.
+/// Evidence: the tests of references that repeat themselves.
 pub const MOVES_AFTER_HOLD: f64 = 0.03;
 
 /// Strokes whose rests must be in the record.
