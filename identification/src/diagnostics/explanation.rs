@@ -317,6 +317,7 @@ mod tests {
             sample,
             samples,
             spike: samples == 1,
+            other_stroke: false,
         };
         assert_eq!(left_out_in_words(&[], 0.01), None);
         let few = [

@@ -15,6 +15,7 @@ use statrs::distribution::{Binomial, DiscreteCDF};
 
 use crate::data::{Moments, Record};
 use crate::diagnostics::noise_prediction::NoisePrediction;
+use crate::diagnostics::other_strokes::mark_other_strokes;
 use crate::diagnostics::simulation_error::{Simulated, one_step_errors};
 use crate::diagnostics::spikes::{Course, spikes};
 use crate::diagnostics::uneven_noise::{motion, squared_speed};
@@ -41,6 +42,10 @@ pub struct TakenOut {
     /// of a linear model.
     #[serde(default)]
     pub spike: bool,
+    /// Whether it belongs to a stroke of a size that few others in the recording have, which the servo answers differently: no glitch, but a servo
+    /// that is not linear.
+    #[serde(default)]
+    pub other_stroke: bool,
 }
 
 impl TakenOut {
@@ -109,6 +114,11 @@ impl Outliers {
         count(&self.taken_out)
     }
 
+    /// Whether strokes of another size than most are answered differently.
+    pub(crate) fn other_strokes(&self) -> bool {
+        self.taken_out.iter().any(|found| found.other_stroke)
+    }
+
     /// Marks what is a spike.
     fn mark(&mut self, spikes: Vec<TakenOut>) {
         for single in self.taken_out.iter_mut().filter(|found| found.samples == 1) {
@@ -150,17 +160,19 @@ pub(crate) fn outliers(
     let Some(scale) = Scale::of(runs, &motions, fit, step) else {
         return Outliers::default();
     };
+    let moving = IN_MOTION * scale.largest_motion;
     let seen_beyond = |limit: f64| {
         let mut seen = Seen::beyond(limit);
         for (index, (run, motion)) in runs.iter().zip(&motions).enumerate() {
             let mut filter = NoisePrediction::new(&fit.ar, scale.even, limit);
             for (k, error) in run.own_errors().iter().enumerate() {
                 if let Some(size) = filter.next(*error, scale.in_motion * motion[k]) {
-                    let in_motion = motion[k] > IN_MOTION * scale.largest_motion;
+                    let in_motion = motion[k] > moving;
                     seen.sample((index, k), size, (motion[k], in_motion));
                 }
             }
         }
+        mark_other_strokes(&mut seen.outlying, runs, &motions, moving);
         seen
     };
     let few = |count: usize| count as f64 <= MOST_OUTLYING * moments.samples() as f64;
@@ -187,7 +199,7 @@ pub(crate) fn outliers(
     if seen.outlying.is_empty() {
         return found;
     }
-    let spikes = spikes_of(runs, &motions, IN_MOTION * scale.largest_motion);
+    let spikes = spikes_of(runs, &motions, moving);
     let (rare, unrelated) = (few(seen.count()), seen.is_unrelated_to_motion());
     found.lasting_are_fast = seen.lasting_are_fast();
     found.taken_out = seen.outlying;
@@ -288,6 +300,7 @@ impl Seen {
             sample: k,
             samples: 1,
             spike: false,
+            other_stroke: false,
         };
         if !in_motion {
             self.at_rest.push(single);
@@ -316,11 +329,12 @@ impl Seen {
     }
 
     /// Whether chance would put as many of them into the motion, most of each counting: an answer that is missed is outlying before the
-    /// servo has gathered speed.
+    /// servo has gathered speed. Those of strokes of another size are no question of chance.
     fn is_unrelated_to_motion(&self) -> bool {
         let share = self.moving as f64 / self.sizes.len().max(1) as f64;
-        let chance = Binomial::new(share, self.outlying.len() as u64);
         let stretches = self.outlying.iter().zip(&self.outlying_in_motion);
+        let stretches = stretches.filter(|(found, _)| !found.other_stroke);
+        let chance = Binomial::new(share, stretches.clone().count() as u64);
         let moving = stretches.filter(|(found, moving)| 2 * **moving > found.samples);
         let in_motion = moving.count() as u64;
         in_motion == 0
@@ -335,7 +349,7 @@ impl Seen {
     fn lasting_are_fast(&self) -> bool {
         let stretches = self.outlying.iter().zip(&self.outlying_motion);
         let lasting: Vec<f64> = stretches
-            .filter(|(found, _)| found.samples > 1)
+            .filter(|(found, _)| found.samples > 1 && !found.other_stroke)
             .map(|(found, sum)| sum / found.samples as f64)
             .collect();
         let mut motions = self.motions.clone();
@@ -362,6 +376,7 @@ fn spikes_of<'a>(runs: &'a [Simulated<'a>], motions: &[Vec<f64>], moving: f64) -
         sample,
         samples: 1,
         spike: true,
+        other_stroke: false,
     };
     spikes(&courses).into_iter().map(single).collect()
 }

@@ -77,13 +77,13 @@ fn travel_ends(task: &Task<'_>, fitted: &Fitted) -> [Option<TravelEnd>; 2] {
     let no_errors = task.disturbances.that_are_no_errors();
     let record = no_errors.removed_from(recorded);
     let fit = (&estimate.information.moments, &estimate.fit);
-    TravelEnd::both(&record, is_linear(fitted), fit)
+    TravelEnd::both(&record, is_linear(task, fitted), fit)
 }
 
 /// Whether a linear servo describes the record.
-fn is_linear(fitted: &Fitted) -> bool {
+fn is_linear(task: &Task<'_>, fitted: &Fitted) -> bool {
     let follows_motion = fitted.linearity.is_some_and(|found| found.is_rejected());
-    fitted.misfit.is_none() && !follows_motion
+    fitted.misfit.is_none() && !follows_motion && !task.disturbances.outliers.other_strokes()
 }
 
 fn is_closed_loop(fitted: &Fitted) -> bool {
@@ -184,7 +184,7 @@ pub(super) fn model(
             sigma: fit.variance.sqrt(),
         },
         metrics,
-        linear: is_linear(fitted),
+        linear: is_linear(task, fitted),
         step: StepResponse::new(
             period,
             responses.step_values.clone(),

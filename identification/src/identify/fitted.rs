@@ -23,6 +23,8 @@ pub(super) struct Fitted {
     pub(super) linearity: Option<Linearity>,
     /// The share of its largest value by which the response moves again a hold later, where it does: then N is no longer than a hold.
     pub(super) moves_again: Option<f64>,
+    /// For how many holds the response would go on, where the output is seen to rest within each of them: then N is no longer than a hold.
+    pub(super) outlasts_holds: Option<f64>,
     /// Why the errors are not noise, and what was done about it; `None` when they are.
     pub(super) misfit: Option<Misfit>,
     /// That the response goes on beyond N, where it does.
@@ -66,6 +68,11 @@ impl Fitted {
         (self.linearity).is_some_and(|found| found.errors_follow_motion())
     }
 
+    /// Whether the servo is known to rest within holds, and the fit to more lags does not.
+    pub(super) fn rests_within_holds(&self) -> bool {
+        self.moves_again.is_some() || self.outlasts_holds.is_some()
+    }
+
     /// A fit to a candidate, without any findings.
     pub(super) fn untested(candidate: Candidate, estimate: Estimate) -> Self {
         Self {
@@ -73,6 +80,7 @@ impl Fitted {
             estimate,
             linearity: None,
             moves_again: None,
+            outlasts_holds: None,
             misfit: None,
             slow_end: None,
             slow_columns: OnceCell::new(),

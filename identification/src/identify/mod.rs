@@ -125,8 +125,11 @@ impl<'a> Request<'a> {
         } = found;
         let task = self.task(&record, &disturbances);
         let fitted = Fitted::tested(&task, candidate, estimate);
+        // A response that outlasts holds fits what is not linear, and invents disturbances where it cannot.
+        let is_of_servo =
+            |fitted: &Fitted| !fitted.errors_follow_motion() && fitted.outlasts_holds.is_none();
         let may_be_disturbances =
-            |fitted: &Fitted| disturbances.is_without_errors() || !fitted.errors_follow_motion();
+            |fitted: &Fitted| disturbances.is_without_errors() || is_of_servo(fitted);
         if may_be_disturbances(&fitted) {
             // Another settling time may show what the first hid.
             let response = Response::new(&task, fitted)?;

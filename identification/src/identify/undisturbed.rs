@@ -6,7 +6,7 @@
 use super::candidate::Candidate;
 use super::disturbances::Disturbances;
 use super::estimate::Estimate;
-use crate::data::{HELD, Moments, Quantisation, Record, usual_hold};
+use crate::data::{HELD, Moments, Quantisation, Record, sensor_step, usual_hold};
 use crate::diagnostics::{
     LevelEffects, Outliers, RunTrends, drift, hum, outliers, run_offsets, simulated,
     simulated_whole, slopes_left,
@@ -200,7 +200,8 @@ impl<'a> Undisturbed<'a> {
             errors = simulated_whole(&without_offsets, moments, fit);
         }
         let rmse = self.estimate.rmse();
-        let step = Quantisation::of(complete, rmse).map_or(0.0, |found| found.step);
+        // At rest, errors of less than a step are mostly none, and their median says nothing of the others.
+        let step = sensor_step(complete).filter(|step| rmse < *step);
         // Rounding that noise hardly dithers repeats itself with the reference.
         if Quantisation::of(complete, 0.0).is_none_or(|found| rmse > found.step) {
             next.hum = hum(&errors, fit);
@@ -210,7 +211,7 @@ impl<'a> Undisturbed<'a> {
             without_hum = next.removed_from(complete);
             errors = simulated_whole(&without_hum, moments, fit);
         }
-        next.outliers = outliers(&errors, moments, fit, step, smaller);
+        next.outliers = outliers(&errors, moments, fit, step.unwrap_or(0.0), smaller);
         next
     }
 

@@ -2,8 +2,10 @@
 
 use super::model::ServoModel;
 use super::quantity_kind::QuantityKind;
+use crate::results::Reason;
 
-/// Rests that are farther apart in the record than the model shows why: it has friction and a dead band, but no play of the gears.
+/// Rests that are farther apart in the record than the model shows why, or than it is sure to show why: it has friction and a dead band, but no play of
+/// the gears.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UnexplainedHysteresis {
     /// Between rests that are reached from above and from below, in the record \[output\].
@@ -13,7 +15,8 @@ pub struct UnexplainedHysteresis {
 }
 
 impl ServoModel {
-    /// The hysteresis of the record, where friction and dead band that it determines do not make as much.
+    /// The hysteresis of the record, where friction and dead band that it determines do not make as much, or where errors that are not noise show that
+    /// they are not all.
     #[must_use]
     pub fn unexplained_hysteresis(&self) -> Option<UnexplainedHysteresis> {
         let shown = self.hysteresis?.value?;
@@ -24,6 +27,10 @@ impl ServoModel {
             .map(|found| found.value)
             .sum::<f64>();
         let explained = 2.0 * each_side * self.parameters(0).gain.abs();
-        (explained < shown).then_some(UnexplainedHysteresis { shown, explained })
+        let lacks_something = self.covariance.withdrawn() == Some(Reason::ErrorsNotNoise);
+        (explained < shown || lacks_something).then_some(UnexplainedHysteresis {
+            shown,
+            explained: explained.min(shown),
+        })
     }
 }

@@ -48,6 +48,29 @@ pub const MOVES_AT_REST: f64 = 0.05;
 /// Share of its largest value that a response must have come to within a hold; see [`MOVES_AT_REST`]. In its dead time a servo is at rest, too.
 pub const ANSWERED_WITHIN_HOLD: f64 = 0.5;
 
+/// Motion from the third to the last quarter of a hold, as a share of the stroke before, below which a servo rests there.
+///
+/// Protects: slow ends from being cut off with the hold. An exponential end whose time constant is the hold moves by a third of what is left of it
+/// when the hold ends, so 1.5 % may be left; noise that hides more shows no rest. Evidence: the tests of rests within holds.
+pub const MOVES_LITTLE: f64 = 0.005;
+
+/// Probability below which such motion is not by chance.
+///
+/// Protects: slow ends that move by less than [`MOVES_LITTLE`]. A servo at rest that is not seen to be one is no loss. Evidence: as there.
+pub const AT_REST_SIGNIFICANCE: f64 = 0.001;
+
+/// Share of its largest value by which a response must move after a hold to contradict an output at rest.
+///
+/// Protects: linear servos that creep so slowly that no hold shows it. After strokes of 10 to 30 degrees in noise of 0.05, a creep of 1 % with
+/// more than twice a hold is not seen within holds, and moves such a response by up to 2 %; play of 1 to 2 degrees moves it by 6 % and more.
+/// Evidence: the tests of references that repeat themselves.
+pub const MOVES_AFTER_HOLD: f64 = 0.03;
+
+/// Strokes whose rests must be in the record.
+///
+/// Protects: slow ends that so few rests do not show among their noise. Evidence: as there.
+pub const STROKES_FOR_REST: usize = 12;
+
 /// Share of the final value beyond which a step has been followed; see [`STEPS_FOLLOWED`].
 pub const FOLLOWED: f64 = 0.9;
 

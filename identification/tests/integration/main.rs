@@ -19,6 +19,7 @@ mod noisy_commands;
 mod poor_records;
 mod prior;
 mod real_data;
+mod rests;
 mod rounded_commands;
 mod run_gains;
 mod scattering_holds;

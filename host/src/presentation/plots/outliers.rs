@@ -64,6 +64,7 @@ mod tests {
             sample: 2,
             samples: 2,
             spike: false,
+            other_stroke: false,
         };
         let drawn = left_out("left-out", "Left out", &record, &[taken_out], Some("deg"));
         let [panel] = &drawn.panels[..] else {

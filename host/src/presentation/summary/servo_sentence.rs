@@ -84,6 +84,9 @@ fn hysteresis(model: &ServoModel, units: Units<'_>) -> Option<String> {
     let found = model.unexplained_hysteresis()?;
     let unit = with_space(units.output);
     let explained = match found.explained > 0.0 {
+        true if found.explained >= found.shown => {
+            ", which the model explains by friction or a dead band".to_owned()
+        }
         true => format!(
             ", of which the model explains {}{unit}",
             digits(found.explained, 2)

@@ -2,6 +2,7 @@
 
 use super::evidence::{Evidence, two_digits};
 use crate::diagnostics::hum::Hum;
+use crate::diagnostics::other_strokes::LASTING;
 use crate::diagnostics::outliers::TakenOut;
 use crate::results::{Advice, Check};
 use crate::thresholds::ABOVE_NEIGHBOURS;
@@ -9,11 +10,9 @@ use crate::thresholds::ABOVE_NEIGHBOURS;
 /// Places that are named; the explanation has all.
 const NAMED: usize = 3;
 
-/// Samples in a row of which glitches are seldom made.
-const LASTING: usize = 3;
-
 pub(super) fn outliers(evidence: &Evidence<'_>) -> Option<Advice> {
-    let taken_out = &evidence.explanation.taken_out;
+    let taken_out = evidence.explanation.taken_out.iter();
+    let taken_out: Vec<&TakenOut> = taken_out.filter(|found| !found.other_stroke).collect();
     let count: usize = taken_out.iter().map(|found| found.samples).sum();
     // At a stop it is no glitch that is outlying.
     if count == 0 || evidence.validity.travel_ends.iter().any(Option::is_some) {
@@ -28,7 +27,9 @@ pub(super) fn outliers(evidence: &Evidence<'_>) -> Option<Advice> {
             false => format!("{seconds:.3} s"),
         }
     };
-    let places: Vec<String> = taken_out.iter().take(NAMED).map(place).collect();
+    let places: Vec<String> = (taken_out.iter().take(NAMED))
+        .map(|found| place(found))
+        .collect();
     let more = if taken_out.len() > NAMED {
         " and later"
     } else {
@@ -38,7 +39,7 @@ pub(super) fn outliers(evidence: &Evidence<'_>) -> Option<Advice> {
         1 => ("was", "it is"),
         _ => ("were", "they are"),
     };
-    let lasting = taken_out.iter().filter(|found| !found.spike);
+    let lasting = taken_out.iter().copied().filter(|found| !found.spike);
     let longest = lasting.max_by_key(|found| found.samples);
     let longest = longest.filter(|found| found.samples >= LASTING);
     // No motion is as long as a stroke, and a drift has no beginning.

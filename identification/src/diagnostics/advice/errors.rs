@@ -8,7 +8,7 @@ use crate::diagnostics::slow_errors::SlowErrors;
 use crate::options::{MAX_AUTO_ORDER, NoiseOrder};
 use crate::results::{Advice, Bounds, Check, Reason, Withheld};
 use crate::thresholds::{
-    DISAGREEMENT, FEW_DEGREES, MATERIAL_MISFIT_PERCENT, POOR_PREDICTION_PERCENT,
+    DISAGREEMENT, FEW_DEGREES, MARGIN, MATERIAL_MISFIT_PERCENT, POOR_PREDICTION_PERCENT,
     RESIDUAL_SIGNIFICANCE, SLOW_ROOT, STEPS_FOLLOWED, UNEXPLAINED_PERCENT, WHITENING_COST_POINTS,
 };
 
@@ -51,7 +51,7 @@ pub(super) fn model_error(evidence: &Evidence<'_>) -> Option<Advice> {
     let by_drift = slow.map_or_else(String::new, |slow| format!(" {}.", slow.in_words()));
     let record = match misfit.evidence {
         _ if slow.is_some() => remedy_of_slow_errors(evidence),
-        MisfitEvidence::MovesAgain(_) => {
+        MisfitEvidence::MovesAgain(_) | MisfitEvidence::OutlastsHolds(_) => {
             "Record levels in random order, or holds of different lengths, to see what the answer depends on"
         }
         // Without rests a smooth motion lets what was before the record pass for an error.
@@ -125,6 +125,14 @@ fn reason_in_words(misfit: &Misfit, has_noise: bool) -> (String, f64, f64) {
                  a late part of the response"
             );
             (words, percent, MATERIAL_MISFIT_PERCENT)
+        }
+        MisfitEvidence::OutlastsHolds(holds) => {
+            let words = format!(
+                "a linear model of this recording responds for {holds:.2} holds of the reference, although the servo is seen to rest before each of them \
+                 ends: its answer depends on the stroke before or on the size of the stroke, as with play, friction or a limit of its speed, and a \
+                 reference that repeats itself makes that look like a late part of the response"
+            );
+            (words, holds, MARGIN)
         }
         MisfitEvidence::NoSteps(found, seen) => {
             let Excess {

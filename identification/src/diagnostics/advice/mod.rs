@@ -10,6 +10,7 @@ mod excitation;
 mod record;
 mod resolution;
 mod response;
+mod strokes;
 mod time_fault;
 
 pub(crate) use evidence::Evidence;
@@ -40,6 +41,7 @@ pub(crate) fn gather_advice(evidence: &Evidence<'_>) -> Vec<Advice> {
         excitation::excitation(evidence),
         errors::model_error(evidence),
         errors::not_linear(evidence),
+        strokes::other_strokes(evidence),
         excitation::left_out(evidence),
         excitation::smooth(evidence),
         errors::metrics(evidence),

@@ -52,6 +52,8 @@ pub enum MisfitEvidence {
     Runs(BetweenRuns),
     /// The response comes to rest, and moves again by this share of its largest value when the input is changed next.
     MovesAgain(f64),
+    /// The response of the model goes on for so many holds of the input, although the output rests before each of them ends.
+    OutlastsHolds(f64),
     /// The servo is not linear, and only this share of the steps of the input are held until it has
     /// followed.
     NoSteps(Linearity, f64),

@@ -26,7 +26,7 @@ use crate::selection::longest_for_prediction;
 const PLAIN: NoiseOrder = NoiseOrder::Order(0);
 
 pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
-    let linearity = fitted.linearity;
+    let (linearity, outlasts_holds) = (fitted.linearity, fitted.outlasts_holds);
     let suspect = linearity
         .is_some_and(|found| found.errors_follow_motion() || found.between_runs().is_some());
     let (information, fit) = (&fitted.estimate.information, &fitted.estimate.fit);
@@ -35,7 +35,8 @@ pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
     };
     let of_errors = || both.evidence(linearity, || share_followed(task, &fitted.estimate));
     let moves_again = fitted.moves_again.map(MisfitEvidence::MovesAgain);
-    let Some(evidence) = moves_again.or_else(of_errors) else {
+    let beyond_holds = outlasts_holds.map(MisfitEvidence::OutlastsHolds);
+    let Some(evidence) = moves_again.or_else(of_errors).or(beyond_holds) else {
         return Ok(fitted);
     };
     let feedback = input_is_free::tested(task, &fitted).map(|found| Feedback {
@@ -60,6 +61,7 @@ pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
     };
     Ok(Fitted {
         linearity,
+        outlasts_holds,
         misfit: Some(misfit),
         feedback,
         ..Fitted::untested(candidate, estimate)
@@ -84,7 +86,7 @@ fn rank_by_prediction(task: &Task<'_>, fitted: &Fitted) -> Vec<Prediction> {
     let tried = match &candidate.plan.choice {
         None => vec![settling],
         // What comes after a hold predicts equal holds alone.
-        Some(choice) if fitted.moves_again.is_some() => settlings(settling, choice.longest),
+        Some(choice) if fitted.rests_within_holds() => settlings(settling, choice.longest),
         Some(choice) => {
             let longest = longest_for_prediction(record, options.longest_settling);
             settlings(settling, longest.max(choice.longest))

@@ -1,6 +1,8 @@
 //! Gate: does the servo, if it is not linear, respond for no longer than the input is held?
 //!
-//! It is not linear where its errors show that, or where its response comes to rest and moves again a hold later.
+//! It is not linear where its errors show that, where its response comes to rest and moves again a hold later, or where it goes on for several holds
+//! although the output is seen to rest in each of them: a reference that repeats itself lets a response as long as its period describe anything that
+//! does so, too.
 //!
 //! Protects: N of a servo that is not linear. Beyond the usual hold the next steps are under way, and how they
 //! are answered differently because of this one passes for a late part of its response.
@@ -8,14 +10,16 @@
 //! If not, N is chosen again among settling times up to the usual hold. Holds that are too short for a choice,
 //! or for the response, limit nothing.
 
-use crate::data::usual_hold;
-use crate::diagnostics::moves_again;
+use crate::data::{Record, usual_hold};
+use crate::diagnostics::{moves_after, moves_again, rests_within};
 use crate::error::Error;
 use crate::identify::candidate::Candidate;
+use crate::identify::estimate::Estimate;
 use crate::identify::fitted::Fitted;
 use crate::identify::task::Task;
 use crate::options::Options;
 use crate::selection::odd_at_most;
+use crate::thresholds::MARGIN;
 
 pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
     let (Some(record), Some(choice)) = (task.record, &fitted.candidate.plan.choice) else {
@@ -28,7 +32,10 @@ pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
     let estimate = &fitted.estimate;
     let rounding = (estimate.steps_of_sensor(record)).map_or(0.0, |found| found.allowance);
     let moves_again = moves_again(&estimate.information, &estimate.fit, hold, rounding);
-    if moves_again.is_none() && !fitted.linearity.is_some_and(|found| found.is_rejected()) {
+    let is_rejected = fitted.linearity.is_some_and(|found| found.is_rejected());
+    let outlasts_holds = outlasts_holds(record, choice.settling, hold, estimate);
+    let rests = moves_again.is_some() || outlasts_holds.is_some();
+    if !rests && !is_rejected {
         return Ok(fitted);
     }
     let options = Options {
@@ -36,13 +43,28 @@ pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
         ..*task.options
     };
     let shorter = Candidate::of_record(record, &options).ok();
-    let Some(shorter) = shorter.and_then(|found| found.within_holds(moves_again.is_some())) else {
+    let Some(shorter) = shorter.and_then(|found| found.within_holds(rests)) else {
         return Ok(fitted);
     };
     let shorter = Fitted::new(task, shorter)?;
     Ok(Fitted {
         linearity: shorter.linearity.or(fitted.linearity),
         moves_again,
+        outlasts_holds,
         ..shorter
     })
+}
+
+/// For how many holds the response goes on, where the output is seen to rest within each of them.
+fn outlasts_holds(
+    record: &Record,
+    settling: usize,
+    hold: usize,
+    estimate: &Estimate,
+) -> Option<f64> {
+    let step = (estimate.coordinates.basis).step_response(&estimate.fit.theta());
+    // A response that is over in the first half of a hold has an acceptable N that is no longer than the hold.
+    let holds = settling as f64 / hold as f64;
+    let outlasts = holds > MARGIN && moves_after(&step, hold) && rests_within(record, hold);
+    outlasts.then_some(holds)
 }

@@ -1,0 +1,40 @@
+//! Finding on strokes of a size that few others in the recording have.
+
+use super::evidence::{Evidence, two_digits};
+use crate::data::{EXACTLY, holds, stroke_sizes};
+use crate::diagnostics::outliers::TakenOut;
+use crate::numerics::median;
+use crate::results::{Advice, Check};
+
+pub(super) fn other_strokes(evidence: &Evidence<'_>) -> Option<Advice> {
+    let record = evidence.recorded?;
+    let taken_out = &evidence.explanation.taken_out;
+    let found: Vec<&TakenOut> = taken_out
+        .iter()
+        .filter(|found| found.other_stroke)
+        .collect();
+    let first = found.first()?;
+    let usual = median(stroke_sizes(record, EXACTLY).collect())?;
+    let run = record.runs().get(first.run - 1)?;
+    let mut held = holds(run, EXACTLY).into_iter();
+    let hold = held.find(|hold| hold.samples.contains(&first.sample))?;
+    let size = (hold.level - hold.before?).abs();
+    let samples: usize = found.iter().map(|found| found.samples).sum();
+    let usual = evidence.input(two_digits(usual));
+    let consequence = match evidence.has_bounds() {
+        true => format!("The bounds hold for steps of {usual}."),
+        false => format!("The response is that to steps of {usual}."),
+    };
+    Some(Advice::new(
+        Check::Linearity,
+        format!(
+            "The servo is not linear: a step of {} at {:.3} s is not answered as the steps of {usual}, which are most of this recording, by more than \
+             noise explains. {consequence} {samples} samples after steps of other sizes were left out.",
+            evidence.input(two_digits(size)),
+            hold.samples.start as f64 * evidence.model.sample_period_s
+        ),
+        size,
+        0.0,
+        "Record steps of several sizes, such as random levels, and take the servo model: a limit of the speed does this.",
+    ))
+}

@@ -1,0 +1,142 @@
+//! References that repeat themselves, under which a servo that is not linear and rests in each hold passes for a slow linear one.
+
+use servoid_identification::results::Check;
+use servoid_identification::{Identification, Options, Record, identify_explained};
+
+use servoid_test_support::plants::{normal, random};
+use servoid_test_support::servos::{Limit, PERIOD, limited};
+
+/// Rows of 2 ms from row to row: 12 ms.
+const EVERY: usize = 6;
+
+/// Rows of a hold, of 0.48 s.
+const HOLD: usize = 40;
+
+/// Levels that are held, over and over for 26 s, after and before rest at 0.
+fn repeated(levels: &[f64]) -> Vec<f64> {
+    let rest = || std::iter::repeat_n(0.0, 50);
+    let held = levels.iter().cycle().take(54);
+    let held = held.flat_map(|level| std::iter::repeat_n(*level, HOLD));
+    rest().chain(held).chain(rest()).collect()
+}
+
+/// A servo of 50 rad/s under `input` with noise of 0.03 degrees, and a `disturbance` of rows.
+fn identified(
+    input: &[f64],
+    limit: Limit,
+    seed: u64,
+    disturbance: impl Fn(usize) -> f64,
+) -> Identification {
+    let fine: Vec<f64> = (input.iter())
+        .flat_map(|level| std::iter::repeat_n(*level, EVERY))
+        .collect();
+    let mut random = random(seed);
+    let clean = limited(0.8, 50.0, limit, &fine, 0.0);
+    let output: Vec<f64> = (clean.iter().step_by(EVERY).enumerate())
+        .map(|(k, angle)| angle + 0.03 * normal(&mut random) + disturbance(k))
+        .collect();
+    let record = Record::of_run(EVERY as f64 * PERIOD, input, output).unwrap();
+    identify_explained(&record, &Options::default()).unwrap()
+}
+
+fn undisturbed(_: usize) -> f64 {
+    0.0
+}
+
+/// The half of their period is the negative of the other one.
+fn stairs() -> Vec<f64> {
+    repeated(&[2.0, 6.0, 10.0, 6.0, 2.0, -2.0, -6.0, -10.0, -6.0, -2.0])
+}
+
+fn square() -> Vec<f64> {
+    repeated(&[20.0, -20.0])
+}
+
+/// A response of half the period, which is 2.4 s, described them, with gains of 0.87 to 0.90 and an end that was not reached.
+#[test]
+fn no_response_outlasts_holds_in_which_a_servo_with_play_rests() {
+    for seed in 0..3 {
+        let found = identified(&stairs(), Limit::Play(1.5), seed, undisturbed);
+        let model = &found.model;
+        assert!(!model.linear && model.bounds.withdrawn().is_some());
+        assert!(model.structure.settling_samples <= HOLD, "{seed}");
+        let gain = model.metrics.dc_gain.value.unwrap();
+        assert!((0.97..1.03).contains(&gain), "seed {seed}: {gain}");
+        assert!(found.explanation.taken_out.is_empty());
+    }
+}
+
+#[test]
+fn linear_servos_that_rest_keep_their_bounds() {
+    for seed in 0..3 {
+        for input in [stairs(), square()] {
+            let found = identified(&input, Limit::Play(0.0), seed, undisturbed);
+            let model = &found.model;
+            assert!(model.linear, "seed {seed}: {:?}", model.advice);
+            assert_eq!(model.bounds.withdrawn(), None);
+        }
+    }
+}
+
+/// The first and the last stroke of the square wave are half as large, and end before those at full speed would.
+#[test]
+fn strokes_of_another_size_that_disagree_are_no_glitches() {
+    for seed in 0..3 {
+        let limit = Limit::Rate(250.0, 250.0);
+        let found = identified(&square(), limit, seed, undisturbed);
+        let model = &found.model;
+        assert!(!model.linear, "seed {seed}: {:?}", model.advice);
+        let taken_out = &found.explanation.taken_out;
+        assert!(taken_out.iter().any(|found| found.other_stroke));
+        let mut advice = model.advice.iter();
+        let said = advice.find(|advice| advice.check == Check::Linearity);
+        let said = &said.unwrap().finding;
+        assert!(
+            said.contains("a step of 20 at 0.600 s is not answered as the steps of 40"),
+            "{said}"
+        );
+        let glitches =
+            |advice: &&servoid_identification::results::Advice| advice.check == Check::Outliers;
+        assert_eq!(model.advice.iter().find(glitches), None, "seed {seed}");
+    }
+}
+
+#[test]
+fn a_burst_among_strokes_of_one_size_is_a_glitch() {
+    for (seed, start) in (0..).zip([70, 600, 615, 1207]) {
+        let burst = |k: usize| match (start..start + 6).contains(&k) {
+            true => 2.0,
+            false => 0.0,
+        };
+        let found = identified(&square(), Limit::Play(0.0), seed, burst);
+        let places = found.explanation.taken_out.iter();
+        let samples: usize = places.map(|found| found.samples).sum();
+        assert!(samples >= 6, "{start}: {samples}");
+        assert!(found.model.linear, "{start}: {:?}", found.model.advice);
+    }
+}
+
+/// At rest, two of three readings are the same. The median of such errors is none, and up to 3 % of the samples were outlying.
+#[test]
+fn steps_of_the_sensor_that_noise_hardly_dithers_are_no_outliers() {
+    const STEP: f64 = 0.0879;
+    for seed in 0..3 {
+        let mut random = random(seed);
+        let (mut angle, mut noise) = (0.0, 0.0);
+        let input: Vec<f64> = (0..4000)
+            .map(|k| 5.0 * [0.0, 1.0, 2.0, 1.0, 3.0][k / 60 % 5])
+            .collect();
+        let output: Vec<f64> = (input.iter())
+            .map(|level| {
+                noise = 0.9 * noise + 0.022 * normal(&mut random);
+                let seen: f64 = angle + noise;
+                angle += 0.2 * (level - angle);
+                (seen / STEP).round() * STEP
+            })
+            .collect();
+        let record = Record::of_run(0.005, input, output).unwrap();
+        let found = identify_explained(&record, &Options::default()).unwrap();
+        let taken_out = &found.explanation.taken_out;
+        assert!(taken_out.len() <= 1, "seed {seed}: {taken_out:?}");
+    }
+}
