@@ -67,7 +67,8 @@ pub struct FlightModel {
     pub tried: Vec<OrderTried>,
     /// Whether the data reject the order, so that the model is an approximation.
     pub approximation: bool,
-    /// χ²/dof by which the covariance was multiplied; 1 when the order is not rejected.
+    /// By what the covariance was multiplied: the larger one of χ²/dof, where the order is rejected, and the square of the largest ratio of the bounds of the
+    /// step response to those of even noise.
     pub inflation: f64,
     /// Largest difference of the step response from the identified one \[% of the step\]; no error from the servo itself.
     pub largest_error_percent: f64,
@@ -239,7 +240,9 @@ fn choose(
         .filter(|_| is_tested)
         .map(|fit| fit.tried)
         .collect();
-    Ok(chosen.report(tried, model.level(), options.frame_period_s))
+    let beyond_even_noise = fitter.projection.beyond_even_noise(model);
+    let widened = (model.level(), beyond_even_noise);
+    Ok(chosen.report(tried, widened, options.frame_period_s))
 }
 
 struct Fitter {
@@ -305,10 +308,10 @@ impl FittedOrder {
     fn report(
         &self,
         tried: Vec<OrderTried>,
-        level: Bounds<f64>,
+        (level, beyond_even_noise): (Bounds<f64>, f64),
         hold_period_s: Option<f64>,
     ) -> FlightModel {
-        let estimates = Estimates::new(&self.minimum, &self.tried, level);
+        let estimates = Estimates::new(&self.minimum, &self.tried, level, beyond_even_noise);
         let oscillates = self.transfer.oscillator.is_some();
         let is_tested = !tried.is_empty();
         FlightModel {

@@ -65,19 +65,21 @@ pub(super) struct Estimates<'a> {
     x: &'a [f64],
     /// Widened by `inflation` already.
     covariance: Mat<f64>,
-    /// χ²/dof of a rejected order, 1 otherwise.
+    /// The larger one of χ²/dof of a rejected order and the square of what bounds are wider than those of even noise.
     pub(super) inflation: f64,
     level: Bounds<f64>,
 }
 
 impl<'a> Estimates<'a> {
-    pub(super) fn new(minimum: &'a Minimum, tried: &OrderTried, level: Bounds<f64>) -> Self {
+    pub(super) fn new(
+        minimum: &'a Minimum,
+        tried: &OrderTried,
+        level: Bounds<f64>,
+        beyond_even_noise: f64,
+    ) -> Self {
         let ratio = tried.chi_square / tried.degrees_of_freedom as f64;
-        let inflation = if tried.is_rejected() {
-            ratio.max(1.0)
-        } else {
-            1.0
-        };
+        let lack_of_fit = if tried.is_rejected() { ratio } else { 1.0 };
+        let inflation = lack_of_fit.max(beyond_even_noise.powi(2));
         Self {
             x: &minimum.parameters,
             covariance: faer::Scale(inflation) * &minimum.covariance,

@@ -15,7 +15,7 @@ use faer::Mat;
 use crate::data::{Moments, Record, Run};
 use crate::error::Error;
 use crate::estimation::{Coordinates, RowInformation, filtered_input_moments, noise_filter};
-use crate::numerics::{dot, symmetric_eigen, times};
+use crate::numerics::{dot, pointwise_critical, symmetric_eigen, times};
 use crate::results::{Bounds, Model};
 
 /// Length of h in settling times. N leaves a margin over the response; a response that is longer than
@@ -33,6 +33,8 @@ pub(crate) struct Projection {
     map: Mat<f64>,
     /// Step response of the estimate.
     curve: Vec<f64>,
+    /// Its standard deviations, by the covariance of the whitening.
+    curve_sd: Vec<f64>,
     /// From h to that step response as the estimator would find it.
     curve_map: Mat<f64>,
 }
@@ -48,7 +50,13 @@ impl Projection {
         (curve, to_curve): (Vec<f64>, Mat<f64>),
     ) -> Option<Self> {
         let whitening = whitening(covariance)?;
+        let spread = &to_curve * covariance;
+        let sd = |m: usize| {
+            let products = (0..spread.ncols()).map(|k| spread[(m, k)] * to_curve[(m, k)]);
+            products.sum::<f64>().max(0.0).sqrt()
+        };
         Some(Self {
+            curve_sd: (0..curve.len()).map(sd).collect(),
             estimate: times(&whitening, parameters),
             map: whitening * projection,
             curve,
@@ -127,6 +135,25 @@ impl Projection {
     /// The final value of the estimate's step response, without its sign.
     pub(crate) fn gain(&self) -> f64 {
         self.curve[self.curve.len() - 1].abs()
+    }
+
+    /// By how much the bounds of the step response of `model` are wider than those of even noise, where they are most: runs that differ, noise that is not
+    /// even, commands with errors, steps of the sensor and slow ends are in those. 1 without bounds.
+    pub(crate) fn beyond_even_noise(&self, model: &Model) -> f64 {
+        let Bounds::Valid(bounds) = &model.step.bounds else {
+            return 1.0;
+        };
+        let (lower, upper) = (&bounds.pointwise.lower, &bounds.pointwise.upper);
+        let critical = pointwise_critical(bounds.level);
+        let ratios = lower
+            .iter()
+            .zip(upper)
+            .zip(&self.curve_sd)
+            .map(|((lower, upper), sd)| {
+                let half = (upper - lower) / 2.0 - bounds.truncation_bias;
+                half / (critical * sd)
+            });
+        ratios.filter(|ratio| ratio.is_finite()).fold(1.0, f64::max)
     }
 
     /// Differences between the estimate and the projection of a servo with the response `impulse`. They
