@@ -35,7 +35,7 @@ impl Export<'_> {
             let because = reason.because();
             let text = match model.band() {
                 Some(_) => format!(
-                    "no bounds of the step response and the parameters can be given, as {because}: this file has those of the frequency response alone"
+                    "no bounds of the step response and the parameters can be given, as {because}"
                 ),
                 None => format!("no bounds can be given, as {because}: this file has none"),
             };

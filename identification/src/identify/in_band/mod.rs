@@ -61,7 +61,8 @@ pub(super) fn of(task: &Task<'_>) -> Option<InBand> {
     let responses = Responses::new(&fitted.estimate);
     let allowances = Allowances::new(task, &fitted, &responses);
     let validity = describe::validity(task, &fitted, &responses, &allowances);
-    let level = validity.level.into_valid()?;
+    let claimed = validity.level;
+    let level = *claimed.valid()?;
     let Estimate {
         information, fit, ..
     } = &fitted.estimate;
@@ -73,8 +74,8 @@ pub(super) fn of(task: &Task<'_>) -> Option<InBand> {
     };
     let points = Points::in_band(&fitted.estimate, &tails, level, lowest_excited(record)?)?;
     Some(InBand {
-        frequency: points.frequency_response(timing, level),
-        metrics: points.metrics(timing, level),
+        frequency: points.frequency_response(timing, claimed),
+        metrics: points.metrics(timing, claimed),
         residuals: tests,
         linearity: fitted.linearity,
     })

@@ -10,7 +10,7 @@ use crate::estimation::CurveVariance;
 use crate::identify::estimate::Estimate;
 use crate::numerics::{dot, pointwise_critical, times};
 use crate::results::{
-    BandPoint, Bounds, FrequencyBounds, FrequencyResponse, Metrics, frequency_map,
+    BandPoint, Bounds, FrequencyBounds, FrequencyResponse, MetricBounds, Metrics, frequency_map,
 };
 use crate::thresholds::WIDEST_IN_BAND;
 
@@ -32,6 +32,8 @@ pub(super) struct Points {
     spread: CurveVariance,
     /// Covariance of each with the response at rest.
     with_rest: Vec<f64>,
+    /// Standard deviations of a bound to each side.
+    critical: Vec<f64>,
 }
 
 impl Points {
@@ -45,13 +47,13 @@ impl Points {
         let period = estimate.information.moments.sample_period_s();
         let fundamental = estimate.coordinates.basis.fundamental();
         let lowest = (lowest * period).max(0.1 * fundamental);
-        let scan = Self::at(estimate, tails, &logarithmic(lowest, PI, SCAN));
-        let (from, to) = scan.narrow_band(level)?;
-        (to >= 2.0 * from).then(|| Self::at(estimate, tails, &logarithmic(from, to, FINE)))
+        let at = |omegas: &[f64]| Self::at(estimate, tails, level, omegas);
+        let (from, to) = at(&logarithmic(lowest, PI, SCAN)).narrow_band()?;
+        (to >= 2.0 * from).then(|| at(&logarithmic(from, to, FINE)))
     }
 
-    /// At rest and at `omegas` \[rad/sample\].
-    fn at(estimate: &Estimate, tails: &Tails, omegas: &[f64]) -> Self {
+    /// At rest and at `omegas` \[rad/sample\], with bounds of this level.
+    fn at(estimate: &Estimate, tails: &Tails, level: f64, omegas: &[f64]) -> Self {
         let Estimate {
             coordinates,
             information,
@@ -93,13 +95,15 @@ impl Points {
             scale if scale > 0.0 => (product(i - 1, i) / scale).clamp(-1.0, 1.0),
             _ => 1.0,
         };
+        let spread = CurveVariance {
+            neighbour_correlation: (1..sd.len()).map(correlation).collect(),
+            degrees_of_freedom: of_lags.degrees_of_freedom,
+            of_runs: None,
+            sd,
+        };
         Self {
-            spread: CurveVariance {
-                neighbour_correlation: (1..sd.len()).map(correlation).collect(),
-                degrees_of_freedom: of_lags.degrees_of_freedom,
-                of_runs: None,
-                sd: sd.clone(),
-            },
+            critical: spread.critical(pointwise_critical(level)),
+            spread,
             with_rest: (0..values.len()).map(|i| product(i, 0)).collect(),
             omegas,
             values,
@@ -111,16 +115,15 @@ impl Points {
     }
 
     /// Whether the half width of a bound is a small share of the response at the point `k`.
-    fn is_narrow(&self, critical: &[f64], k: usize) -> bool {
-        let half = |i: usize| critical[i] * self.spread.sd[i];
+    fn is_narrow(&self, k: usize) -> bool {
+        let half = |i: usize| self.critical[i] * self.spread.sd[i];
         half(2 * k).hypot(half(2 * k + 1)) <= WIDEST_IN_BAND * self.magnitude(k)
     }
 
     /// The ends of the longest stretch of narrow bounds, over the logarithm of frequency.
-    fn narrow_band(&self, level: f64) -> Option<(f64, f64)> {
-        let critical = self.spread.critical(pointwise_critical(level));
+    fn narrow_band(&self) -> Option<(f64, f64)> {
         let narrow: Vec<usize> = (1..self.omegas.len())
-            .filter(|&k| self.is_narrow(&critical, k))
+            .filter(|&k| self.is_narrow(k))
             .collect();
         let stretch = narrow
             .chunk_by(|a, b| a + 1 == *b)
@@ -132,7 +135,11 @@ impl Points {
     }
 
     /// The frequency response of a document, without the response at rest.
-    pub(super) fn frequency_response(&self, timing: Timing, level: f64) -> FrequencyResponse {
+    pub(super) fn frequency_response(
+        &self,
+        timing: Timing,
+        level: Bounds<f64>,
+    ) -> FrequencyResponse {
         let kept: Vec<usize> = (1..self.omegas.len())
             .step_by(FINE / (COARSE - 1))
             .collect();
@@ -154,29 +161,23 @@ impl Points {
             of_runs: None,
         };
         let omegas: Vec<f64> = kept.iter().map(|&k| self.omegas[k]).collect();
-        let bounds = FrequencyBounds::new(&values, &spread, level, Vec::new());
-        FrequencyResponse::new(
-            timing.sample_period_s,
-            &omegas,
-            &values,
-            Bounds::Valid(bounds),
-        )
+        let bounds = level.map(|level| FrequencyBounds::new(&values, &spread, level, Vec::new()));
+        FrequencyResponse::new(timing.sample_period_s, &omegas, &values, bounds)
     }
 
     /// Gain, bandwidth and the frequency of -90 degrees, where the response at rest is known as well as the band.
-    pub(super) fn metrics(&self, timing: Timing, level: f64) -> Metrics {
-        let critical = self.spread.critical(pointwise_critical(level));
+    pub(super) fn metrics(&self, timing: Timing, level: Bounds<f64>) -> Metrics {
         let point = |k: usize| BandPoint {
             omega_rad_s: self.omegas[k] / timing.sample_period_s,
             value: (self.values[2 * k], self.values[2 * k + 1]),
             sd: (self.spread.sd[2 * k], self.spread.sd[2 * k + 1]),
             correlation: self.spread.neighbour_correlation[2 * k],
             with_rest: (self.with_rest[2 * k], self.with_rest[2 * k + 1]),
-            critical: critical[2 * k].max(critical[2 * k + 1]),
+            critical: self.critical[2 * k].max(self.critical[2 * k + 1]),
         };
         let all: Vec<BandPoint> = (0..self.omegas.len()).map(point).collect();
-        let rest_is_known = self.is_narrow(&critical, 0);
-        Metrics::in_band(&all[0], &all[1..], rest_is_known, timing, level)
+        let bounds = level.map(|level| MetricBounds { level });
+        Metrics::in_band(&all[0], &all[1..], self.is_narrow(0), timing, bounds)
     }
 }
 

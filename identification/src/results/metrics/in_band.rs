@@ -44,9 +44,8 @@ impl Metrics {
         points: &[BandPoint],
         rest_is_known: bool,
         timing: Timing,
-        level: f64,
+        bounds: Bounds<MetricBounds>,
     ) -> Self {
-        let bounds = Bounds::Valid(MetricBounds { level });
         let none = Self::withheld(Interval::default(), Withheld::InputUnexcited, bounds);
         let Some(lowest) = points.first().filter(|point| is_in_phase(point)) else {
             return none;
@@ -183,7 +182,8 @@ mod tests {
             }
         };
         let points: Vec<BandPoint> = (1..2000).map(|k| point(0.1 * f64::from(k))).collect();
-        let found = Metrics::in_band(&point(0.0), &points, true, timing, 0.99);
+        let level = Bounds::Valid(MetricBounds { level: 0.99 });
+        let found = Metrics::in_band(&point(0.0), &points, true, timing, level);
         let bandwidth = found.bandwidth_rad_s;
         assert!(
             (bandwidth.value.unwrap() - 50.0).abs() < 1e-3,
@@ -200,7 +200,7 @@ mod tests {
         assert!((phase - std::f64::consts::FRAC_PI_2).abs() < 1e-5);
         assert_eq!(found.delay_s, Interval::default());
         assert_eq!(found.withheld, Some(Withheld::InputUnexcited));
-        let unknown = Metrics::in_band(&point(0.0), &points, false, timing, 0.99);
+        let unknown = Metrics::in_band(&point(0.0), &points, false, timing, level);
         assert_eq!(
             (unknown.dc_gain, unknown.bandwidth_rad_s),
             (Interval::default(), Interval::default())
