@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 /// A recording for which no bounds can be given, one for each reason.
 #[derive(Clone, Copy, Debug)]
 enum Withdrawn {
-    /// A smooth reference that leaves frequencies without power.
+    /// A smooth reference that leaves frequencies without power, and a servo whose speed is limited.
     InputUnexcited,
     /// Steps that are held, and fewer frequencies asked for than the response needs.
     FrequenciesLeftOut,
@@ -83,15 +83,8 @@ impl Withdrawn {
     }
 
     fn recording(self, dir: &Path, seed: u32) -> PathBuf {
-        let record = self.record(seed);
-        let run = &record.runs()[0];
-        let mut rows = String::from("time_s,u [us],y [deg]\n");
-        for (k, (command, output)) in (0..).zip(run.input().iter().zip(run.output())) {
-            let time = f64::from(k) * record.sample_period_s();
-            rows += &format!("{time:.3},{command},{output:.4}\n");
-        }
         let file = dir.join(format!("{}-{seed}.csv", self.reason().replace('_', "-")));
-        std::fs::write(&file, rows).unwrap();
+        write(&self.record(seed), &file);
         file
     }
 
@@ -99,7 +92,7 @@ impl Withdrawn {
         let logger = Logger::default();
         let logged = |logger: Logger| logger.record(seed.into());
         match self {
-            Self::InputUnexcited => second_order(seed, 4, f64::INFINITY, (0.17, 0.0)),
+            Self::InputUnexcited => second_order(seed, 4, 100.0, (0.17, 0.0)),
             Self::FrequenciesLeftOut => second_order(seed, 0, f64::INFINITY, (0.17, 0.0)),
             Self::ErrorsNotNoise => second_order(seed, 0, 100.0, (0.07, 0.0)),
             Self::QuantisationAboveNoise => second_order(seed, 1, f64::INFINITY, (0.01, 0.04)),
@@ -132,6 +125,17 @@ impl Withdrawn {
             .record(seed.into()),
         }
     }
+}
+
+/// The first run of `record` as a CSV file.
+fn write(record: &Record<'_>, file: &Path) {
+    let run = &record.runs()[0];
+    let mut rows = String::from("time_s,u [us],y [deg]\n");
+    for (k, (command, output)) in (0..).zip(run.input().iter().zip(run.output())) {
+        let time = f64::from(k) * record.sample_period_s();
+        rows += &format!("{time:.3},{command},{output:.4}\n");
+    }
+    std::fs::write(file, rows).unwrap();
 }
 
 /// A servo of second order, 60 rad/s and damping 0.7: lags of 20 Hz between the steps and its command, limit of its speed \[deg/s\], noise
@@ -363,6 +367,33 @@ fn require_comparison_without_bounds(a: &Path, b: &Path, withdrawn: Withdrawn) {
     require_no_claim(&sentences(&document), "the advice of a comparison");
     require_no_claim(&text, "a comparison");
     assert!(!text.contains(" .. "), "{text}");
+}
+
+/// Of a linear servo the frequency response is known where a smooth reference has power, and nothing else.
+#[test]
+fn a_smooth_reference_has_bounds_in_its_band_alone() {
+    let dir = tempfile::tempdir().unwrap();
+    let [file, model] = ["smooth.csv", "model.json"].map(|name| dir.path().join(name));
+    write(&second_order(1, 4, f64::INFINITY, (0.17, 0.0)), &file);
+    let kept = ["identify", "-q", arg(&file), "-o", arg(&model)];
+    let text = run(&[&kept[..], &NAMED].concat());
+    let document = json(&model);
+    assert_eq!(document["linear"], true, "{text}");
+    for without in [&document, &document["step"]] {
+        assert_eq!(without["withdrawn"]["reason"], "input_unexcited");
+        assert!(without["bounds"].is_null());
+    }
+    assert_eq!(document["frequency"]["bounds"]["level"], 0.99);
+    for said in [
+        "Hz the frequency response is known to ±",
+        "How the servo answers a step is not determined, because",
+        "! NO BOUNDS OF THE STEP RESPONSE CAN BE GIVEN",
+        "No bounds of the step response can be given, because the reference determines the response from",
+    ] {
+        let words = text.split_whitespace().collect::<Vec<&str>>().join(" ");
+        assert!(words.contains(said), "no '{said}' in:\n{text}");
+    }
+    assert!(!text.contains("errors noise"), "{text}");
 }
 
 #[test]

@@ -63,6 +63,13 @@ pub(crate) fn allow_for_inexact_commands(
 ) -> Option<InexactCommands> {
     let (errors, sums) = errors_of_commands(record)?;
     let moments = ErrorMoments::of(&sums, fit);
+    if fit.precision > 0.0 {
+        fit.spread_further(1.0, Some(under_prior(&moments, fit)));
+        return Some(InexactCommands {
+            errors,
+            shift: Some(0.0),
+        });
+    }
     let Some(bias) = bias(&moments, fit, errors.largest_share()) else {
         return Some(InexactCommands {
             errors,
@@ -134,6 +141,24 @@ fn bias(moments: &ErrorMoments, fit: &GlsFit, largest_share: f64) -> Option<Vec<
     }
     sum.push(0.0);
     Some(sum)
+}
+
+/// The covariance of b over the variance of ε, where θ has a prior with precision λ: A^-1 S S A^-1 / λ. What only errors of the commands excite is as
+/// uncertain as it was before the record.
+fn under_prior(moments: &ErrorMoments, fit: &GlsFit) -> Mat<f64> {
+    let lags = fit.coordinates.len();
+    let mut errors = Mat::<f64>::zeros(lags, lags);
+    let mut unit = vec![0.0; lags];
+    for lag in 0..lags {
+        unit[lag] = 1.0;
+        errors
+            .col_as_slice_mut(lag)
+            .copy_from_slice(&moments.times(&unit, fit));
+        unit[lag] = 0.0;
+    }
+    let inverse = fit.solution.inverse.as_ref().subcols(0, lags);
+    let shift = inverse * errors;
+    faer::Scale(fit.precision.recip()) * (&shift * shift.transpose())
 }
 
 /// The largest of b along a direction over the standard deviation of noise there: √(b'A b), and A b = S (θ̂ + b).

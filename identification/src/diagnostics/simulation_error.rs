@@ -97,13 +97,18 @@ pub(crate) fn explained_by_runs(runs: &[Simulated<'_>]) -> f64 {
     (square / count.max(1) as f64).sqrt()
 }
 
-/// The runs of a record up to [`SAMPLES`], by the response of `fit`, which is one of `moments`.
+/// The runs of a record up to [`SAMPLES`], by the response of `fit`, which is one of `moments`. Under the prior of a smooth input all of them: a sweep comes to
+/// its last frequencies at its end.
 pub(crate) fn simulated<'a>(
     record: &'a Record<'a>,
     moments: &Moments,
     fit: &GlsFit,
 ) -> Vec<Simulated<'a>> {
-    simulated_up_to(SAMPLES, record, moments, fit)
+    let samples = match fit.precision > 0.0 {
+        true => usize::MAX,
+        false => SAMPLES,
+    };
+    simulated_up_to(samples, record, moments, fit)
 }
 
 /// All runs of a record, as [`simulated`].

@@ -52,7 +52,7 @@ const TIME_CONSTANTS_OF_REPEATED: [f64; 4] = [1.0, 2.0, 4.0, 8.0];
 /// An input that repeats itself is looked for up to this number of settling times, eight of the longest time constants: the slowest lag
 /// has forgotten longer periods. A lag that has not would be at a place where nothing says that it was when the record began, and its way from
 /// there would pass for knowledge of it.
-const PERIODS_LOOKED_FOR: usize = 64;
+pub(super) const PERIODS_LOOKED_FOR: usize = 64;
 
 /// Whether the response goes on beyond N.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -385,7 +385,12 @@ impl SlowColumn {
 ///
 /// An input with a `period` is one that had repeated itself before: whether the servo was at rest when the record began is not known then, and how
 /// it would come from there is all that such an input shows of a lag that outlasts the period.
-fn behind_lag(run: &Run, time_constant: f64, centre: f64, period: Option<usize>) -> Vec<f64> {
+pub(super) fn behind_lag(
+    run: &Run,
+    time_constant: f64,
+    centre: f64,
+    period: Option<usize>,
+) -> Vec<f64> {
     let keep = rate(time_constant);
     let input = run.input();
     let first = input.iter().find(|u| !u.is_nan()).copied();
@@ -410,7 +415,7 @@ fn behind_lag(run: &Run, time_constant: f64, centre: f64, period: Option<usize>)
 }
 
 /// What is left of a lag after one sample.
-fn rate(time_constant: f64) -> f64 {
+pub(super) fn rate(time_constant: f64) -> f64 {
     (-time_constant.recip()).exp()
 }
 

@@ -102,6 +102,9 @@ pub(crate) fn allow_for_uneven_noise(
     if in_motion == 0.0 && evenly_taken.are_even {
         return None;
     }
+    if fit.precision > 0.0 {
+        return Some(allow_for_loudest(&rows, moments, fit, in_motion));
+    }
     let regression = Rows { runs, moments, fit };
     let columns = regression.of_each(&rows);
     let by_coordinate = &fit.solution.inverse * &columns;
@@ -137,6 +140,34 @@ pub(crate) fn allow_for_uneven_noise(
         jitter_s: in_motion.sqrt() * moments.sample_period_s(),
         loudest_over_quietest: found.levels.loudest_over_quietest(),
     })
+}
+
+/// Stretches of the record of which the loudest counts under the prior of a smooth input: the frequencies of a sweep come one after the other, and each has the
+/// noise of its own time.
+const STRETCHES: usize = 64;
+
+/// The covariance of `fit` as in noise that is everywhere as in the loudest stretch.
+fn allow_for_loudest(
+    rows: &[Row],
+    moments: &Moments,
+    fit: &mut GlsFit,
+    in_motion: f64,
+) -> UnevenNoise {
+    let mean_square = |rows: &[Row]| {
+        let sum: f64 = rows.iter().map(|row| row.square).sum();
+        sum / rows.len().max(1) as f64
+    };
+    let stretches: Vec<f64> = (rows.chunks(rows.len().div_ceil(STRETCHES)))
+        .map(mean_square)
+        .collect();
+    let loudest = stretches.iter().copied().fold(0.0, f64::max);
+    let quietest = stretches.iter().copied().fold(loudest, f64::min);
+    let ratio = (loudest / mean_square(rows)).max(1.0);
+    fit.spread_further(ratio, None);
+    UnevenNoise {
+        jitter_s: in_motion.sqrt() * moments.sample_period_s(),
+        loudest_over_quietest: (loudest / quietest).sqrt(),
+    }
 }
 
 /// The largest τ² that leaves noise at rest at every frequency: τ² mean v² |D|² is below the variance of ε.
@@ -201,7 +232,9 @@ fn rows(runs: &[Simulated<'_>], speeds: &[Vec<f64>], moments: &Moments, fit: &Gl
             });
         }
     }
-    rows.truncate(ROWS);
+    if fit.precision == 0.0 {
+        rows.truncate(ROWS);
+    }
     let count = rows.len();
     for (i, row) in rows.iter_mut().enumerate() {
         row.part = i * PARTS / count;

@@ -104,6 +104,8 @@ pub struct GlsFit {
     pub variance: f64,
     /// What the covariance has beside (Z_D'Z_D)^-1.
     pub further: FurtherSpread,
+    /// Of the prior of the lags ([`RowInformation::precision`]).
+    pub(crate) precision: f64,
     /// Number of rows used.
     pub rows: usize,
     /// Number of passes.
@@ -150,8 +152,10 @@ impl GlsFit {
             ar = next;
         }
         let mut solution = information.solve(coordinates, &ar)?;
+        let precision = information.precision();
         let variance = |solution: &Solution, order: usize| {
-            solution.rss / degrees_of_freedom(information.rows(), coordinates.len(), order)
+            let parameters = determined(solution, precision);
+            solution.rss / degrees_of_freedom(information.rows(), parameters, order)
         };
         if options.corrected && !ar.is_empty() {
             for _ in 0..CORRECTED_PASSES {
@@ -182,6 +186,7 @@ impl GlsFit {
             ar_covariance,
             variance,
             further: FurtherSpread::default(),
+            precision,
             rows: information.rows(),
             iterations,
             converged,
@@ -191,7 +196,11 @@ impl GlsFit {
 
     /// Degrees of freedom of the variance: rows - parameters - offset - d.
     pub fn degrees_of_freedom(&self) -> f64 {
-        degrees_of_freedom(self.rows, self.coordinates.len(), self.ar.len())
+        degrees_of_freedom(
+            self.rows,
+            determined(&self.solution, self.precision),
+            self.ar.len(),
+        )
     }
 
     /// The impulse response, N samples.
@@ -282,8 +291,18 @@ impl GlsFit {
     }
 }
 
-fn degrees_of_freedom(rows: usize, parameters: usize, order: usize) -> f64 {
-    (rows as f64 - (parameters + 1 + order) as f64).max(1.0)
+fn degrees_of_freedom(rows: usize, parameters: f64, order: usize) -> f64 {
+    (rows as f64 - (parameters + (1 + order) as f64)).max(1.0)
+}
+
+/// The number of coordinates that the rows determine, and not the prior: all where there is none.
+fn determined(solution: &Solution, precision: f64) -> f64 {
+    let count = solution.response().len();
+    if precision == 0.0 {
+        return count as f64;
+    }
+    let by_prior: f64 = (0..count).map(|k| solution.inverse[(k, k)]).sum();
+    count as f64 - precision * by_prior
 }
 
 /// The noise fit to the residuals of `solution` (coordinates and offset). With the inverse and the variance

@@ -14,6 +14,7 @@ mod estimate;
 mod expected;
 mod fitted;
 mod gates;
+mod in_band;
 mod own_fits;
 mod plan;
 mod prior;
@@ -26,7 +27,7 @@ use crate::data::{Moments, Record};
 use crate::diagnostics::{Evidence, Explanation, RunComparison, Validity, gather_advice};
 use crate::error::Error;
 use crate::options::Options;
-use crate::results::Model;
+use crate::results::{Model, Reason};
 
 use allowances::Allowances;
 use candidate::Candidate;
@@ -231,8 +232,13 @@ impl<'a> Response<'a> {
             mut model,
         } = described;
         model.residuals = assess::residuals(task, &fitted, &model);
-        let explanation =
+        let mut explanation =
             describe::explanation(task, fitted, &responses, &allowances, (&model, runs));
+        if asks_for_band(&model, &explanation)
+            && let Some(found) = in_band::of(task)
+        {
+            found.carry_into(&mut model, &mut explanation);
+        }
         model.advice = gather_advice(&Evidence {
             model: &model,
             validity: &validity,
@@ -243,6 +249,14 @@ impl<'a> Response<'a> {
         });
         Identification { model, explanation }
     }
+}
+
+/// Whether a model has no bounds because its input is too smooth to determine all of the response.
+fn asks_for_band(model: &Model, explanation: &Explanation) -> bool {
+    let is_smooth = explanation
+        .excitation
+        .is_some_and(|found| found.is_smooth());
+    is_smooth && model.level().withdrawn() == Some(Reason::InputUnexcited)
 }
 
 /// A fit with its bounds.

@@ -199,6 +199,38 @@ impl FrequencyBounds {
         self
     }
 
+    /// The same with errors of G of up to `bias` beside those in the bounds, one for each frequency.
+    #[must_use]
+    pub(crate) fn with_bias(mut self, bias: &[f64]) -> Self {
+        let magnitude = |db: f64| 10f64.powf(db / 20.0);
+        for (k, bias) in bias.iter().enumerate() {
+            let nearest = magnitude(self.magnitude_db_lower[k]);
+            let half = (self.phase_deg_upper[k] - self.phase_deg_lower[k]) / 2.0;
+            let middle = self.phase_deg_lower[k] + half;
+            let (half, _) = with_disc((half.to_radians(), PI), *bias, || nearest);
+            self.phase_deg_lower[k] = middle - half.to_degrees();
+            self.phase_deg_upper[k] = middle + half.to_degrees();
+            self.magnitude_db_lower[k] = decibels((nearest - bias).max(0.0));
+            self.magnitude_db_upper[k] = decibels(magnitude(self.magnitude_db_upper[k]) + bias);
+        }
+        self.bias = bias.to_vec();
+        self
+    }
+
+    /// The half widths of magnitude \[dB\] and phase \[degrees\]: means and largest over the frequencies.
+    #[must_use]
+    pub fn half_widths(&self) -> [(f64, f64); 2] {
+        let of = |lower: &[f64], upper: &[f64]| {
+            let halves = || lower.iter().zip(upper).map(|(l, u)| (u - l) / 2.0);
+            let count = lower.len().max(1) as f64;
+            (halves().sum::<f64>() / count, halves().fold(0.0, f64::max))
+        };
+        [
+            of(&self.magnitude_db_lower, &self.magnitude_db_upper),
+            of(&self.phase_deg_lower, &self.phase_deg_upper),
+        ]
+    }
+
     /// Draws the bounds around `values`, which alternate between Re G and Im G, as do the entries of `spread`.
     /// `bias` bounds the other errors of G; it is empty where there are none.
     #[must_use]

@@ -16,6 +16,7 @@ pub use crate::numerics::{pointwise_critical, six_digits, student_critical, with
 pub use advice::{Advice, Check, Precedence, Setting};
 pub use frequency_response::{FrequencyBounds, FrequencyResponse};
 pub(crate) use frequency_response::{frequency_grid, frequency_map};
+pub(crate) use metrics::in_band::BandPoint;
 pub(crate) use metrics::measured::Measured;
 pub use metrics::{Interval, MetricBounds, Metrics, Withheld};
 pub use model::{Fit, MODEL_SCHEMA, Model, ParameterBounds, SelectedBy, Structure};

@@ -13,7 +13,7 @@ use crate::estimation::{FsfBasis, Noise};
 use crate::numerics::causal_filter;
 use crate::options::{LONGEST_SETTLING_BY_HAND, MAX_NOISE_ORDER};
 use crate::results::advice::Advice;
-use crate::results::frequency_response::FrequencyResponse;
+use crate::results::frequency_response::{FrequencyBounds, FrequencyResponse};
 use crate::results::metrics::measured::Measured;
 use crate::results::metrics::{Metrics, Withheld};
 use crate::results::residuals::Residuals;
@@ -159,12 +159,24 @@ impl Model {
             && self.metrics.is_consistent()
     }
 
-    /// Whether all parts have bounds of one level, or none for one reason.
+    /// Whether all parts have bounds of one level, or none for one reason; or bounds within a band that is all that the input excites.
     fn is_of_one_validity(&self) -> bool {
         let level = self.level();
+        let frequency = self.frequency.bounds.as_ref().map(|bounds| bounds.level);
+        let is_known = match level {
+            Bounds::Withdrawn(Reason::InputUnexcited) => frequency.valid().is_some(),
+            _ => false,
+        };
         self.step.bounds.as_ref().map(|bounds| bounds.level) == level
-            && self.frequency.bounds.as_ref().map(|bounds| bounds.level) == level
-            && self.metrics.bounds.map(|bounds| bounds.level) == level
+            && (frequency == level || is_known)
+            && self.metrics.bounds.map(|bounds| bounds.level) == frequency
+    }
+
+    /// The bounds of the frequency response, where it alone has some: the input excites a band, and all of [`Model::frequency`] is in it. Step response and
+    /// parameters are then a picture of the record, and not those of this response.
+    #[must_use]
+    pub fn band(&self) -> Option<&FrequencyBounds> {
+        self.level().withdrawn().and(self.frequency.bounds.valid())
     }
 
     /// The level of the bounds, where they hold.
@@ -291,10 +303,11 @@ impl Model {
         }
     }
 
-    /// Whether it predicts its record as well as noise lets it, or nearly so: where it has bounds, its errors were tested as noise.
+    /// Whether it predicts its record as well as noise lets it, or nearly so: where it has bounds, if in a band alone, its errors were tested as noise.
     #[must_use]
     pub fn predicts(&self) -> bool {
-        self.bounds.valid().is_some() || self.fit.simulation_percent >= POOR_PREDICTION_PERCENT
+        let is_tested = self.frequency.bounds.valid().is_some();
+        is_tested || self.fit.simulation_percent >= POOR_PREDICTION_PERCENT
     }
 
     /// The filter bank of the model.

@@ -1,11 +1,14 @@
 //! The response of the servo itself: that of the samples, freed of their hold and phase.
 
+use std::f64::consts::FRAC_1_SQRT_2;
+
 use faer::Mat;
 
 use crate::error::Error;
 use crate::estimation::CurveVariance;
 use crate::results::frequency_response::{FrequencyBounds, FrequencyResponse};
 use crate::results::metrics::frequency_metrics;
+use crate::results::metrics::in_band::folding;
 use crate::results::metrics::measured::Measured;
 use crate::results::model::Model;
 
@@ -39,11 +42,15 @@ fn bounds_of(measured: &Measured<'_>, omega_rad_s: &[f64], values: &[f64]) -> Fr
 impl Model {
     /// The frequency response of the servo itself, at any frequencies \[rad/s\] up to half the rate
     /// of sampling, with pointwise bounds at the level of the model: [`Model::frequency`] is that of
-    /// the samples, and this is freed of their hold and phase (see [`Timing`](crate::Timing)).
+    /// the samples, and this is freed of their hold and phase (see [`Timing`](crate::Timing)). Where bounds hold [in a band](Model::band) alone, it has
+    /// them at the frequencies of the model's own response.
     ///
     /// # Errors
     /// The structure of a hand-made document does not describe a filter bank.
     pub fn servo_response(&self, omega_rad_s: &[f64]) -> Result<FrequencyResponse, Error> {
+        if self.band().is_some() && omega_rad_s == self.frequency.omega_rad_s {
+            return Ok(self.response_in_band());
+        }
         let (basis, timing) = (self.basis()?, self.timing());
         let omegas: Vec<f64> = omega_rad_s
             .iter()
@@ -58,5 +65,28 @@ impl Model {
         let bounds = known.map(|known| bounds_of(&known, omega_rad_s, &values));
         let of_samples = FrequencyResponse::new(timing.sample_period_s, &omegas, &values, bounds);
         Ok(of_samples.freed_of_hold(timing))
+    }
+
+    /// The response of the servo in the band that the input excites. What is folded into it is that of a lag with the gain and bandwidth seen there; without a
+    /// bandwidth nothing says how much that is.
+    fn response_in_band(&self) -> FrequencyResponse {
+        let (found, timing) = (&self.frequency, self.timing());
+        let magnitudes = found.re.iter().zip(&found.im).map(|(re, im)| re.hypot(*im));
+        let of_servo = (found.omega_rad_s.iter().zip(magnitudes))
+            .map(|(omega, magnitude)| (*omega, magnitude * timing.magnitude_factor(*omega)));
+        let of_servo: Vec<(f64, f64)> = of_servo.collect();
+        let seen = of_servo.first().map_or(0.0, |(_, magnitude)| *magnitude);
+        let fallen = of_servo
+            .iter()
+            .find(|(_, magnitude)| *magnitude < seen * FRAC_1_SQRT_2);
+        let r = fallen.map_or(0.0, |(bandwidth, _)| seen * bandwidth);
+        let folded = |omega: &f64| folding(*omega, r, timing);
+        let folded: Vec<f64> = found.omega_rad_s.iter().map(folded).collect();
+        let bounds = found.bounds.clone().map(|bounds| bounds.with_bias(&folded));
+        FrequencyResponse {
+            bounds,
+            ..found.clone()
+        }
+        .freed_of_hold(timing)
     }
 }

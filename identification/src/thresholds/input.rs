@@ -171,3 +171,9 @@ pub const EARLY_WHOLE: f64 = 0.9;
 /// Protects: short recordings from a finding by a few strokes. Evidence: by choice: a t of nine degrees of freedom is above
 /// [`EARLY_SIGNIFICANCE`] once in 10 000.
 pub const EARLY_CHANGES: usize = 10;
+
+/// Half width of a bound at the ends of the band that a smooth input excites, as a share of the response: .9 dB, or 5.7 degrees.
+///
+/// Protects: readers from a band that ends in bounds of no use. Evidence: none is needed, since bounds hold at any width; those of a sweep go from a tenth of
+/// this to ten times it within a few percent of frequency.
+pub const WIDEST_IN_BAND: f64 = 0.1;

@@ -12,6 +12,7 @@ mod different_motions;
 mod drift;
 mod flight_model;
 mod hard_lines;
+mod in_band;
 mod limits;
 mod linearity;
 mod metrics;

@@ -33,10 +33,13 @@ impl Export<'_> {
         };
         if let Bounds::Withdrawn(reason) = model.level() {
             let because = reason.because();
-            warn(
-                true,
-                &format!("no bounds can be given, as {because}: this file has none"),
-            );
+            let text = match model.band() {
+                Some(_) => format!(
+                    "no bounds of the step response and the parameters can be given, as {because}"
+                ),
+                None => format!("no bounds can be given, as {because}: this file has none"),
+            };
+            warn(true, &text);
         } else {
             warn(
                 !model.linear,
@@ -234,7 +237,13 @@ impl Export<'_> {
 
     fn bounds(&self) -> String {
         let Bounds::Valid(bounds) = &self.model.step.bounds else {
-            return "Bounds: none can be given (see the warning).".to_owned();
+            return match self.model.band() {
+                Some(bounds) => format!(
+                    "Bounds: level {} %. The frequency response, which is that of the excited band alone, has bounds that hold for each single frequency; step response and parameters have none (see the warning), and are not those of this frequency response.",
+                    summary::percent(bounds.level)
+                ),
+                None => "Bounds: none can be given (see the warning).".to_owned(),
+            };
         };
         let biases = [
             (bounds.truncation_bias, "left-out high frequencies"),

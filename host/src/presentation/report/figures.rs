@@ -112,10 +112,12 @@ fn diagnostics(part: &Part<'_>, place: &str) -> Vec<Shown> {
 fn of_bounds(found: &PaperFigure, page: &Page<'_>, whole: &str) -> String {
     // The figures of the first servo show it alone.
     let drawn = if found.of_second { 2 } else { 1 };
-    let (with, without): (Vec<&Part<'_>>, Vec<&Part<'_>>) = page
-        .parts()
-        .take(drawn)
-        .partition(|part| part.subject.model.bounds.valid().is_some());
+    let (with, without): (Vec<&Part<'_>>, Vec<&Part<'_>>) =
+        page.parts().take(drawn).partition(|part| {
+            let model = part.subject.model;
+            let is_of_band = found.kind == PaperFigureKind::Frequency && model.band().is_some();
+            is_of_band || model.bounds.valid().is_some()
+        });
     let names: Vec<&str> = without.iter().map(|part| part.subject.name).collect();
     let none = format!(
         "No bounds can be given for {}: the advice has the reason.",

@@ -22,7 +22,7 @@ pub(crate) fn headline_of_model(model: &Model, of: &ModelMetadata) -> String {
         };
         return format!("{answer}{} {}", item.finding, item.remedy);
     }
-    if hides_step(model) {
+    if hides_step(model) || model.band().is_some() {
         return certainty(model);
     }
     let parts = match has_likely_times(model) {

@@ -250,9 +250,9 @@ pub(super) fn table(model: &Model, of: &ModelMetadata) -> String {
 /// Which metrics are withheld, and why, where some are.
 pub(crate) fn withheld_line(metrics: &Metrics) -> Option<String> {
     let because = metrics.why_withheld()?;
-    let which = match metrics.dc_gain.value {
-        Some(_) => "the others",
-        None => "all",
+    let which = match ROWS.iter().any(|row| row.of(metrics).value.is_some()) {
+        true => "the others",
+        false => "all",
     };
     Some(format!("{which} are withheld: {because} (see the advice)"))
 }

@@ -100,7 +100,11 @@ pub fn of_model(source: &str, model: &Model, of: &ModelMetadata, extent: Extent<
     match model.level() {
         Bounds::Withdrawn(reason) => {
             let because = reason.because();
-            text += &format!("  ! NO BOUNDS CAN BE GIVEN: {because} (see the advice)\n");
+            let of = match model.band() {
+                Some(_) => " OF THE STEP RESPONSE",
+                None => "",
+            };
+            text += &format!("  ! NO BOUNDS{of} CAN BE GIVEN: {because} (see the advice)\n");
         }
         Bounds::Valid(_) if !model.linear => {
             text += "  ! NOT LINEAR: the bounds are those of the linear description that fits this reference best (see the advice)\n";

@@ -6,6 +6,8 @@ use super::numbers::{digits, percent};
 use super::strokes::which_step;
 use crate::data::model_metadata::ModelMetadata;
 use crate::data::units::Units;
+use std::f64::consts::TAU;
+
 use servoid_identification::results::{
     Advice, Bounds, Interval, Metrics, Model, Reason, StepBounds,
 };
@@ -21,7 +23,7 @@ pub fn model_sentence(model: &Model, of: &ModelMetadata) -> String {
             model.fit.simulation_percent,
             certainty(model)
         ),
-        None if hides_step(model) => certainty(model),
+        None if hides_step(model) || model.band().is_some() => certainty(model),
         None => format!("{} {}", motion(model, of), certainty(model)),
     }
 }
@@ -138,9 +140,34 @@ pub(super) fn certainty(model: &Model) -> String {
                 percent(bounds.level)
             )
         }
-        Bounds::Withdrawn(reason) => format!(
-            "No bounds can be given, because {}: see the advice.",
-            reason.because()
-        ),
+        Bounds::Withdrawn(reason) => match known_band(model) {
+            Some(known) => format!(
+                "{known} How the servo answers a step is not determined, because {}: see the advice.",
+                reason.because()
+            ),
+            None => format!(
+                "No bounds can be given, because {}: see the advice.",
+                reason.because()
+            ),
+        },
     }
+}
+
+/// How well the frequency response is known, where it is known in a band alone.
+fn known_band(model: &Model) -> Option<String> {
+    let bounds = model.band()?;
+    let omegas = &model.frequency.omega_rad_s;
+    let [from, to] = [omegas.first()?, omegas.last()?].map(|omega| omega / TAU);
+    let [(decibels, most_decibels), (degrees, most_degrees)] = bounds.half_widths();
+    Some(format!(
+        "From {} to {} Hz the frequency response is known to ±{} dB and ±{} degrees on average, and ±{} dB and ±{} degrees where it is least so, with {} % \
+         confidence at each frequency.",
+        digits(from, 2),
+        digits(to, 3),
+        digits(decibels, 2),
+        digits(degrees, 2),
+        digits(most_decibels, 2),
+        digits(most_degrees, 2),
+        percent(bounds.level)
+    ))
 }

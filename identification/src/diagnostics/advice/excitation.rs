@@ -42,6 +42,19 @@ pub(super) fn excitation(evidence: &Evidence<'_>) -> Option<Advice> {
     if let Some(errors) = evidence.validity.excited_by_errors {
         return Some(excited_by_errors(evidence, errors, unexcited));
     }
+    if let Some([from, to]) = band_hz(evidence) {
+        return Some(Advice::new(
+            Check::Excitation,
+            format!(
+                "No bounds of the step response can be given, because the reference determines the response from {from:.2} to {to:.1} Hz alone, and much of \
+                 the detail of a step is above. What is shown of a step is a picture, made from the {} lowest frequencies.",
+                evidence.model.structure.frequencies
+            ),
+            to,
+            highest,
+            sharper(highest),
+        ));
+    }
     let (frequencies, remedy) = lacking(unexcited, highest);
     Some(Advice::new(
         Check::Excitation,
@@ -55,13 +68,25 @@ pub(super) fn excitation(evidence: &Evidence<'_>) -> Option<Advice> {
     ))
 }
 
+/// The band in which bounds hold, where they hold in one alone \[Hz\].
+fn band_hz(evidence: &Evidence<'_>) -> Option<[f64; 2]> {
+    evidence.model.band()?;
+    let omegas = &evidence.model.frequency.omega_rad_s;
+    let ends = [*omegas.first()?, *omegas.last()?];
+    Some(ends.map(|omega| omega / std::f64::consts::TAU))
+}
+
 /// That commands with such `errors` may have been without, and then excite nothing of what these do. Of a smooth command that is what is above `power_up_to_hz`.
 fn excited_by_errors(evidence: &Evidence<'_>, errors: Inexact, power_up_to_hz: f64) -> Advice {
     let highest = evidence.nyquist_hz();
+    let which = match evidence.model.band() {
+        Some(_) => " of the step response",
+        None => "",
+    };
     let (finding, remedy) = match errors {
         Inexact::Rounded(step) => (
             format!(
-                "No bounds can be given, because the commands are in steps of {step:.2}, and what power they have above {power_up_to_hz:.1} Hz may be \
+                "No bounds{which} can be given, because the commands are in steps of {step:.2}, and what power they have above {power_up_to_hz:.1} Hz may be \
                  their rounding alone: where the servo got finer commands, it got none of that."
             ),
             format!(
@@ -71,7 +96,7 @@ fn excited_by_errors(evidence: &Evidence<'_>, errors: Inexact, power_up_to_hz: f
         ),
         Inexact::Noisy(sd) => (
             format!(
-                "No bounds can be given, because the column of the command has noise of up to {} (standard deviation), and part of the response may rest on \
+                "No bounds{which} can be given, because the column of the command has noise of up to {} (standard deviation), and part of the response may rest on \
                  that noise alone: where the commands were measured, the servo got none of it.",
                 evidence.input(two_digits(sd))
             ),
@@ -210,11 +235,15 @@ pub(super) fn smooth(evidence: &Evidence<'_>) -> Option<Advice> {
 /// Metrics that were left out because they depend on frequencies that the input does not excite.
 pub(super) fn metrics(evidence: &Evidence<'_>) -> Option<Advice> {
     let unexcited = evidence.validity.unexcited_above_hz?;
+    let left_out = match evidence.model.band() {
+        Some(_) => "Delay, rise time and the other metrics of the step response",
+        None => "Gain, delay, bandwidth and the other metrics",
+    };
     (evidence.validity.withheld == Some(Withheld::InputUnexcited)).then(|| {
         Advice::new(
             Check::UnexcitedMetrics,
             format!(
-                "Gain, delay, bandwidth and the other metrics are left out: the frequencies that the reference does \
+                "{left_out} are left out: the frequencies that the reference does \
                  not excite may change the step response by more than {:.0} % of its final value.",
                 100.0 * DISAGREEMENT
             ),

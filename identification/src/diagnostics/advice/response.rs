@@ -339,7 +339,8 @@ pub(super) fn truncated(evidence: &Evidence<'_>) -> Option<Advice> {
     let structure = &model.structure;
     let basis = model.basis().ok()?;
     // What was left out beyond any bound has been said.
-    if basis.has_all_frequencies() || evidence.validity.left_out_above_hz.is_some() {
+    let is_said = evidence.validity.left_out_above_hz.is_some() || model.band().is_some();
+    if basis.has_all_frequencies() || is_said {
         return None;
     }
     let highest = basis.highest_hz(model.sample_period_s);

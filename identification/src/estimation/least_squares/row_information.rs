@@ -12,6 +12,7 @@ use super::triangular::solve_factor;
 use crate::data::Moments;
 use crate::estimation::lag_products::LagProducts;
 use crate::estimation::noise_model::noise_filter;
+use crate::numerics::dot;
 
 /// The arithmetic behind an estimate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -31,6 +32,8 @@ pub struct RowInformation {
     pub moments: Moments,
     /// Triangular factor of Z = [u lags | 1 | y lags], when the moments are not accurate enough.
     pub(super) factor: Option<Mat<f64>>,
+    /// What is known of each lag of a complete bank beside the rows: the variance of ε over that of a prior; 0 where nothing is.
+    precision: f64,
     /// Those of the bank solved last.
     lag_products: RefCell<Option<Arc<LagProducts>>>,
 }
@@ -41,8 +44,22 @@ impl RowInformation {
         Self {
             moments,
             factor: None,
+            precision: 0.0,
             lag_products: RefCell::default(),
         }
+    }
+
+    /// Moments, and a prior of every lag of a complete bank: independent, with mean 0, and a variance that is that of ε over `precision`.
+    pub(crate) fn under_prior(moments: Moments, precision: f64) -> Self {
+        Self {
+            precision,
+            ..Self::from_moments(moments)
+        }
+    }
+
+    /// The precision of that prior; 0 where there is none.
+    pub(crate) fn precision(&self) -> f64 {
+        self.precision
     }
 
     /// The accurate form: `factor` is upper triangular with factor'factor = Z'Z, its columns in
@@ -52,6 +69,7 @@ impl RowInformation {
         Self {
             moments,
             factor: Some(factor),
+            precision: 0.0,
             lag_products: RefCell::default(),
         }
     }
@@ -74,7 +92,13 @@ impl RowInformation {
     /// determine the parameters.
     pub fn solve(&self, coordinates: &Coordinates, ar: &[f64]) -> Option<Solution> {
         match &self.factor {
-            None => solve_moments(&self.equations(coordinates, ar)),
+            None => {
+                let mut found = solve_moments(&self.equations(coordinates, ar))?;
+                // The part of the prior is none of the rows.
+                let squares = dot(found.response(), found.response());
+                found.rss = (found.rss - self.precision * squares).max(0.0);
+                Some(found)
+            }
             Some(factor) => solve_factor(factor, &self.moments, coordinates, ar),
         }
     }
@@ -100,7 +124,13 @@ impl RowInformation {
                 let square = products.twice_filtered(&noise_filter(ar));
                 NormalEquations::with_square(&self.moments, coordinates, ar, &square)
             }
-            None => NormalEquations::new(&self.moments, coordinates, ar),
+            None => {
+                let mut equations = NormalEquations::new(&self.moments, coordinates, ar);
+                for k in 0..coordinates.len() {
+                    equations.a[(k, k)] += self.precision;
+                }
+                equations
+            }
         }
     }
 

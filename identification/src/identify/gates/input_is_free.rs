@@ -27,7 +27,7 @@ pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
 }
 
 /// What the errors of a fit show of feedback.
-pub(super) fn tested(task: &Task<'_>, fitted: &Fitted) -> Option<Feedback> {
+pub(in crate::identify) fn tested(task: &Task<'_>, fitted: &Fitted) -> Option<Feedback> {
     let estimate = &fitted.estimate;
     let (moments, fit) = (&estimate.information.moments, &estimate.fit);
     let record = task.record?;

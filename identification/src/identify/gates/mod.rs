@@ -3,7 +3,7 @@
 //! A gate keeps the candidate, puts another one in its place, or refuses: one question, one reason, one file.
 
 mod errors_are_noise;
-mod input_is_free;
+pub(super) mod input_is_free;
 mod more_than_a_gain;
 mod response_is_over;
 mod within_holds;

@@ -38,6 +38,7 @@ mod crossing;
 mod crossings_and_peak;
 mod draws;
 pub(crate) mod frequency_metrics;
+pub(crate) mod in_band;
 mod interpolation;
 pub(crate) mod interval;
 mod inversion;

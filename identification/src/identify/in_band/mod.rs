@@ -1,0 +1,191 @@
+//! The frequency response within the band that a smooth input excites.
+//!
+//! A sweep or a sum of sines determines the response at its own frequencies, and nothing else of it. The bank of a few frequencies that is the model then is a
+//! picture, without bounds: what it leaves out is in its errors. Here all lags up to the longest N are kept, and the directions that the input does not excite
+//! are made proper by a prior of the lags, independent and with a standard deviation as large as the spread of the output over that of the input: |G| has √N times
+//! that, so the prior narrows nothing that the record determines. What follows N is a sum of [slow ends](crate::diagnostics::Tails). The covariance of both is that
+//! of the noise and of the prior together (Tikhonov's regularisation as Bayes' estimate), so bounds are as wide as the prior where the input has no power, and
+//! the band is where they are not.
+//!
+//! The errors are then noise, if the servo is linear: the tests of other records decide that here, too.
+
+mod points;
+
+use super::allowances::Allowances;
+use super::candidate::Candidate;
+use super::describe;
+use super::estimate::Estimate;
+use super::fitted::Fitted;
+use super::gates::input_is_free;
+use super::plan::{Plan, check_rows};
+use super::responses::Responses;
+use super::task::Task;
+use crate::data::{Moments, Record, Timing};
+use crate::diagnostics::{
+    BothEstimators, Explanation, INPUT_LAGS, Linearity, Tails, lowest_excited, one_step_errors,
+    simulated, simulated_whole, whiteness,
+};
+use crate::estimation::{Coordinates, FIRST_ORDER, FsfBasis, GlsFit, GlsOptions, RowInformation};
+use crate::options::{Frequencies, Settling};
+use crate::results::{FrequencyResponse, Metrics, Model, Residuals, SelectedBy};
+use crate::selection::longest_settling;
+use crate::thresholds::{
+    MISFIT_SIGNIFICANCE, MOMENT_ACCURACY, RUNS_FOR_MEAN, WHITENING_COST_POINTS,
+};
+use points::Points;
+
+/// Fits, each with the variance of the one before, from a hundredth of the output.
+const FITS: usize = 3;
+
+/// What is known of a servo under an input that excites a band.
+pub(super) struct InBand {
+    pub(super) frequency: FrequencyResponse,
+    pub(super) metrics: Metrics,
+    pub(super) residuals: Residuals,
+    pub(super) linearity: Option<Linearity>,
+}
+
+/// The response in the band of the input; `None` where bounds would not hold there either, or the structure was chosen by hand. Of three runs and more bounds
+/// are those of the servo's mean elsewhere, and the noise alone does not say how sure that is: there are none.
+pub(super) fn of(task: &Task<'_>) -> Option<InBand> {
+    let automatic =
+        task.options.settling == Settling::Auto && task.options.frequencies == Frequencies::Auto;
+    let record = task.record.filter(|_| automatic)?;
+    if record.runs().len() >= RUNS_FOR_MEAN {
+        return None;
+    }
+    let fitted = fitted(task, record)?;
+    let tests = tests(record, &fitted)?;
+    let feedback = input_is_free::tested(task, &fitted);
+    let fitted = Fitted { feedback, ..fitted }.with_honest_covariance(task);
+    let responses = Responses::new(&fitted.estimate);
+    let allowances = Allowances::new(task, &fitted, &responses);
+    let validity = describe::validity(task, &fitted, &responses, &allowances);
+    let claimed = validity.level;
+    let level = *claimed.valid()?;
+    let Estimate {
+        information, fit, ..
+    } = &fitted.estimate;
+    let runs = simulated_whole(record, &information.moments, fit);
+    let tails = Tails::beside(&runs, &information.moments, fit, prior_sd(fit))?;
+    let timing = Timing {
+        sample_period_s: information.moments.sample_period_s(),
+        sample_phase_s: information.moments.sample_phase_s(),
+    };
+    let points = Points::in_band(&fitted.estimate, &tails, level, lowest_excited(record)?)?;
+    Some(InBand {
+        frequency: points.frequency_response(timing, claimed),
+        metrics: points.metrics(timing, claimed),
+        residuals: tests,
+        linearity: fitted.linearity,
+    })
+}
+
+impl InBand {
+    /// Into the model that is a picture of the same record, whose errors were not noise for what it left out.
+    pub(super) fn carry_into(self, model: &mut Model, explanation: &mut Explanation) {
+        model.frequency = self.frequency;
+        model.metrics = self.metrics;
+        model.residuals = self.residuals;
+        model.linear = true;
+        explanation.model_errors = None;
+        explanation.linearity = self.linearity;
+    }
+}
+
+/// The standard deviation of the prior of each lag.
+fn prior_sd(fit: &GlsFit) -> f64 {
+    (fit.variance / fit.precision).sqrt()
+}
+
+/// All lags up to the longest N under their prior.
+fn fitted(task: &Task<'_>, record: &Record<'_>) -> Option<Fitted> {
+    let options = task.options;
+    let settling = longest_settling(record, options.longest_settling).ok()?;
+    let lags = options.noise_order.highest();
+    let extended = Moments::of_record(record, settling + lags + INPUT_LAGS, lags + 1);
+    let moments = extended.with_fewer_lags(record, settling + lags);
+    let basis = FsfBasis::full(settling).ok()?;
+    check_rows(&moments, basis.frequencies()).ok()?;
+    let rows = moments.rows() as f64;
+    let of_input = moments.uu[(0, 0)] - moments.u[0].powi(2) / rows;
+    let prior_variance = moments.output_spread() / of_input;
+    let coordinates = Coordinates::new(basis);
+    let mut variance = 1e-4 * moments.output_spread() / rows;
+    let mut start = Vec::new();
+    let mut found = None;
+    for _ in 0..FITS {
+        let precision = variance / prior_variance;
+        let information = RowInformation::under_prior(moments.clone(), precision);
+        let options = GlsOptions {
+            order: options.noise_order,
+            tolerance: 1e-3 / rows.sqrt(),
+            start,
+            ..GlsOptions::default()
+        };
+        let fit = GlsFit::of(&information, &coordinates, &options)?;
+        (variance, start) = (fit.variance, fit.ar.clone());
+        found = Some((information, fit));
+    }
+    let (information, fit) = found.filter(|(information, fit)| is_accurate(information, fit))?;
+    let plan = Plan {
+        basis,
+        selected_by: SelectedBy::Auto,
+        roll_off: FIRST_ORDER,
+        order: options.noise_order,
+        start: Vec::new(),
+        choice: None,
+        banks: Vec::new(),
+    };
+    let candidate = Candidate {
+        plan,
+        moments,
+        extended,
+    };
+    let estimate = Estimate {
+        coordinates,
+        information,
+        fit,
+    };
+    Some(Fitted::tested(task, candidate, estimate))
+}
+
+/// Whether the prior and the noise are well above the rounding of the moments.
+fn is_accurate(information: &RowInformation, fit: &GlsFit) -> bool {
+    let moments = &information.moments;
+    let trace: f64 = (0..fit.coordinates.len()).map(|k| moments.uu[(k, k)]).sum();
+    let of_noise = 10.0 * f64::EPSILON * moments.output_spread() / fit.solution.rss;
+    10.0 * f64::EPSILON * trace <= fit.precision && of_noise <= MOMENT_ACCURACY
+}
+
+/// Tests of the errors, where they are noise. A band of a thousandth is narrower than what counts as a servo that is not linear elsewhere, so every
+/// finding that is beyond chance counts.
+fn tests(record: &Record<'_>, fitted: &Fitted) -> Option<Residuals> {
+    let Estimate {
+        information, fit, ..
+    } = &fitted.estimate;
+    let both = BothEstimators::new(information, fit, false)?;
+    let whitening = both.least_squares_percent - both.generalised_percent;
+    let runs = simulated(record, &information.moments, fit);
+    let errors: Vec<Vec<f64>> = (runs.iter())
+        .map(|run| one_step_errors(&run.errors, &fit.ar))
+        .collect();
+    let share = 1.0 - fit.degrees_of_freedom() / fit.rows as f64;
+    let whiteness_p = whiteness(&errors, fit.ar.len(), share);
+    let linearity = fitted.linearity;
+    let rest = linearity.and_then(|found| found.rest);
+    let is_chance = |p: Option<f64>| p.is_none_or(|p| p >= MISFIT_SIGNIFICANCE);
+    let noise = whitening <= WHITENING_COST_POINTS
+        && is_chance(whiteness_p)
+        && is_chance(linearity.map(|found| found.p))
+        && is_chance(linearity.and_then(|found| Some(found.runs?.p)))
+        && linearity.is_none_or(|found| !found.errors_follow_motion());
+    noise.then(|| Residuals {
+        input_correlation_p: None,
+        whiteness_p,
+        linearity_p: linearity.map(|found| found.p),
+        beyond_linear_percent: linearity.map(|found| found.misfit_percent),
+        rest_p: rest.map(|found| found.p),
+        beyond_rest_percent: rest.map(|found| found.misfit_percent),
+    })
+}
