@@ -143,16 +143,15 @@ impl Projection {
         let Bounds::Valid(bounds) = &model.step.bounds else {
             return 1.0;
         };
-        let (lower, upper) = (&bounds.pointwise.lower, &bounds.pointwise.upper);
         let critical = pointwise_critical(bounds.level);
-        let ratios = lower
-            .iter()
-            .zip(upper)
-            .zip(&self.curve_sd)
-            .map(|((lower, upper), sd)| {
-                let half = (upper - lower) / 2.0 - bounds.truncation_bias;
-                half / (critical * sd)
-            });
+        // Few runs, and slow noise, have wider bounds for a standard deviation. At its end the response is flat, so no error of a delay is in that.
+        let last = self.curve.len() - 1;
+        let half = (bounds.pointwise.upper[last] - bounds.pointwise.lower[last]) / 2.0;
+        let of_noise = half - bounds.truncation_bias - bounds.rounding_bias;
+        let wider = (of_noise / (critical * bounds.sd[last])).max(1.0);
+        let ratio =
+            |(sd, even): (&f64, &f64)| (wider * sd + bounds.rounding_bias / critical) / even;
+        let ratios = bounds.sd.iter().zip(&self.curve_sd).map(ratio);
         ratios.filter(|ratio| ratio.is_finite()).fold(1.0, f64::max)
     }
 

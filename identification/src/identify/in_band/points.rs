@@ -73,7 +73,7 @@ impl Points {
         let functions = map.transpose().to_owned();
         let ends = by_ends.transpose().to_owned();
         // Noise that is not even, and errors of the commands, make the ends as much less sure as the lags.
-        let even = &fit.solution.inverse.as_ref().submatrix(0, 0, lags, lags) * &functions;
+        let even = fit.solution.inverse.as_ref().submatrix(0, 0, lags, lags) * &functions;
         let less_sure: Vec<f64> = (0..values.len())
             .map(|i| {
                 let of =

@@ -37,7 +37,7 @@ fn every_file_says_what_it_is_and_how_far_it_is_off() {
         ] {
             assert!(prose.contains(said), "{target}: {said}");
         }
-        let (_, rest) = prose.split_once("times as fine as usual: ").unwrap();
+        let (_, rest) = prose.split_once("under the command named below: ").unwrap();
         let stated: f64 = rest.split(' ').next().unwrap().parse().unwrap();
         // It is written with four digits.
         let apart = (stated - exported.stated).abs();
