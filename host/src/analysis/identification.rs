@@ -176,7 +176,7 @@ impl Identified {
         // Whoever asked for a prior wants to know what became of it; with --explain it is among the reasons.
         let prior = self.explanation.prior.as_ref().filter(|_| !self.explain);
         text.extend(prior.map(|prior| format!("\n{}\n", summary::wrapped(&prior.in_words(), 0))));
-        text.extend(flight_model.map(summary::of_flight_model));
+        text.extend(flight_model.map(|flight| summary::of_flight_model(flight, model.linear)));
         text.extend(no_flight_model.map(|reason| format!("\nno low-order model: {reason}\n")));
         text.extend(
             self.limits

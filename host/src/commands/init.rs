@@ -136,8 +136,14 @@ impl Init {
         };
         let [shortest, longest] = [rig.limits.shortest_us, rig.limits.longest_us];
         let travel = answers.travel_in_words();
+        let port = match &answers.port {
+            Some(_) => "",
+            None => {
+                "port: none yet; write one of those that 'servoid ports' lists into the file, as port = \"...\"\n"
+            }
+        };
         let text = format!(
-            "{file}: written\nlimits: {shortest} to {longest} µs. {travel}\nnext: {next}\n"
+            "{file}: written\n{port}limits: {shortest} to {longest} µs. {travel}\nnext: {next}\n"
         );
         let (file, rig, next) = (&self.out, &rig, &next);
         self.output.talk.result(text, &Written { file, rig, next })

@@ -2,12 +2,13 @@
 
 use super::layout::is_unit;
 
-/// "deg" of "angle \[deg\]", "angle (deg)" or "angle_deg"; `None` where a name has none.
+/// "deg" of "angle \[deg\]", "angle (deg)", "angle_deg" or "deg"; `None` where a name has none.
 ///
 /// ```
 /// use servoid::data::table::unit_of;
 /// assert_eq!(unit_of("Winkel [°]"), Some("°"));
 /// assert_eq!(unit_of("pos_counts"), Some("counts"));
+/// assert_eq!(unit_of("us"), Some("us"));
 /// assert_eq!(unit_of("position"), None);
 /// ```
 pub fn unit_of(column: &str) -> Option<&str> {
@@ -17,13 +18,20 @@ pub fn unit_of(column: &str) -> Option<&str> {
         .and_then(|rest| rest.rsplit_once(['[', '(']))
         .map(|(_, unit)| unit.trim());
     let last = || last_word(column).map(|(_, unit)| unit);
-    bracketed.or_else(last).filter(|unit| !unit.is_empty())
+    let alone = || Some(column).filter(|name| is_unit_of_letters(name));
+    let found = bracketed.or_else(last).or_else(alone);
+    found.filter(|unit| !unit.is_empty())
 }
 
 /// "angle" and "deg" of "angle_deg" or "angle deg".
 fn last_word(column: &str) -> Option<(&str, &str)> {
     let words = column.rsplit_once(['_', ' ']);
-    words.filter(|(_, word)| is_unit(word) && word.chars().count() > 1)
+    words.filter(|(_, word)| is_unit_of_letters(word))
+}
+
+/// Whether a word is a unit of several letters: one alone is a name, too.
+fn is_unit_of_letters(word: &str) -> bool {
+    is_unit(word) && word.chars().count() > 1
 }
 
 /// "angle" for "angle [deg]", "angle (deg)" or "angle_deg".

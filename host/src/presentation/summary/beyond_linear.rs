@@ -8,9 +8,13 @@ use servoid_identification::results::{Bounds, Interval};
 use servoid_identification::thresholds::ASYMMETRY_FALSE_ALARM;
 use std::f64::consts::TAU;
 
-/// A low-order model for a flight simulation.
+/// Said of intervals of a servo that is not linear.
+const OF_DESCRIPTION: &str = "The servo is not linear: these intervals are those of the linear description of this recording. Its own dead time and bandwidth are in the \
+    servo model.";
+
+/// A low-order model for a flight simulation, of a servo that is `linear` or not.
 #[must_use]
-pub fn of_flight_model(flight: &FlightModel) -> String {
+pub fn of_flight_model(flight: &FlightModel, linear: bool) -> String {
     let rows = [
         ("gain K", "", 1.0, Some(flight.gain)),
         ("delay L", "ms", 1e3, Some(flight.delay_s)),
@@ -61,7 +65,11 @@ pub fn of_flight_model(flight: &FlightModel) -> String {
             if chosen { "  <- chosen" } else { "" }
         );
     }
-    text + "  " + &flight.statement + "\n"
+    let doubt = match linear || flight.bounds.valid().is_none() {
+        true => String::new(),
+        false => format!("  {}\n", wrapped(OF_DESCRIPTION, 2)),
+    };
+    text + "  " + &flight.statement + "\n" + &doubt
 }
 
 /// Said of different answers where the speed does not grow with the stroke: the test has one response for strokes of all sizes.

@@ -165,7 +165,7 @@ pub(crate) fn facts_of_comparison(
         if let Some(largest) = side.largest_percent {
             let (largest, p) = (largest.abs(), probability(side.p));
             let apart = format!(
-                "{largest:.1} % of the stroke apart where they differ most ({p} by chance alone)"
+                "{largest:.1} % of the stroke apart where they differ most ({p} by chance alone, if the servo is linear)"
             );
             add(&format!("{name}, up against down strokes"), apart);
         }

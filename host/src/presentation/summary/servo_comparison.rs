@@ -136,7 +136,10 @@ const COLUMN: usize = 21;
 
 /// The letter of a side, with the name of its file where the column has room for it.
 fn head_of_side(letter: char, name: &str) -> String {
-    let file = name.rsplit(['/', '\\']).next().unwrap_or(name);
+    let file = match name.split(", ").count() {
+        1 => name.rsplit(['/', '\\']).next().unwrap_or(name).to_owned(),
+        files => format!("{files} files"),
+    };
     let both = format!("{letter}  {file}");
     match both.chars().count() <= COLUMN {
         true => both,
