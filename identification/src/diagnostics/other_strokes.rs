@@ -9,8 +9,8 @@ use std::ops::Range;
 use statrs::distribution::{Binomial, DiscreteCDF};
 
 use crate::data::{EXACTLY, holds};
-use crate::diagnostics::outliers::TakenOut;
 use crate::diagnostics::simulation_error::Simulated;
+use crate::diagnostics::taken_out::TakenOut;
 use crate::numerics::median;
 use crate::thresholds::{EQUALLY_LARGE, RESIDUAL_SIGNIFICANCE};
 

@@ -10,14 +10,14 @@
 //! must be rare and unrelated to the motion: where a servo that is not linear misses its model, samples are evidence,
 //! not glitches, and none is taken out but single [`spikes`].
 
-use serde::{Deserialize, Serialize};
 use statrs::distribution::{Binomial, DiscreteCDF};
 
-use crate::data::{Moments, Record};
+use crate::data::Moments;
 use crate::diagnostics::noise_prediction::NoisePrediction;
 use crate::diagnostics::other_strokes::mark_other_strokes;
 use crate::diagnostics::simulation_error::{Simulated, one_step_errors};
 use crate::diagnostics::spikes::{Course, spikes};
+use crate::diagnostics::taken_out::TakenOut;
 use crate::diagnostics::uneven_noise::{motion, squared_speed};
 use crate::estimation::GlsFit;
 use crate::numerics::{chi_square_upper_tail, median, normal_cdf};
@@ -28,58 +28,6 @@ const MEDIAN_OF_SQUARES: f64 = 0.4549;
 
 /// Share of the largest q above which a sample is in motion.
 const IN_MOTION: f64 = 0.05;
-
-/// Neighbouring samples that were taken out.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub struct TakenOut {
-    /// Run, counted from 1.
-    pub run: usize,
-    /// First sample, counted from 0.
-    pub sample: usize,
-    /// Number of samples.
-    pub samples: usize,
-    /// Whether it has the shape of a glitch: a single sample that leaves the course of both sides. Anything else may be an error
-    /// of a linear model.
-    #[serde(default)]
-    pub spike: bool,
-    /// Whether it belongs to a stroke of a size that few others in the recording have, which the servo answers differently: no glitch, but a servo
-    /// that is not linear.
-    #[serde(default)]
-    pub other_stroke: bool,
-}
-
-impl TakenOut {
-    /// `record` without the spikes of what was taken out.
-    #[must_use]
-    pub fn without_spikes<'a>(taken_out: &[Self], record: &Record<'a>) -> Record<'a> {
-        let spikes: Vec<Self> = taken_out
-            .iter()
-            .copied()
-            .filter(|found| found.spike)
-            .collect();
-        Self::without(&spikes, record)
-    }
-
-    /// `record` without the samples that were taken out.
-    pub(crate) fn without<'a>(taken_out: &[Self], record: &Record<'a>) -> Record<'a> {
-        if taken_out.is_empty() {
-            return record.clone();
-        }
-        let runs = record.runs().iter().enumerate().map(|(index, run)| {
-            let mut output = run.output().to_vec();
-            Self::blank(taken_out, index, &mut output);
-            run.with_output(output)
-        });
-        record.with_runs(runs.collect())
-    }
-
-    /// Makes these samples of a run, counted from 0, missing ones.
-    pub(crate) fn blank(taken_out: &[Self], run: usize, output: &mut [f64]) {
-        for found in taken_out.iter().filter(|found| found.run == run + 1) {
-            output[found.sample..found.sample + found.samples].fill(f64::NAN);
-        }
-    }
-}
 
 /// Number of samples.
 fn count(taken_out: &[TakenOut]) -> usize {

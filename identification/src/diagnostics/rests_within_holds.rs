@@ -9,7 +9,9 @@
 
 use crate::data::{HELD, Hold, Record, Run, holds, mean_output, measured_within};
 use crate::numerics::{dot, normal_upper_quantile};
-use crate::thresholds::{AT_REST_SIGNIFICANCE, MOVES_AFTER_HOLD, MOVES_LITTLE, STROKES_FOR_REST};
+use crate::thresholds::{
+    AT_REST_SIGNIFICANCE, DETECTION, MOVES_AFTER_HOLD, MOVES_LITTLE, STROKES_FOR_REST,
+};
 
 /// Parts of the second half. A servo that rings may come to the same mean in both halves of it.
 const PARTS: usize = 8;
@@ -36,26 +38,31 @@ pub(crate) fn rests_within(record: &Record, hold: usize) -> bool {
         let (first, last) = end.parts.split_at(parts / 2);
         mean(last) - mean(first)
     };
-    let between_halves = Motion::of(&ends, from_first_half);
-    let each = (0..parts).map(|part| Motion::of(&ends, |end| end.parts[part] - mean(&end.parts)));
+    let between_halves = EndMotion::of(&ends, from_first_half);
+    let each =
+        (0..parts).map(|part| EndMotion::of(&ends, |end| end.parts[part] - mean(&end.parts)));
     let chance = normal_upper_quantile(AT_REST_SIGNIFICANCE / (parts + 1) as f64);
-    let is_chance = |motion: Motion| motion.share.abs() <= chance * motion.sd;
+    let is_chance = |motion: EndMotion| motion.share.abs() <= chance * motion.sd;
     between_halves.share.abs() + chance * between_halves.sd < MOVES_LITTLE
         && is_chance(between_halves)
         && each.into_iter().all(is_chance)
 }
 
 /// Whether a response is elsewhere for a quarter of a hold, at any time after `hold` samples, than in the second half of the hold, by more than
-/// a creep would be that [`rests_within`] does not see.
-pub(crate) fn moves_after(step: &[f64], hold: usize) -> bool {
+/// a creep would be that [`rests_within`] does not see, and by more than its standard deviations `sd` explain.
+pub(crate) fn moves_after(step: &[f64], sd: &[f64], hold: usize) -> bool {
     let quarter = hold / 4;
     if quarter == 0 || step.len() < hold + quarter {
         return false;
     }
     let at_rest = mean(&step[hold / 2..hold]);
     let largest = step.iter().fold(0.0, |most: f64, g| most.max(g.abs()));
-    let mut later = step[hold..].chunks_exact(quarter);
-    later.any(|part| (mean(part) - at_rest).abs() > MOVES_AFTER_HOLD * largest)
+    let later = step[hold..].chunks_exact(quarter);
+    let mut later = later.zip(sd[hold..].chunks_exact(quarter));
+    later.any(|(part, sd)| {
+        let by_chance = DETECTION * sd.iter().copied().fold(0.0, f64::max);
+        (mean(part) - at_rest).abs() > MOVES_AFTER_HOLD * largest + by_chance
+    })
 }
 
 /// The end of a hold.
@@ -80,12 +87,12 @@ impl HoldEnd {
 
 /// What moves at the ends of holds, as a share of the stroke, with its standard deviation.
 #[derive(Clone, Copy)]
-struct Motion {
+struct EndMotion {
     share: f64,
     sd: f64,
 }
 
-impl Motion {
+impl EndMotion {
     /// Of what `moved` there: regressed on the strokes, whose residuals have the noise, whatever its spectrum.
     fn of(ends: &[HoldEnd], moved: impl Fn(&HoldEnd) -> f64) -> Self {
         let strokes: Vec<f64> = ends.iter().map(|end| end.stroke).collect();
@@ -177,9 +184,11 @@ mod tests {
             let at = |k: usize| 1.0 - left(0.005 * k as f64, (share, 1.0));
             (0..6 * HOLD).map(at).collect()
         };
-        assert!(moves_after(&step(0.1), HOLD));
-        assert!(!moves_after(&step(0.02), HOLD));
-        assert!(!moves_after(&step(0.1)[..HOLD + 10], HOLD));
+        let moves = |step: &[f64], sd: f64| moves_after(step, &vec![sd; step.len()], HOLD);
+        assert!(moves(&step(0.1), 0.0));
+        assert!(!moves(&step(0.02), 0.0));
+        assert!(!moves(&step(0.1)[..HOLD + 10], 0.0));
+        assert!(!moves(&step(0.1), 0.03));
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use super::evidence::{Evidence, two_digits};
 use crate::diagnostics::hum::Hum;
 use crate::diagnostics::other_strokes::LASTING;
-use crate::diagnostics::outliers::TakenOut;
+use crate::diagnostics::taken_out::TakenOut;
 use crate::results::{Advice, Check};
 use crate::thresholds::ABOVE_NEIGHBOURS;
 

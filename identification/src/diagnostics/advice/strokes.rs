@@ -2,7 +2,7 @@
 
 use super::evidence::{Evidence, two_digits};
 use crate::data::{EXACTLY, holds, stroke_sizes};
-use crate::diagnostics::outliers::TakenOut;
+use crate::diagnostics::taken_out::TakenOut;
 use crate::numerics::median;
 use crate::results::{Advice, Check};
 

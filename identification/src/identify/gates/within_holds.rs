@@ -13,6 +13,7 @@
 use crate::data::{Record, usual_hold};
 use crate::diagnostics::{moves_after, moves_again, rests_within};
 use crate::error::Error;
+use crate::estimation::CurveVariance;
 use crate::identify::candidate::Candidate;
 use crate::identify::estimate::Estimate;
 use crate::identify::fitted::Fitted;
@@ -62,9 +63,16 @@ fn outlasts_holds(
     hold: usize,
     estimate: &Estimate,
 ) -> Option<f64> {
-    let step = (estimate.coordinates.basis).step_response(&estimate.fit.theta());
+    let Estimate {
+        coordinates,
+        information,
+        fit,
+    } = estimate;
+    let step = coordinates.basis.step_response(&fit.theta());
+    let spread = || CurveVariance::of_fit(information, fit, &coordinates.step_map());
     // A response that is over in the first half of a hold has an acceptable N that is no longer than the hold.
     let holds = settling as f64 / hold as f64;
-    let outlasts = holds > MARGIN && moves_after(&step, hold) && rests_within(record, hold);
+    let outlasts =
+        holds > MARGIN && rests_within(record, hold) && moves_after(&step, &spread().sd, hold);
     outlasts.then_some(holds)
 }
