@@ -67,8 +67,7 @@ pub struct FlightModel {
     pub tried: Vec<OrderTried>,
     /// Whether the data reject the order, so that the model is an approximation.
     pub approximation: bool,
-    /// By what the covariance was multiplied: the larger one of χ²/dof, where the order is rejected, and the square of the largest ratio of the bounds of the
-    /// step response to those of even noise.
+    /// χ²/dof by which the covariance was multiplied; 1 when the order is not rejected. What the bounds of the step response have beside even noise is in it, too.
     pub inflation: f64,
     /// Largest difference of the step response from the identified one \[% of the step\]; no error from the servo itself.
     pub largest_error_percent: f64,
@@ -308,7 +307,7 @@ impl FittedOrder {
     fn report(
         &self,
         tried: Vec<OrderTried>,
-        (level, beyond_even_noise): (Bounds<f64>, f64),
+        (level, beyond_even_noise): (Bounds<f64>, [f64; 2]),
         hold_period_s: Option<f64>,
     ) -> FlightModel {
         let estimates = Estimates::new(&self.minimum, &self.tried, level, beyond_even_noise);

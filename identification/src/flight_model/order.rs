@@ -63,26 +63,33 @@ pub(super) fn simplest<T>(
 /// The parameters of the chosen order with their intervals.
 pub(super) struct Estimates<'a> {
     x: &'a [f64],
-    /// Widened by `inflation` already.
+    /// Widened already.
     covariance: Mat<f64>,
-    /// The larger one of χ²/dof of a rejected order and the square of what bounds are wider than those of even noise.
+    /// χ²/dof of a rejected order, 1 otherwise.
     pub(super) inflation: f64,
     level: Bounds<f64>,
 }
 
 impl<'a> Estimates<'a> {
+    /// With standard deviations of the gain, and of all others, that are wider than those of even noise by these factors where no lack of fit widens them more.
     pub(super) fn new(
         minimum: &'a Minimum,
         tried: &OrderTried,
         level: Bounds<f64>,
-        beyond_even_noise: f64,
+        beyond_even_noise: [f64; 2],
     ) -> Self {
         let ratio = tried.chi_square / tried.degrees_of_freedom as f64;
-        let lack_of_fit = if tried.is_rejected() { ratio } else { 1.0 };
-        let inflation = lack_of_fit.max(beyond_even_noise.powi(2));
+        let inflation = match tried.is_rejected() {
+            true => ratio.max(1.0),
+            false => 1.0,
+        };
+        let of_fit = inflation.sqrt();
+        let factor = |k: usize| beyond_even_noise[k.min(1)].max(of_fit);
+        let count = minimum.parameters.len();
+        let widened = |i: usize, k: usize| factor(i) * factor(k) * minimum.covariance[(i, k)];
         Self {
             x: &minimum.parameters,
-            covariance: faer::Scale(inflation) * &minimum.covariance,
+            covariance: Mat::from_fn(count, count, widened),
             inflation,
             level,
         }

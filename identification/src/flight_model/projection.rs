@@ -137,11 +137,12 @@ impl Projection {
         self.curve[self.curve.len() - 1].abs()
     }
 
-    /// By how much the bounds of the step response of `model` are wider than those of even noise, where they are most: runs that differ, noise that is not
-    /// even, commands with errors, steps of the sensor and slow ends are in those. 1 without bounds.
-    pub(crate) fn beyond_even_noise(&self, model: &Model) -> f64 {
+    /// By how much the bounds of the step response of `model` are wider than those of even noise: at its end, where the gain is, and where they are most
+    /// during the rise, where the other parameters are. Runs that differ, noise that is not even, commands with errors, steps of the sensor and slow ends are
+    /// in those. 1 without bounds.
+    pub(crate) fn beyond_even_noise(&self, model: &Model) -> [f64; 2] {
         let Bounds::Valid(bounds) = &model.step.bounds else {
-            return 1.0;
+            return [1.0; 2];
         };
         let critical = pointwise_critical(bounds.level);
         // Few runs, and slow noise, have wider bounds for a standard deviation. At its end the response is flat, so no error of a delay is in that.
@@ -149,10 +150,13 @@ impl Projection {
         let half = (bounds.pointwise.upper[last] - bounds.pointwise.lower[last]) / 2.0;
         let of_noise = half - bounds.truncation_bias - bounds.rounding_bias;
         let wider = (of_noise / (critical * bounds.sd[last])).max(1.0);
-        let ratio =
-            |(sd, even): (&f64, &f64)| (wider * sd + bounds.rounding_bias / critical) / even;
-        let ratios = bounds.sd.iter().zip(&self.curve_sd).map(ratio);
-        ratios.filter(|ratio| ratio.is_finite()).fold(1.0, f64::max)
+        let ratio = |m: usize| {
+            let sd = wider * bounds.sd[m] + bounds.rounding_bias / critical;
+            Some(sd / self.curve_sd[m]).filter(|ratio| ratio.is_finite())
+        };
+        let rises = |m: &usize| (0.05..0.95).contains(&(self.curve[*m] / self.curve[last]));
+        let in_rise = (0..last).filter(rises).filter_map(ratio);
+        [ratio(last).unwrap_or(1.0), in_rise.fold(1.0, f64::max)]
     }
 
     /// Differences between the estimate and the projection of a servo with the response `impulse`. They
