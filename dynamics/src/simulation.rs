@@ -201,7 +201,7 @@ impl<A: Advance> Period<A> {
             if rests && new.is_none() {
                 continue;
             }
-            let before = A::speed(&state);
+            let speed = A::speed(&state);
             for _ in 0..self.step {
                 self.whole.advance(&mut state, command);
             }
@@ -216,7 +216,7 @@ impl<A: Advance> Period<A> {
             for _ in self.step + 1..self.steps {
                 self.whole.advance(&mut state, command);
             }
-            rests = new.is_none() && self.is_still([before, A::speed(&state)], still);
+            rests = new.is_none() && self.is_still([speed, A::speed(&state)], still);
         }
     }
 
