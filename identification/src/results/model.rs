@@ -179,6 +179,15 @@ impl Model {
         self.level().withdrawn().and(self.frequency.bounds.valid())
     }
 
+    /// The ends of that band \[Hz\].
+    #[must_use]
+    pub fn band_hz(&self) -> Option<[f64; 2]> {
+        self.band()?;
+        let omegas = &self.frequency.omega_rad_s;
+        let ends = [*omegas.first()?, *omegas.last()?];
+        Some(ends.map(|omega| omega / std::f64::consts::TAU))
+    }
+
     /// The level of the bounds, where they hold.
     #[must_use]
     pub fn level(&self) -> Bounds<f64> {

@@ -6,7 +6,6 @@ use super::numbers::{digits, percent};
 use super::strokes::which_step;
 use crate::data::model_metadata::ModelMetadata;
 use crate::data::units::Units;
-use std::f64::consts::TAU;
 
 use servoid_identification::results::{
     Advice, Bounds, Interval, Metrics, Model, Reason, StepBounds,
@@ -156,8 +155,7 @@ pub(super) fn certainty(model: &Model) -> String {
 /// How well the frequency response is known, where it is known in a band alone.
 fn known_band(model: &Model) -> Option<String> {
     let bounds = model.band()?;
-    let omegas = &model.frequency.omega_rad_s;
-    let [from, to] = [omegas.first()?, omegas.last()?].map(|omega| omega / TAU);
+    let [from, to] = model.band_hz()?;
     let [(decibels, most_decibels), (degrees, most_degrees)] = bounds.half_widths();
     Some(format!(
         "From {} to {} Hz the frequency response is known to ±{} dB and ±{} degrees on average, and ±{} dB and ±{} degrees where it is least so, with {} % \

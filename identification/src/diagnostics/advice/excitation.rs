@@ -42,7 +42,7 @@ pub(super) fn excitation(evidence: &Evidence<'_>) -> Option<Advice> {
     if let Some(errors) = evidence.validity.excited_by_errors {
         return Some(excited_by_errors(evidence, errors, unexcited));
     }
-    if let Some([from, to]) = band_hz(evidence) {
+    if let Some([from, to]) = evidence.model.band_hz() {
         return Some(Advice::new(
             Check::Excitation,
             format!(
@@ -66,14 +66,6 @@ pub(super) fn excitation(evidence: &Evidence<'_>) -> Option<Advice> {
         highest,
         remedy,
     ))
-}
-
-/// The band in which bounds hold, where they hold in one alone \[Hz\].
-fn band_hz(evidence: &Evidence<'_>) -> Option<[f64; 2]> {
-    evidence.model.band()?;
-    let omegas = &evidence.model.frequency.omega_rad_s;
-    let ends = [*omegas.first()?, *omegas.last()?];
-    Some(ends.map(|omega| omega / std::f64::consts::TAU))
 }
 
 /// That commands with such `errors` may have been without, and then excite nothing of what these do. Of a smooth command that is what is above `power_up_to_hz`.
