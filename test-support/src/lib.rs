@@ -11,6 +11,7 @@
 //! - [`changing_servos`]: several runs of servos whose dynamics change.
 //! - [`drifting_servos`]: servos whose gain changes along a recording, slow ones, and others.
 //! - [`noisy_commands`]: recordings whose column of the command has noise.
+//! - [`smooth_inputs`]: sweeps and sums of sines, whose answer is known in a band.
 //! - [`loggers`]: recordings of one servo by loggers with faults of time.
 //! - [`compared_ends`]: comparisons of servos whose responses have slow ends.
 //! - [`servo_means`]: comparisons of servos whose runs scatter.
@@ -45,6 +46,7 @@ pub mod scattering_holds;
 pub mod scattering_runs;
 pub mod servo_means;
 pub mod servos;
+pub mod smooth_inputs;
 #[cfg(feature = "board")]
 pub mod stepped;
 pub mod tools;

@@ -181,6 +181,7 @@ pub const ROOMS: [(&str, &[&str]); 11] = [
             "scattering_holds",
             "scattering_runs",
             "noisy_commands",
+            "smooth_inputs",
             "figures_coverage",
             "metrics_coverage",
             "changing_servos",

@@ -1,0 +1,40 @@
+//! The table "Inputs that excite a band" of docs/method.md:
+//!
+//! ```sh
+//! cargo run --release -p servoid-benches --example smooth_inputs -- 50
+//! ```
+//!
+//! The number is that of recordings for each line; seeds begin at 0. A second argument is another first seed.
+
+use servoid_test_support::arguments;
+use servoid_test_support::smooth_inputs::smooth_inputs;
+
+fn main() {
+    let runs = arguments::count(50);
+    let first = std::env::args().nth(2).and_then(|text| text.parse().ok());
+    let first = first.unwrap_or(0);
+    println!(
+        "| input, servo, noise (deg), rows | bounds | band (Hz) | magnitude: mean, worst | phase: mean, worst | median half width (dB) | -90 degrees held |"
+    );
+    println!("|---|---|---|---|---|---|---|");
+    for line in smooth_inputs() {
+        let found = line.measure(runs, first);
+        let claimed = format!("{} of {}", found.claimed, found.runs);
+        if found.claimed == 0 {
+            println!("| {} | {claimed} | | | | | |", line.label);
+            continue;
+        }
+        let percent =
+            |[mean, worst]: [f64; 2]| format!("{:.1}, {:.0}", 100.0 * mean, 100.0 * worst);
+        let [low, high] = found.band_hz;
+        println!(
+            "| {} | {claimed} | {low:.2}-{high:.1} | {} | {} | {:.3} | {} of {} |",
+            line.label,
+            percent(found.magnitude),
+            percent(found.phase),
+            found.half_width_db,
+            found.minus_90_held,
+            found.minus_90
+        );
+    }
+}
