@@ -36,12 +36,12 @@ impl LongFit {
     pub(crate) fn new(moments: &Moments, settling: usize, order: NoiseOrder) -> Option<Self> {
         let basis = FsfBasis::full(settling).ok()?;
         let coordinates = Coordinates::new(basis);
-        let factorised = |ar: &[f64]| OffsetFirst::new(moments, &coordinates, ar);
-        let ar = long_fit_noise::alternate(moments, order, |ar| {
-            let solution = factorised(ar)?.solution();
-            Some((solution[1..].to_vec(), solution[0]))
-        })?;
-        let factor = factorised(&ar)?;
+        let (ar, factor) = long_fit_noise::alternate(
+            moments,
+            order,
+            |ar| OffsetFirst::new(moments, &coordinates, ar),
+            OffsetFirst::solution,
+        )?;
         // Row j of L^-1 holds the weights of z_j in each parameter, the offset first; running sums over the lags make them the
         // weights in the step response.
         let mut weights = inverse_of_lower(&factor.lower);
@@ -206,9 +206,11 @@ impl OffsetFirst {
         })
     }
 
-    /// Offset, then the impulse response.
-    fn solution(&self) -> Vec<f64> {
+    /// Impulse response and offset.
+    fn solution(&self) -> (Vec<f64>, f64) {
         let x = backward_solve(&self.lower, &self.projected);
-        x.iter().zip(&self.scale).map(|(x, s)| x * s).collect()
+        let mut solution = x.iter().zip(&self.scale).map(|(x, s)| x * s);
+        let offset = solution.next().unwrap_or(0.0);
+        (solution.collect(), offset)
     }
 }

@@ -11,27 +11,29 @@ const PASSES: usize = 4;
 /// Change of a coefficient below which the passes end.
 const TOLERANCE: f64 = 1e-2;
 
-/// D(z) of the residuals of `fit`, which gives impulse response and offset for a filter, in turn with the fit.
-/// `None` when that is not determined.
-pub(crate) fn alternate(
+/// A fit in turn with D(z) of its residuals, until D is near the one that the fit has: that D, and the fit. `solution` gives impulse response and
+/// offset of a fit. `None` when a fit is not determined.
+pub(crate) fn alternate<Fit>(
     moments: &Moments,
     order: NoiseOrder,
-    fit: impl Fn(&[f64]) -> Option<(Vec<f64>, f64)>,
-) -> Option<Vec<f64>> {
+    fit: impl Fn(&[f64]) -> Option<Fit>,
+    solution: impl Fn(&Fit) -> (Vec<f64>, f64),
+) -> Option<(Vec<f64>, Fit)> {
     let mut ar = Vec::new();
+    let mut fitted = fit(&ar)?;
     for pass in 0..PASSES {
-        let (impulse, offset) = fit(&ar)?;
+        let (impulse, offset) = solution(&fitted);
         let next = filter(moments, &impulse, offset, order, pass == 0);
-        let change = largest_difference(&ar, &next);
-        ar = next;
-        if change < TOLERANCE {
+        if largest_difference(&ar, &next) < TOLERANCE {
             break;
         }
+        fitted = fit(&next)?;
+        ar = next;
     }
-    Some(ar)
+    Some((ar, fitted))
 }
 
-/// The highest order at the first pass, then by the criterion or as fixed.
+/// By the criterion or as fixed. What the criterion does not take for white at the first pass has the highest order there.
 fn filter(
     moments: &Moments,
     impulse: &[f64],
@@ -44,10 +46,13 @@ fn filter(
     let Some(noise) = NoiseFit::new(&residuals, moments.output_spread()) else {
         return Vec::new();
     };
-    match order {
-        NoiseOrder::Auto if !first => {
-            noise.coefficients(best_order(&noise.candidates(moments.rows())))
-        }
-        _ => noise.coefficients(max),
-    }
+    let chosen = match order {
+        NoiseOrder::Auto => match best_order(&noise.candidates(moments.rows())) {
+            0 => 0,
+            _ if first => max,
+            best => best,
+        },
+        NoiseOrder::Order(_) => max,
+    };
+    noise.coefficients(chosen)
 }

@@ -19,13 +19,14 @@ use crate::thresholds::DETECTION;
 pub(crate) fn choose(search: &Search<'_>) -> Option<Choice> {
     let (moments, longest) = (search.moments, search.longest);
     let information = RowInformation::from_moments(moments.clone());
-    let ar = long_fit_noise::alternate(moments, search.order, |ar| {
+    let fit = |ar: &[f64]| {
         let banks = NestedBanks::scan(moments, longest, ar, FIRST_ORDER)?;
         let basis = FsfBasis::new(longest, banks.narrowest().frequencies).ok()?;
         let coordinates = Coordinates::new(basis);
         let solution = information.solve(&coordinates, ar)?;
         Some((coordinates.impulse(solution.response()), solution.offset()))
-    })?;
+    };
+    let (ar, _) = long_fit_noise::alternate(moments, search.order, fit, Clone::clone)?;
     let long = Response::new(&information, longest, &ar)?;
     let candidates = grid(longest).into_iter().filter_map(|settling| {
         Response::new(&information, settling, &ar).map(|response| response.candidate(&long))
