@@ -7,9 +7,9 @@ _list:
 test *ARGS:
     cargo test {{ARGS}}
 
-# the long statistical trials
+# the long tests, after .ci/run
 long:
-    cargo test -- --ignored --skip an_hour
+    .ci/long
 
 # what the continuous integration requires
 ci:

@@ -172,7 +172,6 @@ fn chromium_for(test: &str) -> Option<&'static str> {
 }
 
 #[test]
-#[ignore = "five seconds: cargo test -p servoid --test integration -- --ignored every_plot_is_drawn"]
 fn every_plot_is_drawn_and_nothing_goes_wrong() {
     let Some(browser) = chromium_for("the report in a browser") else {
         return;
@@ -360,7 +359,6 @@ fn simulated(dir: &Path, servo: &str, seed: u64) -> PathBuf {
 }
 
 #[test]
-#[ignore = "five seconds: cargo test -p servoid --test integration -- --ignored the_first_screen"]
 fn the_first_screen_is_the_answer_on_a_desk_and_on_a_telephone() {
     let Some(browser) = chromium_for("the first screen of the report") else {
         return;
