@@ -77,6 +77,11 @@ impl Uncertainty {
         errors(&self.rows)
     }
 
+    /// Root mean square of the errors of the simulation \[output\].
+    pub(super) fn root_mean_square(&self) -> f64 {
+        root_mean_square(&self.errors())
+    }
+
     /// Whether the errors of `other` are smaller beyond chance, as far as the noise at rest shows.
     pub(super) fn is_beaten_by(&self, other: &Self) -> bool {
         let Some(noise) = &self.at_rest else {

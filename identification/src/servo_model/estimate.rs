@@ -20,7 +20,7 @@ use super::starting_values::Shown;
 use super::stops;
 use super::stretches::{Stretch, stretches};
 use super::validity::against;
-use crate::data::Record;
+use crate::data::{Quantisation, Record};
 use crate::error::Error;
 use crate::nonlinear::SpeedLimits;
 use crate::results::{Bounds, Noise, Reason, fit_percent, pointwise_critical};
@@ -227,7 +227,7 @@ impl Search<'_> {
             tried: Vec::new(),
         };
         let climbed = ladder.climbed();
-        let candidates = Candidates::of(
+        let mut candidates = Candidates::of(
             &mut parts,
             self.fold_of,
             &self.shown,
@@ -235,10 +235,23 @@ impl Search<'_> {
             &self.descent(&climbed.best().fit),
             Bounds::of_level(self.options.level, self.against(climbed.best().terms)),
         );
+        candidates.level = self.with_steps(candidates.level, &candidates.found);
         Found {
             parts,
             climbed,
             candidates,
+        }
+    }
+
+    /// The level of bounds that hold or not. Errors that are no noise are those of the sensor's steps where these are larger than the noise: what the
+    /// model lacks does not show beside them.
+    fn with_steps(&self, level: Bounds<f64>, found: &Uncertainty) -> Bounds<f64> {
+        let is_step = |errors: f64| Quantisation::of(self.record, errors).is_some();
+        match level.withdrawn() {
+            Some(Reason::ErrorsNotNoise) if is_step(found.root_mean_square()) => {
+                Bounds::Withdrawn(Reason::QuantisationAboveNoise)
+            }
+            _ => level,
         }
     }
 

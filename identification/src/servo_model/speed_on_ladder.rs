@@ -9,17 +9,16 @@ use super::neighbouring_terms::richer;
 use crate::thresholds::SERVO_LARGE_ADVANTAGE;
 
 impl Ladder<'_> {
-    /// The rung with a limit of the speed, where it predicts better than `without` by more than scatter and by much; else that one, and none
-    /// of those that were tried for it is left.
+    /// The rung with a limit of the speed, where it predicts better than `without` by more than scatter and by as much as is needed; else that one,
+    /// and none of those that were tried for it is left.
     pub(super) fn with_speed_limit(&mut self, without: usize) -> usize {
         if !self.tried[without].terms.limit {
             return without;
         }
         let known = self.tried.len();
         let best = self.climb_with_speed_limit(without);
-        let needed =
-            self.tried[best].total() < (1.0 - SERVO_LARGE_ADVANTAGE) * self.tried[without].total();
-        if needed && self.tried[best].beats(&self.tried[without]) {
+        let most = (1.0 - needed_advantage(self.tried[best].terms)) * self.tried[without].total();
+        if self.tried[best].total() < most && self.tried[best].beats(&self.tried[without]) {
             for terms in richer(self.tried[best].terms) {
                 self.extended(best, terms);
             }
@@ -80,6 +79,17 @@ impl Ladder<'_> {
             points.push(point);
         }
         points
+    }
+}
+
+/// The share of the squared errors that a limit of the speed must take away in servos with these terms, beside the scatter. Where few strokes reach the
+/// limit, or noise is most of the errors, that share is small, and terms of the drive miss the truth all the same. But beside friction or a dead band a limit
+/// stands for stiction that the equation does not have, with up to 22 % of the squared errors and 10 times the scatter. Of servos without
+/// these that have no such speed, it came to 2.4 times the scatter at the most, in 85 comparisons.
+fn needed_advantage(terms: Terms) -> f64 {
+    match terms.friction || terms.dead_band {
+        true => SERVO_LARGE_ADVANTAGE,
+        false => 0.0,
     }
 }
 

@@ -39,6 +39,8 @@ pub fn servo_sentence(model: &ServoModel, linear: &Model, units: Units<'_>) -> S
                 match reason {
                     Reason::ErrorsNotNoise =>
                         ", so the servo or the recording has something that the model lacks",
+                    Reason::QuantisationAboveNoise =>
+                        ", and limits, loads and friction of the model may stand for them",
                     Reason::NeverAtRest => " (holds in which it comes to rest would)",
                     _ => "",
                 }
@@ -111,9 +113,12 @@ fn is_linear_beside(model: &ServoModel, linear: &Model) -> bool {
     !model.is_linear() && lacks_something(model) && suffices && !predicts_better
 }
 
-/// Whether its errors show that the model lacks something of the servo.
+/// Whether its errors show that the model lacks something of the servo, or would if the steps of the sensor were smaller.
 fn lacks_something(model: &ServoModel) -> bool {
-    model.covariance.withdrawn() == Some(Reason::ErrorsNotNoise)
+    matches!(
+        model.covariance.withdrawn(),
+        Some(Reason::ErrorsNotNoise | Reason::QuantisationAboveNoise)
+    )
 }
 
 /// What the model says of the servo, where its intervals hold.
@@ -193,7 +198,10 @@ const SAME_SPEED: f64 = 0.05;
 /// errors show that the model lacks something, speeds may stand for that.
 fn agreed<'q>(model: &ServoModel, speeds: [&'q Quantity; 2]) -> Option<[&'q Quantity; 2]> {
     let reason = model.covariance.withdrawn();
-    if matches!(reason, Some(Reason::ErrorsNotNoise | Reason::NeverAtRest)) {
+    if matches!(
+        reason,
+        Some(Reason::ErrorsNotNoise | Reason::NeverAtRest | Reason::QuantisationAboveNoise)
+    ) {
         return None;
     }
     let reached = model.reached?;

@@ -50,6 +50,24 @@ fn two_levels_have_no_intervals() {
     require_one_validity(&found);
 }
 
+/// Steps of a sensor that are larger than the noise leave errors that stand still with the servo: they are none of the servo's.
+#[test]
+fn steps_of_the_sensor_that_hide_the_servo_are_the_reason() {
+    const STEP: f64 = 0.35;
+    let servo = point(Terms::default(), value);
+    let round = |y: f64| (y / STEP).round() * STEP;
+    let output: Vec<f64> = (noisy(&servo, &strokes(3000), 5).into_iter())
+        .map(round)
+        .collect();
+    let record = Record::of_run(PERIOD_S, strokes(3000), output).unwrap();
+    let found = fit(&record, &ServoModelOptions::default()).unwrap();
+    assert_eq!(
+        found.covariance.withdrawn(),
+        Some(Reason::QuantisationAboveNoise)
+    );
+    require_one_validity(&found);
+}
+
 /// A document that has bounds in one part and none in another is refused.
 fn require_one_validity(withdrawn: &ServoModel) {
     assert!(withdrawn.is_consistent());
