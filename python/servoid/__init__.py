@@ -16,11 +16,14 @@ where they do not hold, and `withdrawn` beside them has the reason.
 from importlib.metadata import version as _version
 
 from ._comparison import Comparison, Validation, compare, validate
+from ._difference import Asymmetry, DifferenceCurve, LargestDifference, MetricDifference, OverPrediction
+from ._export import Export
+from ._flight_model import FlightModel
+from ._interval import Interval
 from ._model import (
     Advice,
     Fit,
     FrequencyResponse,
-    Interval,
     Metrics,
     Model,
     Noise,
@@ -40,13 +43,20 @@ __version__ = _version("servoid")
 
 __all__ = [
     "Advice",
+    "Asymmetry",
     "Comparison",
+    "DifferenceCurve",
+    "Export",
     "Fit",
+    "FlightModel",
     "FrequencyResponse",
     "Interval",
+    "LargestDifference",
+    "MetricDifference",
     "Metrics",
     "Model",
     "Noise",
+    "OverPrediction",
     "Plan",
     "Quantity",
     "Recording",

@@ -5,7 +5,19 @@ from __future__ import annotations
 from typing import Any
 
 from . import _servoid
+from ._difference import (
+    Asymmetry,
+    DifferenceCurve,
+    LargestDifference,
+    MetricDifference,
+    OverPrediction,
+    bounded,
+    difference_curve,
+    metric_difference,
+    over_prediction,
+)
 from ._document import Printed
+from ._interval import Interval
 from ._model import Advice, Model, advice
 from ._recording import as_recording
 from ._recording import recording as of_arrays
@@ -13,7 +25,19 @@ from ._withdrawn import Withdrawn, withdrawn
 
 
 class Comparison(Printed):
-    """The comparison of two servos, or of one under two conditions. :func:`compare` gives it."""
+    """The comparison of two servos, or of one under two conditions. :func:`compare` gives it.
+
+    Servos that are compared as machines alone have :attr:`servo_model`, and no curves, metrics or differences.
+
+    Examples
+    --------
+    >>> import servoid
+    >>> found = servoid.compare(servoid.simulate("bench"), servoid.simulate("aircraft"))
+    >>> found.largest_difference.at_least > found.margin_percent
+    True
+    >>> found.differences["dc_gain"].difference.upper < 0
+    True
+    """
 
     @property
     def verdict(self) -> str:
@@ -47,6 +71,73 @@ class Comparison(Printed):
             return None
         found = bounds["difference_percent"]
         return found["at_least"], found["at_most"]
+
+    @property
+    def largest_difference(self) -> LargestDifference | None:
+        """The same with its time and its strokes; ``None`` without bounds."""
+        bounds = self._fields["bounds"]
+        return None if bounds is None else LargestDifference(**bounds["difference_percent"])
+
+    @property
+    def delay_shift_s(self) -> Interval | None:
+        """By how much the second side is later (s): the delay that brings the step responses closest; ``None`` where there are none."""
+        value = self._fields.get("delay_shift_s")
+        bounds = (self._fields["bounds"] or {}).get("delay_shift_s")
+        return None if value is None else bounded(value, bounds)
+
+    @property
+    def differences(self) -> dict[str, MetricDifference]:
+        """The metrics of both sides and their differences b - a, by the names that they have in :class:`Metrics`."""
+        return {row["metric"]: metric_difference(row) for row in self._fields.get("differences", ())}
+
+    @property
+    def curves(self) -> dict[str, DifferenceCurve]:
+        """Difference of the step responses: of ``"both"`` directions together, or of ``"up"`` and ``"down"`` apart where they differ."""
+        return {fields["stroke"]: difference_curve(fields) for fields in self._fields.get("curves", ())}
+
+    @property
+    def over_prediction(self) -> OverPrediction | None:
+        """By how much the first model predicts more motion than the second side has; ``None`` where that cannot be said."""
+        return over_prediction(self._fields.get("over_prediction"))
+
+    @property
+    def asymmetry(self) -> dict[str, Asymmetry]:
+        """How up and down strokes of the sides ``"a"`` and ``"b"`` differ; empty of models, and without bounds."""
+        found = self._fields.get("asymmetry") or {}
+        return {side: Asymmetry(**fields) for side, fields in found.items()}
+
+    @property
+    def runs(self) -> tuple[int, int] | None:
+        """Number of runs of either side; ``None`` where servos are compared as machines alone."""
+        found = self._fields.get("runs")
+        return None if found is None else (found[0], found[1])
+
+    @property
+    def same_data(self) -> bool:
+        """Whether both sides have samples in common: then the comparison says nothing about the servos."""
+        return bool(self._fields.get("same_data"))
+
+    @property
+    def turns_the_other_way(self) -> bool:
+        """Whether the second side surely turns the other way under the same command."""
+        return bool(self._fields.get("turns_the_other_way"))
+
+    @property
+    def descriptions_of_different_motions(self) -> bool:
+        """Whether the sides were asked for different motions, so that the difference may be that of the motions."""
+        return bool(self._fields.get("descriptions_of_different_motions"))
+
+    @property
+    def servo_model(self) -> dict[str, Any] | None:
+        """The servo models of both sides, where they are compared, as in the document."""
+        found: dict[str, Any] | None = self.to_dict().get("servo_model")
+        return found
+
+    @property
+    def no_servo_model(self) -> str | None:
+        """Why servo models are not compared though they were looked for."""
+        reason: str | None = self._fields.get("no_servo_model")
+        return reason
 
     @property
     def of(self) -> str:

@@ -26,6 +26,12 @@ def column_or_none(values: Any) -> Column | None:
     return None if values is None else column(values)
 
 
+def write_new(path: str | os.PathLike[str], text: str, force: bool) -> None:
+    """Write a file; one that exists is replaced with ``force`` alone."""
+    with Path(path).open("w" if force else "x", encoding="utf-8", newline="\n") as file:
+        file.write(text)
+
+
 class Document:
     """A frozen result: a JSON document, and objects made of it."""
 
@@ -77,8 +83,7 @@ class Document:
         FileExistsError
             The file exists, and ``force`` is not set.
         """
-        with Path(path).open("w" if force else "x", encoding="utf-8", newline="\n") as file:
-            file.write(self._text)
+        write_new(path, self._text, force)
 
 
 class Printed(Document):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,29 +13,15 @@ from numpy.typing import NDArray
 
 from . import _servoid
 from ._arrays import is_list_of_runs, samples
-from ._document import Column, Document, column, column_or_none
+from ._document import Column, Document, column, column_or_none, write_new
+from ._export import Export, export
+from ._flight_model import FlightModel
+from ._interval import Interval, interval
 from ._servo_model import ServoModel
 from ._withdrawn import Withdrawn, withdrawn
 
 if TYPE_CHECKING:
     from ._comparison import Validation
-
-
-@dataclass(frozen=True)
-class Interval:
-    """A value between two bounds at the level of its model.
-
-    Attributes
-    ----------
-    value : float or None
-        Best estimate; ``None`` where the data do not determine it.
-    lower, upper : float or None
-        Bounds; ``None`` where they are withdrawn, or where nothing bounds the value on that side.
-    """
-
-    value: float | None
-    lower: float | None
-    upper: float | None
 
 
 @dataclass(frozen=True)
@@ -108,8 +95,8 @@ class FrequencyResponse:
     response : ndarray of complex
         Gain and phase as complex numbers (output per input).
     magnitude_db, phase_deg : ndarray
-        The same in decibels and in degrees of phase, with the hold of the command between two samples: the servo itself has a phase
-        that is greater by ``np.degrees(omega_rad_s * (sample_period_s / 2 - sample_phase_s))``.
+        The same in decibels and in degrees of phase, with the hold of the command between two samples; :attr:`Model.servo_frequency` is
+        without.
     level : float or None
         Level of the bounds; ``None`` where they are withdrawn, and with it the bounds of magnitude and phase.
     """
@@ -192,11 +179,6 @@ def advice(fields: dict[str, Any]) -> tuple[Advice, ...]:
     )
 
 
-def interval(fields: dict[str, Any]) -> Interval:
-    """A value with its bounds, where it has some."""
-    return Interval(fields.get("value"), fields.get("lower"), fields.get("upper"))
-
-
 _METRICS = (
     "dc_gain",
     "delay_s",
@@ -229,6 +211,24 @@ def step_response(fields: dict[str, Any]) -> StepResponse:
         column_or_none(each.get("lower")),
         column_or_none(each.get("upper")),
         column_or_none(bounds.get("sd")),
+    )
+
+
+def frequency_response(found: dict[str, Any]) -> FrequencyResponse:
+    """The frequency response of a document."""
+    bounds = found["bounds"] or {}
+    response = np.array(found["re"]) + 1j * np.array(found["im"])
+    response.flags.writeable = False
+    return FrequencyResponse(
+        column(found["omega_rad_s"]),
+        response,
+        column(found["magnitude_db"]),
+        column(found["phase_deg"]),
+        bounds.get("level"),
+        column_or_none(bounds.get("magnitude_db_lower")),
+        column_or_none(bounds.get("magnitude_db_upper")),
+        column_or_none(bounds.get("phase_deg_lower")),
+        column_or_none(bounds.get("phase_deg_upper")),
     )
 
 
@@ -368,21 +368,17 @@ class Model(Document):
     @cached_property
     def frequency(self) -> FrequencyResponse:
         """Frequency response."""
-        found = self._fields["frequency"]
-        bounds = found["bounds"] or {}
-        response = np.array(found["re"]) + 1j * np.array(found["im"])
-        response.flags.writeable = False
-        return FrequencyResponse(
-            column(found["omega_rad_s"]),
-            response,
-            column(found["magnitude_db"]),
-            column(found["phase_deg"]),
-            bounds.get("level"),
-            column_or_none(bounds.get("magnitude_db_lower")),
-            column_or_none(bounds.get("magnitude_db_upper")),
-            column_or_none(bounds.get("phase_deg_lower")),
-            column_or_none(bounds.get("phase_deg_upper")),
-        )
+        return frequency_response(self._fields["frequency"])
+
+    @cached_property
+    def _servo_frequency(self) -> tuple[FrequencyResponse, slice]:
+        document, shown = self._core.servo_frequency()
+        return frequency_response(json.loads(document)), slice(*shown)
+
+    @property
+    def servo_frequency(self) -> FrequencyResponse:
+        """Frequency response of the servo alone, without the hold of the command and the phase of the samples, as in reports."""
+        return self._servo_frequency[0]
 
     @cached_property
     def metrics(self) -> Metrics:
@@ -418,10 +414,10 @@ class Model(Document):
         return reason
 
     @property
-    def flight_model(self) -> dict[str, Any] | None:
-        """The low-order model (``flight_model=True``), as in the document."""
+    def flight_model(self) -> FlightModel | None:
+        """The low-order model (``flight_model=True``), with its intervals; its covariance is that of [K, L, ln ω, ln ζ, ln T]."""
         found: dict[str, Any] | None = self.to_dict().get("flight_model")
-        return found
+        return None if found is None else FlightModel(found)
 
     @property
     def explanation(self) -> dict[str, Any] | None:
@@ -527,6 +523,124 @@ class Model(Document):
 
         return step(self, ax, label)
 
+    def plot_bode(self, axes: Any = None, *, label: str = "servo") -> Any:
+        """Draw magnitude and phase of :attr:`servo_frequency` over the frequency in Hz, with their bounds. Needs matplotlib.
+
+        Frequencies from the first one on at which any phase is possible are left out.
+
+        Parameters
+        ----------
+        axes : pair of matplotlib Axes, optional
+            Where to draw magnitude and phase; a new figure without it.
+        label : str
+            Name in the legend.
+
+        Returns
+        -------
+        pair of matplotlib Axes
+        """
+        from ._plot import bode
+
+        response, shown = self._servo_frequency
+        return bode(self, response, shown, axes, label)
+
+    def report(self, path: str | os.PathLike[str], *, title: str | None = None, force: bool = False) -> None:
+        """Write the page of ``servoid report`` on this model: one HTML file that needs no network.
+
+        A page on a recording, which ``servoid report RECORDING.csv`` writes, also has what needs the samples: the fit, the residuals and
+        the scatter of runs.
+
+        Parameters
+        ----------
+        path : path
+            The file.
+        title : str, optional
+            Title of the page.
+        force : bool
+            Replace a file that exists.
+
+        Raises
+        ------
+        FileExistsError
+            The file exists, and ``force`` is not set.
+        """
+        write_new(path, self._core.report(self._stem(), title), force)
+
+    def export(
+        self,
+        to: str,
+        path: str | os.PathLike[str] | None = None,
+        *,
+        servo_model: bool = False,
+        controller: float | None = None,
+        step_ms: float | None = None,
+        full_command: float | None = None,
+        frame_ms: float | None = None,
+        name: str | None = None,
+        force: bool = False,
+    ) -> Export:
+        """The model as a file for another program, as ``servoid export`` writes it.
+
+        Parameters
+        ----------
+        to : {"matlab", "python", "julia", "c", "csv", "jsbsim", "ardupilot", "mujoco"}
+            The program; the last two take the servo model.
+        path : path, optional
+            Where to write the file; without it, the text is in the result alone.
+        servo_model : bool
+            The servo as a machine in place of the linear model.
+        controller : float, optional
+            The controller of the servo model, where it has several.
+        step_ms : float, optional
+            Step of time of the servo model in the file (ms).
+        full_command : float, optional
+            The command that fully deflects a servo of ArduPilot (unit of the command).
+        frame_ms : float, optional
+            Pulse frame, which holds a command (ms); 0 where commands take effect at once.
+        name : str, optional
+            Name of the servo in the file; without it, that of the model's file or data.
+        force : bool
+            Replace a file that exists.
+
+        Returns
+        -------
+        Export
+            The text, and what to know of it: remarks, warnings and the largest difference.
+
+        Raises
+        ------
+        ServoidError
+            There is no such target, no such model, or the options do not fit.
+        FileExistsError
+            The file exists, and ``force`` is not set.
+
+        Examples
+        --------
+        >>> import servoid
+        >>> header = servoid.identify(servoid.simulate("linear")).export("c", name="rudder")
+        >>> "rudder_impulse" in header.text
+        True
+        """
+        found = export(
+            self._core,
+            {
+                "to": to,
+                "servo_model": servo_model,
+                "controller": controller,
+                "step_ms": step_ms,
+                "full_command": full_command,
+                "frame_ms": frame_ms,
+                "name": self._stem() if name is None else name,
+                "source": os.path.basename(self._core.name),
+            },
+        )
+        if path is not None:
+            found.save(path, force=force)
+        return found
+
+    def _stem(self) -> str:
+        return os.path.splitext(os.path.basename(self._core.name))[0]
+
     def to_control(self, kind: str = "frd") -> Any:
         """The model as an object of python-control.
 
@@ -559,8 +673,8 @@ class Model(Document):
         findings = len(self.advice)
         notes = f", {findings} finding{'s' if findings != 1 else ''} in .advice" if findings else ""
         lines = [f"<Model of {self._core.name} ({bounds}{notes})>"]
-        if self.servo_model is not None:
-            lines.append(self.summary.split("\n\n")[0] + " It is in .servo_model.")
+        if self._core.servo_sentence is not None:
+            lines.append(self._core.servo_sentence + " It is in .servo_model.")
         lines += [self._core.sentence, *self.remarks]
         return "\n".join(lines)
 

@@ -4,28 +4,76 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ._servoid import ServoidError
 
 if TYPE_CHECKING:
-    from ._model import Model
+    from ._model import FrequencyResponse, Model
+
+NO_BOUNDS = ": no bounds can be given"
+"""What stands in a legend behind the name of a curve without a band."""
 
 
-def step(model: Model, ax: Any, label: str) -> Any:
-    """The step response with its band."""
+def pyplot() -> Any:
+    """What figures are made by."""
     try:
         import matplotlib.pyplot as plt
     except ImportError:
         raise ServoidError("a figure needs matplotlib: pip install matplotlib") from None
+    return plt
+
+
+def ratio(model: Model) -> str:
+    """The unit of the output per that of the input, in brackets."""
+    of = model.units
+    return f"({of['output']} per {of['input']})" if {"input", "output"} <= of.keys() else "(output per input)"
+
+
+def step(model: Model, ax: Any, label: str) -> Any:
+    """The step response with its band."""
+    plt = pyplot()
     ax = plt.subplots()[1] if ax is None else ax
     response = model.step
     time_s = response.time_s + model.sample_phase_s
     if response.level is None or response.lower is None or response.upper is None:
-        label += ": no bounds can be given"
+        label += NO_BOUNDS
     (line,) = ax.plot(time_s, response.value, label=label)
     if response.level is not None and response.lower is not None and response.upper is not None:
         band = f"the whole curve, {100 * response.level:g} %"
         ax.fill_between(time_s, response.lower, response.upper, alpha=0.2, color=line.get_color(), label=band)
     ax.set_xlabel("time since the edge of the command (s)")
-    ax.set_ylabel("response to a unit step")
+    ax.set_ylabel(f"response to a unit step {ratio(model)}")
     ax.legend()
     return ax
+
+
+# How far below the lowest magnitude a bound is drawn (dB): where zero is possible, minus infinity would flatten everything else.
+FLOOR_DB = 10.0
+
+
+def bode(model: Model, response: FrequencyResponse, shown: slice, axes: Any, label: str) -> Any:
+    """Magnitude and phase of a response with their bounds, at these of its frequencies."""
+    plt = pyplot()
+    magnitude, phase = plt.subplots(2, sharex=True)[1] if axes is None else axes
+    hertz = response.omega_rad_s[shown] / (2 * np.pi)
+    panels = [
+        (magnitude, response.magnitude_db, response.magnitude_db_lower, response.magnitude_db_upper),
+        (phase, response.phase_deg, response.phase_deg_lower, response.phase_deg_upper),
+    ]
+    if response.level is None:
+        label += NO_BOUNDS
+    for ax, value, lower, upper in panels:
+        (line,) = ax.semilogx(hertz, value[shown], label=label)
+        if response.level is None or lower is None or upper is None:
+            continue
+        lower = lower[shown]
+        if ax is magnitude:
+            lower = np.maximum(lower, min(0.0, value[shown].min()) - FLOOR_DB)
+        band = f"{100 * response.level:g} %"
+        ax.fill_between(hertz, lower, upper[shown], alpha=0.2, color=line.get_color(), label=band)
+    magnitude.set_ylabel(f"magnitude (dB of {ratio(model)[1:-1]})")
+    phase.set_ylabel("phase (degrees)")
+    phase.set_xlabel("frequency (Hz)")
+    magnitude.legend()
+    return magnitude, phase

@@ -1,7 +1,7 @@
 //! Options of the command line in a sentence, as arguments of Python: `--period 0.02` is `period=0.02`.
 
 /// Options that are arguments too, and take a value.
-const VALUED: [&str; 15] = [
+const VALUED: [&str; 19] = [
     "input",
     "output",
     "period",
@@ -17,6 +17,10 @@ const VALUED: [&str; 15] = [
     "detrend",
     "prior",
     "margin",
+    "to",
+    "step-ms",
+    "full-command",
+    "frame-ms",
 ];
 
 /// Options that are arguments too, and true where they are given.
@@ -31,8 +35,18 @@ const FLAGS: [&str; 7] = [
 ];
 
 /// Values that are words.
-const WORDS: [&str; 10] = [
-    "s", "ms", "us", "ns", "auto", "none", "offset", "linear", "narrow", "stable",
+const WORDS: [&str; 11] = [
+    "s",
+    "ms",
+    "us",
+    "ns",
+    "auto",
+    "none",
+    "offset",
+    "linear",
+    "narrow",
+    "stable",
+    "ardupilot",
 ];
 
 /// The sentence with arguments where it names options.

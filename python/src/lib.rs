@@ -18,6 +18,7 @@ mod arrays;
 mod compute;
 mod data;
 mod error;
+mod export;
 mod identification;
 mod model;
 mod program;

@@ -1,13 +1,16 @@
 //! Models: their document, and what can be computed with them.
 
+use crate::arguments::in_python;
 use crate::arrays::lent;
 use crate::compute::compute;
 use crate::error::raised;
+use crate::export::ExportOptions;
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
+use servoid::analysis::{Exported, to_json};
 use servoid::data::model_file::ModelFile;
 use servoid::presentation::plots::{self, Named};
-use servoid::presentation::summary::{self, Extent};
+use servoid::presentation::{report, summary};
 use servoid_identification::Run;
 use servoid_identification::results::{Bounds, Reason, Withdrawn};
 use std::borrow::Cow;
@@ -99,11 +102,66 @@ impl Model {
         if let Some(summary) = &self.summary {
             return Ok(summary.clone());
         }
-        let (model, units) = (&self.file.model, self.file.metadata.units());
-        let mut text = summary::of_model(&self.name, model, &self.file.metadata, Extent::default());
+        let (model, metadata) = (&self.file.model, &self.file.metadata);
         let servo = self.file.servo_model().map_err(raised)?;
-        text.extend(servo.map(|servo| summary::of_servo_model(&servo, units, false)));
-        Ok(text)
+        let extent = ("", false);
+        Ok(summary::of_both_models(
+            &self.name,
+            model,
+            metadata,
+            servo.as_ref(),
+            extent,
+        ))
+    }
+
+    /// What kind of servo as a machine, where there is a servo model and that is the answer.
+    #[getter]
+    fn servo_sentence(&self) -> PyResult<Option<String>> {
+        let (model, units) = (&self.file.model, self.file.metadata.units());
+        let servo = self.file.servo_model().map_err(raised)?;
+        Ok(servo.and_then(|servo| summary::answer_of_servo_model(&servo, model, units)))
+    }
+
+    /// The frequency response of the servo alone, as the document has that of the samples, and the first frequency and the one behind
+    /// the last that are drawn.
+    fn servo_frequency(&self) -> PyResult<(String, (usize, usize))> {
+        let response = plots::servo_frequency(&self.file.model);
+        let shown = plots::shown_frequencies(&response);
+        let document = serde_json::to_string(&response).map_err(raised)?;
+        Ok((document, (shown.start, shown.end)))
+    }
+
+    /// The page of `servoid report`.
+    fn report(&self, py: Python<'_>, name: String, title: Option<String>) -> PyResult<String> {
+        let page = || -> anyhow::Result<String> {
+            let servo = report::Servo::of_file(name, &self.file)?;
+            report::page(&report::Page {
+                title: title.as_deref().unwrap_or(report::TITLE),
+                first: servo.part(),
+                second: None,
+                comparison: None,
+                servo_models: None,
+                paper: &[],
+            })
+        };
+        py.detach(page).map_err(raised)
+    }
+
+    /// The file of `servoid export`: its text, its remarks, and the document without the text.
+    fn export(
+        &self,
+        py: Python<'_>,
+        options: ExportOptions,
+    ) -> PyResult<(String, Vec<String>, String)> {
+        let request = options.request().map_err(raised)?;
+        let write = || -> anyhow::Result<(String, Vec<String>, String)> {
+            let found = Exported::of(&self.file, &request)?;
+            let document = to_json(&found.document(request.target))?;
+            Ok((found.text, found.remarks, document))
+        };
+        let (text, remarks, document) = py.detach(write).map_err(raised)?;
+        let remarks = remarks.iter().map(|remark| in_python(remark)).collect();
+        Ok((text, remarks, document))
     }
 
     /// The step response with its band, drawn.

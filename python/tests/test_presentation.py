@@ -1,5 +1,9 @@
 """What people see: texts, figures, objects of other packages."""
 
+import json
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -18,9 +22,158 @@ def test_a_model_shows_itself(model):
     assert model.summary.startswith("linear.csv")
 
 
+@pytest.fixture(scope="module")
+def machine():
+    """A model with a servo model of a servo that is not linear."""
+    return servoid.identify(servoid.simulate("bench", reference="stairs", amplitude=20, length=20), servo_model=True)
+
+
+def test_a_loaded_model_says_what_the_identified_one_says(machine, tmp_path):
+    machine.save(tmp_path / "model.json")
+    loaded = servoid.Model.load(tmp_path / "model.json")
+
+    def said(model):
+        # The first line has the name of file or data.
+        return repr(model).split("\n", 1)[1]
+
+    assert said(loaded) == said(machine)
+    first, second = said(loaded).splitlines()
+    assert first.startswith("This servo") and first.endswith("It is in .servo_model.") and not second.startswith("This servo")
+    # The text of the program is the same, too, but for the name.
+    text = machine.summary.replace(f"{machine._core.name}\n", f"{loaded._core.name}\n", 1)
+    assert loaded.summary == text and text.startswith("This servo") and "servo model:" in text
+
+
+def test_a_low_order_model_says_of_what_its_covariance_is(model):
+    flight = model.flight_model
+    assert flight == model.to_dict()["flight_model"] and flight.order == 2 and flight.lag_s is None
+    assert len(flight.covariance) == len(flight.coordinates) == 4
+    assert flight.level == 0.99 and flight.withdrawn is None
+    # An interval of 99 % is 2.58 standard deviations to each side, of the logarithm where the covariance is of that.
+    omega = flight.omega_rad_s
+    assert np.log(omega.upper / omega.value) == pytest.approx(2.576 * flight.covariance[2, 2] ** 0.5, rel=0.01)
+    assert omega.upper - omega.value == pytest.approx(2.576 * flight.sd["omega_rad_s"], rel=0.05)
+    assert flight.gain.upper - flight.gain.value == pytest.approx(2.576 * flight.sd["gain"], rel=0.01)
+
+
+def test_a_bode_plot_is_of_the_servo_and_has_bounds_where_they_hold(model, needed):
+    matplotlib = needed("matplotlib")
+    matplotlib.use("Agg")
+    axes = model.plot_bode()
+    magnitude, phase = axes
+    assert [ax.get_ylabel() for ax in axes] == ["magnitude (dB of deg per deg)", "phase (degrees)"]
+    assert phase.get_xlabel() == "frequency (Hz)" and len(magnitude.collections) == len(phase.collections) == 1
+    # The samples lag by the hold and are early by their phase.
+    shift = np.degrees(model.frequency.omega_rad_s * (model.sample_period_s / 2 - model.sample_phase_s))
+    np.testing.assert_allclose(model.servo_frequency.phase_deg[:5], (model.frequency.phase_deg + shift)[:5], atol=0.05)
+    hertz = phase.lines[0].get_xdata()
+    own = model.servo_frequency
+    above = own.omega_rad_s > 0.0
+    np.testing.assert_array_equal(phase.lines[0].get_ydata(), own.phase_deg[above][: len(hertz)])
+    np.testing.assert_allclose(hertz, own.omega_rad_s[above][: len(hertz)] / (2 * np.pi))
+
+    random = np.random.default_rng(5)
+    u = np.repeat(random.integers(-1, 2, size=25).astype(float), 20)
+    y = np.convolve(u, np.full(10, 0.1))[: len(u)]
+    stuck = np.where(np.abs(y - 0.5) < 0.3, np.roll(y, 7), y) ** 3 + 1e-6 * random.normal(size=len(u))
+    without = servoid.identify(np.cumsum(u - 0.5) * 0.02, stuck, period=0.01)
+    assert without.servo_frequency.level is None, "the case no longer has what it is for"
+    both = matplotlib.pyplot.subplots(2)[1]
+    drawn = without.plot_bode(both)
+    assert drawn[0] is both[0] and not drawn[0].collections and not drawn[1].collections
+    assert "no bounds can be given" in drawn[0].get_legend().get_texts()[0].get_text()
+    assert drawn[0].get_ylabel() == "magnitude (dB of output per input)"
+
+
+def test_a_comparison_has_what_its_document_has():
+    found = servoid.compare(servoid.simulate("bench"), servoid.simulate("aircraft", seed=2))
+    document = found.to_dict()
+    largest = found.largest_difference
+    assert (largest.at_least, largest.at_most) == found.difference_percent
+    assert largest.stroke in found.curves and found.runs == (1, 1)
+    delay = found.delay_shift_s
+    assert [delay.lower, delay.upper] == document["bounds"]["delay_shift_s"] and delay.lower < delay.value < delay.upper
+    gain = found.differences["dc_gain"]
+    assert gain.ratio == gain.b.value / gain.a.value < 1.0
+    assert gain.difference.lower < gain.difference.value == gain.b.value - gain.a.value < gain.difference.upper < 0.0
+    assert gain.a.lower < gain.a.value < gain.a.upper
+    assert list(found.differences) == [row["metric"] for row in document["differences"]]
+    for stroke, curve in found.curves.items():
+        assert curve.stroke == stroke and (curve.lower <= curve.percent).all() and curve.withdrawn is None
+    assert found.over_prediction.plus_percent.value > 10.0
+    assert found.asymmetry["b"].largest_percent == document["asymmetry"]["b"]["largest_percent"]
+    assert not (found.same_data or found.turns_the_other_way or found.descriptions_of_different_motions)
+    assert found.servo_model is None and found.no_servo_model is None
+
+
+def test_a_comparison_of_machines_alone_has_no_curves(machine):
+    u, y = machine_runs()
+    coarse = servoid.identify(u[::2], y[::2], period=0.004, input_unit="deg", output_unit="deg", servo_model=True)
+    found = servoid.compare(machine, coarse)
+    assert found.servo_model is not None and found.verdict == "undecided"
+    assert found.largest_difference is None and found.delay_shift_s is None and found.over_prediction is None
+    assert found.differences == found.curves == found.asymmetry == {} and found.runs is None
+
+
+def machine_runs():
+    return servoid.simulate("bench", reference="stairs", amplitude=20, length=20, seed=4).runs[0]
+
+
+def test_a_report_and_exports_are_those_of_the_program(machine, tmp_path):
+    def program(*arguments):
+        command = [sys.executable, "-m", "servoid", *map(str, arguments), "--quiet"]
+        return subprocess.run(command, check=True, capture_output=True, text=True).stdout
+
+    file, page = tmp_path / "servo.json", tmp_path / "package.html"
+    machine.save(file)
+    loaded = servoid.Model.load(file)
+    loaded.report(page, title="A servo")
+    with pytest.raises(FileExistsError):
+        loaded.report(page)
+    program("report", file, "--title", "A servo", "-o", tmp_path / "program.html")
+    assert page.read_bytes() == (tmp_path / "program.html").read_bytes()
+    for to, options, keywords in [
+        ("c", (), {}),
+        ("python", ("--name", "rudder", "--frame-ms", "20"), {"name": "rudder", "frame_ms": 20.0}),
+        ("c", ("--servo-model", "--step-ms", "1"), {"servo_model": True, "step_ms": 1.0}),
+        ("mujoco", (), {}),
+        ("ardupilot", ("--full-command", "30"), {"full_command": 30.0}),
+    ]:
+        printed = json.loads(program("export", file, "--to", to, *options, "--json"))
+        found = loaded.export(to, **keywords)
+        assert found.text == printed.pop("text") and found.document == printed
+        assert found.target == to and list(found.warnings) == printed["warnings"]
+        assert found.largest_difference == printed.get("largest_difference")
+    written = tmp_path / "servo.xml"
+    found = loaded.export("mujoco", written)
+    assert written.read_text() == found.text and found.remarks[0].startswith("largest difference from the servo model: ")
+    with pytest.raises(FileExistsError):
+        loaded.export("mujoco", written)
+    loaded.export("jsbsim", written, force=True)
+    assert "<system" in written.read_text()
+
+
+@pytest.mark.parametrize(
+    ("to", "options", "sentence"),
+    [
+        ("simulink", {}, "choose matlab, python, julia, c, csv, jsbsim, ardupilot, mujoco"),
+        ("c", {"step_ms": 1.0}, "step_ms are for a servo model: add servo_model=True"),
+        ("c", {"servo_model": True, "step_ms": 0.0}, "step_ms must be"),
+        ("c", {"frame_ms": float("nan")}, "frame_ms must be"),
+        ("c", {"full_command": 3.0}, 'full_command is for to="ardupilot"'),
+        ("mujoco", {}, "no servo model"),
+    ],
+)
+def test_exports_that_are_not_possible_are_refused(model, to, options, sentence):
+    with pytest.raises(servoid.ServoidError) as raised:
+        model.export(to, **options)
+    assert sentence in str(raised.value) and "--" not in str(raised.value)
+
+
 def test_a_figure_has_the_band(model, needed):
     needed("matplotlib").use("Agg")
     ax = model.plot()
+    assert ax.get_ylabel() == "response to a unit step (deg per deg)"
     (band,) = ax.collections
     highest = band.get_paths()[0].vertices[:, 1].max()
     assert highest == pytest.approx(model.step.upper.max(), rel=1e-12)

@@ -5,7 +5,7 @@ use crate::data::HeldOutPrediction;
 use crate::data::dataset::{Dataset, DatasetOptions};
 use crate::data::model_file::{ModelDocument, ServoModelDocument};
 use crate::data::model_metadata::ModelMetadata;
-use crate::presentation::summary::{self, Extent};
+use crate::presentation::summary;
 use crate::presentation::{explanation, scope};
 use anyhow::Result;
 use serde::Serialize;
@@ -141,33 +141,14 @@ impl Identified {
         let (model, units) = (&self.model, data.about.units());
         let (flight_model, no_flight_model) = parts(&self.flight_model);
         let (servo_model, no_servo_model) = parts(&self.servo_model);
-        let mut text = String::new();
-        // A finding that leaves nothing to be said before it stands in the place of the sentence.
-        let speaks = servo_model.filter(|_| summary::first_finding(model).is_none());
-        let sentence = speaks.map_or_else(String::new, |servo| {
-            let sentence = summary::servo_sentence(&servo.model, model, units);
-            summary::wrapped(&sentence, 0) + "\n\n"
-        });
-        // What is to be said before it stands behind the name of the data.
-        let of_servo = match summary::said_before(model) {
-            Some(_) => &*sentence,
-            None => {
-                text += &sentence;
-                ""
-            }
-        };
         // A step response of which not even the times are findings is no picture of the servo.
         let picture = match picture && model.metrics.withheld.is_none() {
             true => scope::step_as_text(&model.step, PICTURE.0, PICTURE.1),
             false => String::new(),
         };
-        let extent = Extent {
-            of_servo,
-            picture: &picture,
-            statistics: self.explain,
-        };
-        text += &summary::of_model(name, model, &ModelMetadata::from(&data.about), extent);
-        text.extend(servo_model.map(|servo| summary::of_servo_model(servo, units, self.explain)));
+        let metadata = ModelMetadata::from(&data.about);
+        let extent = (picture.as_str(), self.explain);
+        let mut text = summary::of_both_models(name, model, &metadata, servo_model, extent);
         text.extend(no_servo_model.map(|reason| {
             let line = format!("no servo model: {reason}");
             format!("\n{}\n", summary::wrapped(&line, 0))

@@ -1,5 +1,5 @@
 //! What the commands and the Python package do with data and models: identification with all that may follow it, comparison
-//! and validation, each with the document that `--json` prints, and recordings of simulated servos.
+//! and validation, each with the document that `--json` prints, files for other programs, and recordings of simulated servos.
 
 mod angle_units;
 mod command_answers;
@@ -8,6 +8,7 @@ mod commands_at_pulses;
 mod comparison;
 mod delay_errors;
 mod duration_in_words;
+mod exported;
 mod identification;
 mod identified;
 mod json;
@@ -26,6 +27,7 @@ mod travel;
 mod validation;
 
 pub use comparison::{Compared, compared, compared_models};
+pub use exported::{ExportRequest, Exported};
 pub use identification::{Identified, IdentifiedDocument, IdentifyRequest};
 pub use identified::identified;
 pub use json::to_json;

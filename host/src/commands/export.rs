@@ -1,20 +1,13 @@
 //! `servoid export`
 
 use super::output::{Output, stem, wrong_usage};
+use crate::analysis::{ExportRequest, Exported};
 use crate::data::model_file::ModelFile;
-use crate::data::model_metadata::{ModelMetadata, PULSE_FRAMES_S};
-use crate::presentation::export::servo_model::{ServoExport, ServoExportOptions};
-use crate::presentation::export::{Export, ExportError, Target, identifier};
+use crate::presentation::export::{Target, identifier};
 use anyhow::Result;
 use clap::Args;
-use serde_json::{Map, Value, json};
+use serde_json::json;
 use std::path::PathBuf;
-
-/// The shortest pulse frame \[s\]: narrow pulses come in 1.8 ms, and 0.02 is a frame in seconds.
-const SHORTEST_FRAME_S: f64 = 1e-3;
-
-/// Steps of time that a simulation may have \[ms\]; beyond, it is a slip.
-const STEPS_MS: std::ops::RangeInclusive<f64> = 0.05..=100.0;
 
 /// Write a model for another program: MATLAB, Python, Julia, C, a CSV table, JSBSim, ArduPilot, or MuJoCo
 ///
@@ -68,98 +61,30 @@ pub(super) struct ExportArgs {
 
 impl ExportArgs {
     pub(super) fn run(self) -> Result<String> {
-        let stated_s = self.frame_ms.map(|frame| 1e-3 * frame);
-        let is_frame = |frame_s: f64| {
-            PULSE_FRAMES_S.contains(&frame_s) && (frame_s == 0.0 || frame_s >= SHORTEST_FRAME_S)
+        let source = self.model.file_name().unwrap_or_default();
+        let request = ExportRequest {
+            target: self.to,
+            servo_model: self.servo_model,
+            controller: self.controller,
+            step_ms: self.step_ms,
+            full_command: self.full_command,
+            frame_ms: self.frame_ms,
+            name: self.name.clone().unwrap_or_else(|| stem(&self.model)),
+            source: source.to_string_lossy().into_owned(),
         };
-        if stated_s.is_some_and(|frame_s| !is_frame(frame_s)) {
-            wrong_usage("--frame-ms must be a number of milliseconds: 0, or 1 to 1000");
-        }
-        if self.step_ms.is_some_and(|step| !STEPS_MS.contains(&step)) {
-            wrong_usage("--step-ms must be a number of milliseconds from 0.05 to 100");
-        }
-        if self.full_command.is_some_and(|full| full <= 0.0) {
-            wrong_usage("--full-command must be a command above 0");
-        }
-        if self.full_command.is_some() && self.to != Target::Ardupilot {
-            wrong_usage(
-                "--full-command is for --to ardupilot: other files take the command as it was recorded",
-            );
-        }
-        let servo_model = self.servo_model || self.to.needs_servo_model();
-        if !servo_model && (self.controller.is_some() || self.step_ms.is_some()) {
-            wrong_usage(
-                "--controller and --step-ms are for a servo model: add --servo-model. The linear model is of the sample period of its recording alone; for another rate, record or resample at that",
-            );
+        if let Err(wrong) = request.check() {
+            wrong_usage(wrong);
         }
         self.output.check_beside(&self.out, [&self.model])?;
-        let file = ModelFile::read(&self.model)?;
-        let metadata = file.metadata.clone().with_stated_frame(stated_s);
-        if servo_model {
-            self.write_servo_model(&file, &metadata)
-        } else {
-            self.write_linear_model(&file, metadata)
-        }
-    }
-
-    fn write_linear_model(&self, file: &ModelFile, metadata: ModelMetadata) -> Result<String> {
-        let fitted = file.flight_model()?;
-        let (name, source) = (self.servo_name(), self.source());
-        let servo = file.servo_model()?;
-        let export = Export::new(&name, &source, &file.model, fitted, metadata)
-            .beside(servo.as_ref().map(|servo| &servo.model));
-        let text = export.write(self.to)?;
-        if let Some(which) = export.which_model() {
-            self.output.talk.say(which);
-        }
-        self.finish(&text, &export.warnings(), Map::new())
-    }
-
-    fn write_servo_model(&self, file: &ModelFile, metadata: &ModelMetadata) -> Result<String> {
-        let document = file.servo_model()?.ok_or(ExportError::NoServoModel)?;
-        let (name, source) = (self.servo_name(), self.source());
-        let options = ServoExportOptions {
-            controller: self.controller,
-            step_s: self.step_ms.map(|step| 1e-3 * step),
-            full_command: self.full_command,
-        };
-        let export =
-            ServoExport::new(&name, &source, &document, metadata, options)?.beside(&file.model);
-        let written = export.write(self.to)?;
-        self.output.talk.say(format_args!(
-            "largest difference from the servo model: {}",
-            export.share_of_stroke(&written)
-        ));
-        for remark in &written.remarks {
-            self.output.talk.say(remark);
-        }
-        if let Some(remark) = self.name_of_function(&name) {
-            self.output.talk.say(remark);
-        }
-        let comparison = Map::from_iter([
-            ("trial".to_owned(), json!(written.trial)),
-            (
-                "largest_difference".to_owned(),
-                json!(written.largest_difference),
-            ),
-            (
-                "largest_difference_in_strokes".to_owned(),
-                json!(written.largest_difference_in_strokes),
-            ),
-            (
-                "root_mean_square_difference".to_owned(),
-                json!(written.root_mean_square_difference),
-            ),
-        ]);
-        let mut warnings = export.warnings(self.to);
-        warnings.extend(written.warnings);
-        self.finish(&written.text, &warnings, comparison)
+        let exported = Exported::of(&ModelFile::read(&self.model)?, &request)?;
+        self.finish(&exported, &request)
     }
 
     /// That MATLAB and Octave find a function by the name of its file alone.
-    fn name_of_function(&self, name: &str) -> Option<String> {
-        let function = identifier(name);
-        let file = self.out.as_ref().filter(|_| self.to == Target::Matlab)?;
+    fn name_of_function(&self, request: &ExportRequest) -> Option<String> {
+        let function = identifier(&request.name);
+        let is_function = self.to == Target::Matlab && request.is_of_servo_model();
+        let file = self.out.as_ref().filter(|_| is_function)?;
         (stem(file) != function).then(|| {
             format!(
                 "warning: the file holds the function {function}, and MATLAB and Octave look for it in a file of that name: call it {function}.m"
@@ -167,32 +92,24 @@ impl ExportArgs {
         })
     }
 
-    /// The file that the model came from, without its folder.
-    fn source(&self) -> String {
-        let name = self.model.file_name().unwrap_or_default();
-        name.to_string_lossy().into_owned()
-    }
-
-    fn servo_name(&self) -> String {
-        self.name.clone().unwrap_or_else(|| stem(&self.model))
-    }
-
-    /// Writes or prints the text; `more` are further fields of the result.
-    fn finish(&self, text: &str, warnings: &[String], more: Map<String, Value>) -> Result<String> {
+    /// Writes or prints the text.
+    fn finish(&self, exported: &Exported, request: &ExportRequest) -> Result<String> {
         let talk = self.output.talk;
-        for warning in warnings {
+        for remark in &exported.remarks {
+            talk.say(remark);
+        }
+        if let Some(remark) = self.name_of_function(request) {
+            talk.say(remark);
+        }
+        for warning in &exported.warnings {
             talk.say(format_args!("warning: {warning}"));
         }
-        let mut result = Map::from_iter([
-            ("target".to_owned(), json!(self.to)),
-            ("warnings".to_owned(), json!(warnings)),
-        ]);
-        result.extend(more);
+        let mut result = exported.document(self.to);
         let Some(out) = &self.out else {
-            result.insert("text".to_owned(), json!(text));
-            return talk.result(text.to_owned(), &result);
+            result.insert("text".to_owned(), json!(exported.text));
+            return talk.result(exported.text.clone(), &result);
         };
-        self.output.write(out, text)?;
+        self.output.write(out, &exported.text)?;
         result.insert("file".to_owned(), json!(out));
         talk.result(format!("{}\n", out.display()), &result)
     }

@@ -37,7 +37,7 @@ pub(super) struct Report {
     #[arg(long, short, value_name = "FILE.html")]
     out: PathBuf,
     /// Title of the page
-    #[arg(long, default_value = "How the servo moves")]
+    #[arg(long, default_value = report::TITLE)]
     title: String,
     /// The largest difference that still counts as the same (percent of the step)
     #[arg(long, default_value_t = 5.0, value_name = "PERCENT", value_parser = super::value_parsers::margin)]
@@ -112,11 +112,7 @@ impl Report {
             let data = self.table.load_as(like, files, self.output.talk)?;
             return self.servo(files, data);
         };
-        let found = ModelFile::read(file)?;
-        let servo_model = found.servo_model()?;
-        let mut servo = Servo::of_model(stem(file), found.model, found.metadata);
-        servo.servo_model = servo_model;
-        Ok(servo)
+        Ok(Servo::of_file(stem(file), &ModelFile::read(file)?)?)
     }
 
     fn servo(&self, files: &[PathBuf], data: Dataset<'static>) -> Result<Servo> {

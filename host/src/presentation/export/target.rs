@@ -42,3 +42,14 @@ impl Target {
         matches!(self, Self::Ardupilot | Self::Mujoco)
     }
 }
+
+impl std::str::FromStr for Target {
+    type Err = String;
+
+    fn from_str(word: &str) -> Result<Self, Self::Err> {
+        <Self as clap::ValueEnum>::from_str(word, false).map_err(|_| {
+            let names = Self::ALL.map(|target| format!("{target:?}").to_lowercase());
+            format!("there is no target {word:?}: choose {}", names.join(", "))
+        })
+    }
+}

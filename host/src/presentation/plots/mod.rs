@@ -26,7 +26,7 @@ pub use held_out::{held_out, held_out_caption};
 pub use outliers::left_out;
 pub use paper_figures::{PaperFigure, PaperFigureKind, Subject, identification, paper};
 pub use residuals::residuals;
-pub use response::{bode, step_response};
+pub use response::{bode, servo_frequency, shown_frequencies, step_response};
 pub use run_scatter::run_scatter;
 pub use signals::{input_output, validation};
 pub use strokes::NamedServo;

@@ -79,9 +79,7 @@ pub fn bode(name: &str, title: &str, models: &[Named<'_>]) -> Figure {
     };
     let (mut magnitude, mut phase) = (panel("magnitude (dB)"), panel(PHASE_LABEL));
     for (Named { name, model }, ink) in models.iter().zip(INKS) {
-        // Only a model made by hand can have no response of its own; that of its samples is shown then.
-        let own = model.servo_response(&model.frequency.omega_rad_s);
-        let f = &own.unwrap_or_else(|_| model.frequency.clone());
+        let f = &servo_frequency(model);
         let shown = shown_frequencies(f);
         let part = |values: &[f64]| values.get(shown.clone()).unwrap_or_default().to_vec();
         let hertz: Vec<f64> = part(&f.omega_rad_s).iter().map(|w| w / TAU).collect();
@@ -114,9 +112,18 @@ pub fn bode(name: &str, title: &str, models: &[Named<'_>]) -> Figure {
     Figure::new(name, title, vec![magnitude, phase])
 }
 
+/// The frequency response of the servo, freed of the hold and the phase of the samples, at the frequencies of the model.
+#[must_use]
+pub fn servo_frequency(model: &Model) -> FrequencyResponse {
+    // Only a model made by hand can have no response of its own; that of its samples is shown then.
+    let own = model.servo_response(&model.frequency.omega_rad_s);
+    own.unwrap_or_else(|_| model.frequency.clone())
+}
+
 /// The frequencies that can be drawn and mean something: above 0, which has no place on a
 /// logarithmic axis, and below the first one where zero is within the bounds and any phase is possible.
-fn shown_frequencies(response: &FrequencyResponse) -> std::ops::Range<usize> {
+#[must_use]
+pub fn shown_frequencies(response: &FrequencyResponse) -> std::ops::Range<usize> {
     let omega = &response.omega_rad_s;
     let start = omega.iter().take_while(|&&w| w <= 0.0).count();
     let known = match &response.bounds {

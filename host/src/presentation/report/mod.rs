@@ -22,6 +22,9 @@ use anyhow::Result;
 use serde_json::Value;
 use text::{escape, json_in_page};
 
+/// Title of a page without one of its own.
+pub const TITLE: &str = "How the servo moves";
+
 /// The page without its content.
 const PAGE: &str = include_str!("page.html");
 

@@ -3,7 +3,7 @@
 use super::content::{Facts, Part};
 use crate::data::HeldOutPrediction;
 use crate::data::dataset::Dataset;
-use crate::data::model_file::ServoModelDocument;
+use crate::data::model_file::{ModelFile, ModelFileError, ServoModelDocument};
 use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::plots::Subject;
 use servoid_identification::diagnostics::Explanation;
@@ -31,7 +31,7 @@ pub struct Servo {
 }
 
 impl Servo {
-    /// A model from a file.
+    /// A model without its data.
     #[must_use]
     pub fn of_model(name: String, model: Model, metadata: ModelMetadata) -> Self {
         Self {
@@ -44,6 +44,17 @@ impl Servo {
             metadata,
             runs: Vec::new(),
         }
+    }
+
+    /// The models of a file.
+    ///
+    /// # Errors
+    /// The servo model in it cannot be read.
+    pub fn of_file(name: String, file: &ModelFile) -> Result<Self, ModelFileError> {
+        Ok(Self {
+            servo_model: file.servo_model()?,
+            ..Self::of_model(name, file.model.clone(), file.metadata.clone())
+        })
     }
 
     /// The identification of `data`; its runs are identified one by one as well.

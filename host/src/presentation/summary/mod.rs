@@ -1,6 +1,7 @@
 //! Results as text for a terminal.
 
 mod beyond_linear;
+mod both_models;
 mod comparison;
 mod first_finding;
 mod headline;
@@ -22,6 +23,7 @@ mod what_to_record;
 mod whole_stroke;
 
 pub use beyond_linear::{of_flight_model, of_limits};
+pub use both_models::{answer_of_servo_model, of_both_models};
 pub use comparison::of_comparison;
 pub(crate) use metrics::TableRow;
 pub use model_sentence::model_sentence;
@@ -38,7 +40,7 @@ pub(crate) use what_to_record::advice_on_servo_model;
 pub(crate) use comparison::{
     NOT_COMPARED, facts_of_comparison, how_compared, table_of_comparison, verdict,
 };
-pub(crate) use first_finding::{first_finding, said_before};
+pub(crate) use first_finding::first_finding;
 pub(crate) use headline::{headline_of_comparison, headline_of_model, headline_of_servo};
 pub(crate) use key_figures::{
     KEY_FIGURES, KeyFigure, of_both, of_both_machines, of_comparison as key_figures_of_comparison,

@@ -143,19 +143,21 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
             .map(|output| at_zero + each * output)
             .collect()
     };
-    let tried = outputs(trial.command());
     let slower = |share, trial: &Trial| {
         let tried = outputs(trial.command());
         positions(&full_speed.slower(share).respond(&tried), servo)
     };
     let share = best_share(export, &trial, full_speed.top(command.full), slower).share;
     let parameters = full_speed.slower(share);
+    let trial = trial.with_worst(export, |commands| {
+        positions(&parameters.respond(&outputs(commands.to_vec())), servo)
+    });
     // The trial has its commands at pulses, and no wait.
     let written = Parameters::of(export, command.full, export.frame_s() / 2.0)?.slower(share);
     let smooth = SmoothCommand::of(export, &trial, written.top(command.full));
     let moved = written.respond(&outputs(smooth.command()));
     let late_s = smooth.lag_s(export, &positions(&moved, servo));
-    let found = parameters.respond(&tried);
+    let found = parameters.respond(&outputs(trial.command()));
     let unloaded = ServoExport::without_stops(export.parameters_with(Load::None));
     let found = |servo: &ServoParameters| positions(&found, servo);
     let difference = Difference::of(export, trial, found, &unloaded);

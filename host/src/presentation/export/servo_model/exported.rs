@@ -53,7 +53,7 @@ impl ExportedServo {
         let is_far = self.largest_difference >= FAR * self.trial.largest_travel(&export.parameters);
         let warning = is_far.then(|| {
             format!(
-                "this file is up to {} % of the largest stroke away from the servo model with repeated reversals ({} % without): {program} leaves out {}; c, python, julia and matlab have all of it",
+                "this file is up to {} % of the largest stroke away from the servo model in repeated reversals ({} % in strokes that are held or broken off once): {program} leaves out {}; c, python, julia and matlab have all of it",
                 export.percent_of_largest(&self),
                 export.percent_of_strokes(&self),
                 export.names_of(terms)

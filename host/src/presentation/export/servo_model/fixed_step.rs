@@ -1,7 +1,6 @@
 //! The equation in steps of one length, as the files for C, Python, Julia and MATLAB compute it.
 
 use super::subject::ServoExport;
-use super::trial_command::Trial;
 use crate::presentation::export::error::ExportError;
 use servoid_dynamics::{Grid, State, Stepper};
 
@@ -79,17 +78,16 @@ pub(super) fn step_s(export: &ServoExport<'_>) -> Result<f64, ExportError> {
     }
 }
 
-/// The position at the beginning of each step.
-pub(super) fn respond(export: &ServoExport<'_>, trial: &Trial) -> Vec<f64> {
+/// The position at the beginning of each step of `step_s` with these commands.
+pub(super) fn respond(export: &ServoExport<'_>, step_s: f64, command: &[f64]) -> Vec<f64> {
     let servo = &export.parameters;
-    let delay = DelayInSteps::new(servo.delay_s, trial.step_s);
-    let stepper = |part: f64| Stepper::new(servo, part * trial.step_s);
+    let delay = DelayInSteps::new(servo.delay_s, step_s);
+    let stepper = |part: f64| Stepper::new(servo, part * step_s);
     let (whole, before, after) = (
         stepper(1.0),
         stepper(delay.fraction),
         stepper(1.0 - delay.fraction),
     );
-    let command = trial.command();
     let first = command.first().copied().unwrap_or(0.0);
     let mut state = State {
         angle: (servo.resting_output(first) - servo.offset) / servo.gain,
@@ -98,7 +96,7 @@ pub(super) fn respond(export: &ServoExport<'_>, trial: &Trial) -> Vec<f64> {
     let mut position = Vec::with_capacity(command.len());
     for k in 0..command.len() {
         position.push(servo.gain * state.angle + servo.offset);
-        let (older, newer) = delay.late(&command, k);
+        let (older, newer) = delay.late(command, k);
         if older == newer {
             whole.advance(&mut state, newer);
         } else {

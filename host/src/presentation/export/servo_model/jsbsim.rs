@@ -260,7 +260,9 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         true => first,
         false => behind,
     };
-    let positions = actuator.respond(&trial.command(), trial.step_s);
+    let step_s = trial.step_s;
+    let trial = trial.with_worst(export, |commands| actuator.respond(commands, step_s));
+    let positions = actuator.respond(&trial.command(), step_s);
     let slowest = actuator.rates.map(|(up, down)| up.min(down));
     let smooth = SmoothCommand::of(export, &trial, slowest);
     let late_s = smooth.lag_s(export, &actuator.respond(&smooth.held(), trial.step_s));
@@ -299,10 +301,12 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         ),
         ("id", id),
     ];
+    let late = late_pulses(export, step_s);
     let text = fill(include_str!("../templates/servo_model/servo.xml"), &values);
     Ok(ExportedServo::new(text, difference)?
         .lacking(export, "JSBSim", &LEFT_OUT)
         .warned(long_steps(export))
+        .warned(late)
         .with(behind_in_larger_strokes(fit.share)))
 }
 
@@ -317,6 +321,34 @@ fn long_steps(export: &ServoExport<'_>) -> Option<String> {
             four_digits(longest_ms)
         )
     })
+}
+
+/// This part of a step is rounding where a frame has a whole number of steps.
+const ROUNDING: f64 = 1e-3;
+
+/// That steps lie beside the pulses, where a frame is no whole number of them: the system takes a command in the first step behind its pulse.
+fn late_pulses(export: &ServoExport<'_>, step_s: f64) -> Option<String> {
+    let frame_s = export.frame_s();
+    let steps = frame_s / step_s;
+    if (steps - steps.round()).abs() <= ROUNDING {
+        return None;
+    }
+    let gain = export.parameters.gain.abs();
+    let way = export.top_speeds().map(|(up, down)| {
+        let way = four_digits(gain * up.max(down) * step_s);
+        format!(", {way} {} at the top speed", export.output_unit())
+    });
+    let fitting = (steps.ceil() as usize..).take(3);
+    let fitting: Vec<String> = fitting
+        .map(|steps| four_digits(1e3 * frame_s / steps as f64))
+        .collect();
+    Some(format!(
+        "steps of {} ms do not divide the pulse frame of {} ms: the system takes a command up to a step after its pulse{}, which is not in the differences; steps such as {} ms do",
+        four_digits(1e3 * step_s),
+        four_digits(1e3 * frame_s),
+        way.unwrap_or_default(),
+        fitting.join(" or ")
+    ))
 }
 
 /// At which rate the system is to run.
@@ -349,6 +381,10 @@ fn about(
             actuator.position(actuator.centre),
         ),
         export.frame(Frame::InFile),
+    ]);
+    let late = late_pulses(export, difference.trial.step_s);
+    about.extend(late.map(|late| format!("WARNING: {late}.")));
+    about.extend([
         actuator.in_words(),
         rate,
         format!(

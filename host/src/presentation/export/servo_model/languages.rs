@@ -97,8 +97,9 @@ pub(super) fn python(export: &ServoExport<'_>) -> Result<ExportedServo, ExportEr
 impl ServoExport<'_> {
     fn in_language(&self, language: &Language) -> Result<ExportedServo, ExportError> {
         let step_s = step_s(self)?;
+        // Without a search: of the equation itself it finds nothing but the moments in which a motion hangs in the balance.
         let trial = Trial::of(self, step_s, [f64::NEG_INFINITY, f64::INFINITY]);
-        let positions = respond(self, &trial);
+        let positions = respond(self, step_s, &trial.command());
         let difference = Difference::of(self, trial, |_| positions.clone(), &self.parameters);
         let delay = DelayInSteps::new(self.parameters.delay_s, step_s);
         let id = identifier(self.name);

@@ -21,10 +21,12 @@ mod statement;
 mod subject;
 mod terms;
 mod trial_command;
+mod worst_command;
 
 pub use exported::ExportedServo;
 pub use subject::{ServoExport, ServoExportOptions};
 pub use trial_command::Trial;
+pub use worst_command::Held;
 
 use super::error::ExportError;
 use super::target::Target;

@@ -219,6 +219,7 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     });
     let joint = Joint::of(export, step_s, radians, drive);
     let positions = |commands: Vec<f64>| positions_of(&joint, commands);
+    let trial = trial.with_worst(export, |commands| positions(commands.to_vec()));
     let smooth = SmoothCommand::of(export, &trial, None);
     let late_s = smooth.lag_s(export, &positions(smooth.held()));
     let found = positions(trial.command());

@@ -3,13 +3,17 @@
 use super::subject::ServoExport;
 use super::trial_command::{Trial, exact};
 use crate::presentation::export::recorded;
+use servoid_dynamics::ServoParameters;
 use std::f64::consts::{PI, TAU};
 
-/// The largest speed as a share of the limit: the sine is to stay below it.
+/// The largest speed and the largest drive as a share of their limits: the sine is to stay below both.
 const OF_LIMIT: f64 = 0.8;
 
 /// The frequency as a share of that of the servo at small signals, at the most: where it follows.
 const OF_BANDWIDTH: f64 = 0.2;
+
+/// What the drive has left for motion at least, as a share of the limit: a load may take all of it at an end of the range.
+const LEFT: f64 = 0.05;
 
 /// The longest period \[s\]; a servo that needs longer for the strokes of the recording gets smaller ones.
 const LONGEST_S: f64 = 10.0;
@@ -37,7 +41,11 @@ impl SmoothCommand {
         let limit = limit.into_iter().chain(top).fold(f64::INFINITY, f64::min);
         let most = trial.largest_stroke() / 2.0;
         let bandwidth = OF_BANDWIDTH * export.parameters.stiffness.sqrt();
-        let wanted = (OF_LIMIT * limit / most).min(bandwidth);
+        let wanted = (OF_LIMIT * limit / most).min(bandwidth).min(of_drive(
+            &export.parameters,
+            trial.middle(),
+            most,
+        ));
         let omega = wanted.max(TAU / LONGEST_S);
         Self {
             step_s: trial.step_s,
@@ -105,7 +113,7 @@ impl SmoothCommand {
             false => "",
         };
         format!(
-            "Smooth command: under a sine of {} +- {} {} at {:.2} Hz, which stays below the limit of the speed{held}, the position is {:.1} ms {}.",
+            "Smooth command: under a sine of {} +- {} {} at {:.2} Hz, which stays below the limits of speed and drive{held}, the position is {:.1} ms {}.",
             beside(self.middle),
             beside(self.amplitude),
             export.command_unit(),
@@ -116,9 +124,67 @@ impl SmoothCommand {
     }
 }
 
+/// The frequency of a sine of this amplitude about `middle` at which the drive is used up to its share \[rad/s\]; infinite without a limit.
+fn of_drive(servo: &ServoParameters, middle: f64, amplitude: f64) -> f64 {
+    let Some(limit) = servo.drive_limit() else {
+        return f64::INFINITY;
+    };
+    let weakest = limit.both_ways().into_iter().fold(f64::INFINITY, f64::min);
+    let load = [middle - amplitude, middle, middle + amplitude]
+        .map(|angle| servo.load.at(angle).abs())
+        .into_iter()
+        .fold(0.0, f64::max);
+    let friction = servo.friction.map_or(0.0, |friction| {
+        friction.coulomb + friction.of_gears * (weakest + load)
+    });
+    let left = (OF_LIMIT * weakest - load - friction).max(LEFT * weakest);
+    // Inertia and the motor's damping B take the amplitude times w sqrt(w^2 + B^2).
+    let damping = limit.motor_damping * limit.motor_damping;
+    let moved = 2.0 * left / amplitude;
+    let square = moved * moved / 2.0 / (damping + damping.hypot(moved));
+    square.sqrt()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use servoid_dynamics::{DriveLimit, Load, Stops};
+
+    #[test]
+    fn a_sine_uses_the_drive_up_to_its_share() {
+        let servo = ServoParameters {
+            delay_s: 0.0,
+            stiffness: 900.0,
+            damping: 60.0,
+            gain: 1.0,
+            offset: 0.0,
+            limit: Some(DriveLimit {
+                up: 1000.0,
+                down_to_up: 0.8,
+                motor_damping: 3.0,
+            }),
+            speed_limit: None,
+            dead_band: None,
+            friction: None,
+            load: Load::Constant(100.0),
+            stops: Stops::default(),
+        };
+        let (amplitude, omega) = (20.0, of_drive(&servo, 5.0, 20.0));
+        let drive = |turn: f64| {
+            let (sin, cos) = turn.sin_cos();
+            amplitude * omega * (3.0 * cos - omega * sin)
+        };
+        let most = (0..1000)
+            .map(|k| drive(TAU * f64::from(k) / 1e3))
+            .fold(0.0, f64::max);
+        // 0.8 of 800, of which the load takes 100.
+        assert!((most - 540.0).abs() < 0.1, "{most}");
+        let held = ServoParameters {
+            load: Load::Constant(2000.0),
+            ..servo
+        };
+        assert!(of_drive(&held, 5.0, 20.0) > 0.0);
+    }
 
     #[test]
     fn a_later_sine_is_as_late_as_it_is() {

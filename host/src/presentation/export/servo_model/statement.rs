@@ -4,6 +4,7 @@ use super::exported::ExportedServo;
 use super::rate_limit::FACTOR;
 use super::subject::ServoExport;
 use super::trial_command::{Difference, FINER, REVERSALS, Trial};
+use super::worst_command::Held;
 use crate::data::unitless_command::UnitlessCommand;
 use crate::presentation::export::doubts;
 use crate::presentation::export::recorded::{self, beside};
@@ -317,8 +318,9 @@ impl ServoExport<'_> {
     pub fn share_of_stroke(&self, written: &ExportedServo) -> String {
         let trial = &written.trial;
         format!(
-            "{} with repeated reversals, {} % without; root mean square {} %",
+            "{} in {}, {} % in strokes that are held or broken off once; root mean square {} %",
             self.of_stroke(written.largest_difference, trial),
+            reversals(trial),
             self.percent_of_stroke(written.largest_difference_in_strokes, trial),
             self.percent_of_stroke(written.root_mean_square_difference, trial)
         )
@@ -329,7 +331,7 @@ impl ServoExport<'_> {
         self.percent_of_stroke(written.largest_difference, &written.trial)
     }
 
-    /// The same without repeated reversals.
+    /// The same in strokes that are held or broken off once.
     pub(super) fn percent_of_strokes(&self, written: &ExportedServo) -> String {
         self.percent_of_stroke(written.largest_difference_in_strokes, &written.trial)
     }
@@ -388,11 +390,12 @@ impl ServoExport<'_> {
             }
         };
         format!(
-            "Largest difference from servoid's own integrator with steps {FINER} times as fine as usual, under the command named below: {}, {}, with steps of {} ms{emulation}; root mean square {} %. It is that of repeated reversals, as a loop that swings has them, and of strokes that are held or broken off once: in these alone it is {}. Reversals of other periods may show more.{} The command: {}",
+            "Largest difference from servoid's own integrator with steps {FINER} times as fine as usual, under the command named below: {}, {}, with steps of {} ms{emulation}; root mean square {} %. {} In strokes that are held or broken off once it is {}.{} The command: {}",
             largest,
             self.strokes(trial),
             four_digits(1e3 * trial.step_s),
             self.percent_of_stroke(found.root_mean_square, trial),
+            searched(trial),
             shown(found.largest_in_strokes),
             without.unwrap_or_default(),
             command(trial),
@@ -409,8 +412,18 @@ fn command(trial: &Trial) -> String {
     let levels: Vec<String> = trial.levels.iter().copied().map(number).collect();
     let [least, largest] = trial.ends().map(number);
     let reversals: Vec<String> = trial.steps_of_reversals.iter().copied().map(held).collect();
+    let search = match trial.worst.is_empty() {
+        true => String::new(),
+        false => format!(
+            "{} for {}, and the strokes of the search: {}. Then ",
+            number(trial.middle()),
+            held(trial.steps_per_level),
+            strokes(trial)
+        ),
+    };
     format!(
-        "{}, each for {}, and all again for {}, which breaks strokes off (the staircase). Then {REVERSALS} strokes between {largest} and {least}, each held for {}, with {} at {} behind each such part. The first level is not compared.",
+        "{}{}, each for {}, and all again for {}, which breaks strokes off (the staircase). Then {REVERSALS} strokes between {largest} and {least}, each held for {}, with {} at {} behind each such part. The first level is not compared.",
+        search,
         levels.join(", "),
         held(trial.steps_per_level),
         held(trial.steps_of_broken_off),
@@ -418,6 +431,37 @@ fn command(trial: &Trial) -> String {
         held(trial.steps_per_level),
         number(trial.middle()),
     )
+}
+
+/// In which strokes the difference is largest, a sentence.
+fn searched(trial: &Trial) -> String {
+    match trial.worst.is_empty() {
+        true => "It is that of repeated reversals, as a loop that swings has them, and of strokes that are held or broken off once; reversals of other periods may show more.".to_owned(),
+        false => format!(
+            "A search found the strokes in which it is largest, {}, among reversals and random strokes over the recorded range and a fifth of it, with half-periods from the servo's rise to the time in which its largest stroke settles; commands that were not searched are seldom more than a tenth farther.",
+            reversals(trial)
+        ),
+    }
+}
+
+/// "reversals of 0.04 to 0.12 s", the half-periods of the strokes of the search.
+fn reversals(trial: &Trial) -> String {
+    let seconds = |steps: usize| four_digits(steps as f64 * trial.step_s);
+    let steps = || trial.worst.iter().map(|held| held.steps);
+    match (steps().min().map(seconds), steps().max().map(seconds)) {
+        (Some(shortest), Some(longest)) if shortest == longest => {
+            format!("reversals of {longest} s")
+        }
+        (Some(shortest), Some(longest)) => format!("reversals of {shortest} to {longest} s"),
+        _ => "repeated reversals".to_owned(),
+    }
+}
+
+/// The strokes of the search, in which each number stands.
+fn strokes(trial: &Trial) -> String {
+    let held = |held: &Held| format!("{} for {} steps", number(held.level), held.steps);
+    let all: Vec<String> = trial.worst.iter().map(held).collect();
+    all.join(", ")
 }
 
 /// "2.5 - 45", the numbers of a line that is `at_zero` at 0 and rises by `each`.

@@ -1,10 +1,12 @@
 //! The command under which an export is compared with servoid's own integrator.
 
 use super::subject::ServoExport;
+use super::worst_command::{Held, worst};
 use serde::Serialize;
 use servoid_dynamics::{Grid, ServoParameters, Start, simulate};
 
-/// A staircase of small and large strokes, held and then broken off, and repeated reversals over the whole range.
+/// A staircase of small and large strokes, held and then broken off, repeated reversals over the whole range, and the strokes in which a
+/// search found the largest difference.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Trial {
     /// Step of time of the exported servo \[s\].
@@ -17,6 +19,9 @@ pub struct Trial {
     pub steps_of_broken_off: usize,
     /// For how many steps the largest level and the least are held while they alternate, for each such part.
     pub steps_of_reversals: Vec<usize>,
+    /// The strokes before all this, from rest at the first level: those in which a search found the largest difference. Play and friction
+    /// remember what came before, and the search begins at rest.
+    pub worst: Vec<Held>,
 }
 
 /// How far an exported servo is from the servo model.
@@ -119,6 +124,19 @@ impl Trial {
             steps_per_level: steps(hold_s),
             steps_of_broken_off: steps(in_frames(export, (BROKEN_OFF * hold_s).max(SHORTEST_S))),
             steps_of_reversals,
+            worst: Vec::new(),
+        }
+    }
+
+    /// The same with the strokes in which an export, whose positions `respond` has, is farthest from the servo.
+    pub(super) fn with_worst(
+        self,
+        export: &ServoExport<'_>,
+        respond: impl Fn(&[f64]) -> Vec<f64>,
+    ) -> Self {
+        Self {
+            worst: worst(export, &self, &respond),
+            ..self
         }
     }
 
@@ -130,7 +148,8 @@ impl Trial {
             let held = move |level: &f64| std::iter::repeat_n(*level, steps);
             self.levels.iter().flat_map(held)
         };
-        let mut command: Vec<f64> = lengths.into_iter().flat_map(staircase).collect();
+        let mut command = self.strokes_of_search();
+        command.extend(lengths.into_iter().flat_map(staircase));
         let [least, largest] = self.ends();
         for steps in &self.steps_of_reversals {
             for reversal in 0..REVERSALS {
@@ -143,6 +162,37 @@ impl Trial {
         command
     }
 
+    /// The strokes of the search, from rest at the first level.
+    fn strokes_of_search(&self) -> Vec<f64> {
+        let Some(first) = self.levels.first().filter(|_| !self.worst.is_empty()) else {
+            return Vec::new();
+        };
+        let rest = std::iter::once((*first, self.steps_per_level));
+        let all = rest.chain(self.worst.iter().map(|held| (held.level, held.steps)));
+        all.flat_map(|(level, steps)| std::iter::repeat_n(level, steps))
+            .collect()
+    }
+
+    /// A level at this part of the amplitude, from -1 to 1.
+    pub(super) fn level(&self, part: f64) -> f64 {
+        let [least, largest] = self.ends();
+        let (middle, amplitude) = ((least + largest) / 2.0, (largest - least) / 2.0);
+        short(middle + part * amplitude, amplitude, 3, f64::round)
+    }
+
+    /// So many steps as lie, by their logarithm, at this share of the way from the shortest half-period that is searched to the time for which
+    /// a level is held; in whole pulse frames where there are any.
+    pub(super) fn steps_between(&self, export: &ServoExport<'_>, share: f64) -> usize {
+        let longest_s = self.steps_per_level as f64 * self.step_s;
+        let shortest_s = rise_s(export).min(longest_s / 4.0);
+        let wanted_s = shortest_s * (longest_s / shortest_s).powf(share);
+        let held_s = match export.frame_s() {
+            frame if frame > 0.0 => (wanted_s / frame).round().max(1.0) * frame,
+            _ => wanted_s,
+        };
+        (held_s / self.step_s).round().max(1.0) as usize
+    }
+
     /// The least and the largest level, between which the repeated reversals go.
     pub(super) fn ends(&self) -> [f64; 2] {
         let levels = || self.levels.iter().copied();
@@ -152,10 +202,11 @@ impl Trial {
         ]
     }
 
-    /// The same without the repeated reversals.
+    /// The same without the repeated reversals and the worst strokes.
     pub(super) fn only_staircase(&self) -> Self {
         Self {
             steps_of_reversals: Vec::new(),
+            worst: Vec::new(),
             ..self.clone()
         }
     }
@@ -170,11 +221,12 @@ impl Trial {
         }
     }
 
-    /// What of a course of the position is that of the staircase, without the repeated reversals.
+    /// What of a course of the position is that of the staircase, without the strokes of the search and the repeated reversals.
     #[must_use]
     pub fn staircase<'a>(&self, positions: &'a [f64]) -> &'a [f64] {
+        let begin = self.strokes_of_search().len();
         let steps = self.levels.len() * (self.steps_per_level + self.steps_of_broken_off);
-        positions.get(..steps).unwrap_or(positions)
+        positions.get(begin..begin + steps).unwrap_or(positions)
     }
 
     /// The position at the beginning of each step, by servoid's integrator with steps of a tenth of its usual ones.
@@ -191,13 +243,9 @@ impl Trial {
     /// The largest difference of two courses of the position after the first level, on which other programs may not begin at
     /// rest.
     #[must_use]
-    pub fn largest_difference(&self, a: &[f64], b: &[f64]) -> f64 {
-        let pairs = a.iter().zip(b).skip(self.steps_per_level);
-        // A NaN must not be lost.
-        pairs.fold(0.0, |most: f64, (a, b)| {
-            let apart = (a - b).abs();
-            if apart <= most { most } else { apart }
-        })
+    pub fn largest_difference<'a>(&self, a: &'a [f64], b: &'a [f64]) -> f64 {
+        let after = |course: &'a [f64]| course.get(self.steps_per_level..).unwrap_or_default();
+        largest(after(a), after(b)).0
     }
 
     /// The root mean square of the same difference.
@@ -230,12 +278,36 @@ impl Trial {
     }
 }
 
+/// The largest difference of two courses, and where it is.
+pub(super) fn largest(a: &[f64], b: &[f64]) -> (f64, usize) {
+    let pairs = a.iter().zip(b).enumerate();
+    // A NaN must not be lost.
+    pairs.fold((0.0, 0), |(most, at), (place, (a, b))| {
+        let apart = (a - b).abs();
+        if apart <= most {
+            (most, at)
+        } else {
+            (apart, place)
+        }
+    })
+}
+
 /// The position at the beginning of each step of `step_s` with these commands, from rest under the first, by servoid's integrator with steps of a
 /// tenth of its usual ones.
 pub(super) fn exact(servo: &ServoParameters, step_s: f64, command: &[f64]) -> Vec<f64> {
+    finely(servo, step_s, command, FINER)
+}
+
+/// The same with steps that are `finer` times as fine as usual.
+pub(super) fn finely(
+    servo: &ServoParameters,
+    step_s: f64,
+    command: &[f64],
+    finer: f64,
+) -> Vec<f64> {
     let usual = Grid::for_stiffness(1.0, 0.0, servo.stiffness);
-    let finer = usual.period_s / usual.steps as f64 / FINER;
-    let grid = Grid::new(step_s, 0.0, finer);
+    let longest_s = usual.period_s / usual.steps as f64 / finer;
+    let grid = Grid::new(step_s, 0.0, longest_s);
     let first = command.first().copied().unwrap_or(0.0);
     let start = Start::at_rest(servo.resting_output(first), Some(first));
     let mut position = Vec::new();
@@ -294,12 +366,21 @@ fn held(parameters: &ServoParameters) -> f64 {
     parameters.resting_error().unwrap_or(0.0) + parameters.dead_band.unwrap_or(0.0)
 }
 
+/// The time constant of the slower pole: a servo without limits rises in about twice that.
+fn rise_s(export: &ServoExport<'_>) -> f64 {
+    1.0 / slower_pole(&export.parameters)
+}
+
+/// The real part of the slower pole \[1/s\].
+fn slower_pole(servo: &ServoParameters) -> f64 {
+    let half = servo.damping / 2.0;
+    half - (half * half - servo.stiffness).max(0.0).sqrt()
+}
+
 /// Long enough for the largest stroke; whole pulse frames where there are any.
 fn hold_s(export: &ServoExport<'_>, amplitude: f64) -> f64 {
     let parameters = &export.parameters;
-    let half = parameters.damping / 2.0;
-    // The real part of the slower pole.
-    let slower = half - (half * half - parameters.stiffness).max(0.0).sqrt();
+    let slower = slower_pole(parameters);
     let speed = export
         .top_speeds()
         .map_or(f64::INFINITY, |(up, down)| up.min(down));
@@ -345,6 +426,7 @@ mod tests {
             steps_per_level: 10,
             steps_of_broken_off: 2,
             steps_of_reversals: vec![3],
+            worst: Vec::new(),
         };
         let travel = |gain: f64, lower: Option<f64>, upper: Option<f64>| {
             trial.largest_travel(&ServoParameters {

@@ -328,9 +328,10 @@ fn the_first_strokes_of_a_trial_end() {
         model["commands"] = json!({ "least": -30.0, "largest": 30.0 });
     });
     let exported = export(&file, 0, "jsbsim", &[]);
-    let steps = exported.trial.steps_per_level;
+    let (steps, searched) = (exported.trial.steps_per_level, &exported.trial.worst);
+    let begin = steps + searched.iter().map(|held| held.steps).sum::<usize>();
     for (level, command) in exported.trial.levels.iter().enumerate() {
-        let end = exported.exact[(level + 1) * steps - 1];
+        let end = exported.exact[begin + (level + 1) * steps - 1];
         let rest = exported.servo.resting_output(*command);
         // That within which a stroke counts as done.
         let share = (end - rest).abs() / exported.largest_stroke();

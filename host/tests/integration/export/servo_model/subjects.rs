@@ -1,9 +1,11 @@
 //! Servos with all terms, and their exports.
 
 use crate::support::{arg, run};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 use serde_json::{Value, json};
 use servoid::data::model_file::ModelFile;
-use servoid::presentation::export::servo_model::Trial;
+use servoid::presentation::export::servo_model::{Held, Trial};
 use servoid_dynamics::{Grid, Start, simulate};
 use servoid_identification::servo_model::ServoParameters;
 use std::path::{Path, PathBuf};
@@ -132,24 +134,58 @@ impl Exported {
         );
     }
 
-    /// Requires that this program, under reversals over the recorded range as a loop has them, is hardly farther from the servo than the
-    /// file states: squares, sines and a doublet with other periods than those of the trial.
+    /// Requires that this program, under commands that no search had, is hardly farther from the servo than the file states: squares, sines
+    /// and a doublet over the recorded range, as a loop has them, and random strokes.
     pub fn check_reversals(&self, name: &str, run: impl Fn(&[f64]) -> Vec<f64>) {
-        for kind in [Reversals::Square, Reversals::Sine, Reversals::Doublet] {
-            for half_period_s in [0.06, 0.1, 0.14, 0.2, 0.3, 0.45] {
-                let commands = self.reversals(kind, half_period_s);
-                let exact = self.exact_under(&commands);
-                let pairs = run(&commands).into_iter().zip(exact);
-                let found = pairs.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
-                // Between two periods of the trial the difference may be a little larger.
-                let stated = self.stated + 0.01 * self.largest_stroke();
-                assert!(
-                    found <= 1.25 * stated,
-                    "{name}, {kind:?}, {half_period_s} s: {found} for {}",
-                    self.stated
-                );
-            }
+        let kinds = [Reversals::Square, Reversals::Sine, Reversals::Doublet];
+        let half_periods_s = [0.06, 0.1, 0.14, 0.2, 0.3, 0.45];
+        let reversals = kinds.into_iter().flat_map(|kind| {
+            half_periods_s.map(|half_period_s| {
+                let what = format!("{kind:?}, {half_period_s} s");
+                (what, self.reversals(kind, half_period_s))
+            })
+        });
+        let random = (0..4).map(|seed| (format!("seed {seed}"), self.random_strokes(seed)));
+        let commands: Vec<(String, Vec<f64>)> = reversals.chain(random).collect();
+        // One behind the other, each from rest: a program starts once.
+        let rest = vec![self.trial.levels[0]; self.trial.steps_per_level];
+        let parts = commands.iter().flat_map(|(_, command)| [&rest, command]);
+        let all: Vec<f64> = parts.flatten().copied().collect();
+        let (positions, exact) = (run(&all), self.exact_under(&all));
+        let mut end = 0;
+        for (what, command) in &commands {
+            let begin = end + rest.len();
+            end = begin + command.len();
+            let pairs = positions[begin..end].iter().zip(&exact[begin..end]);
+            let found = pairs.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+            // Seldom is a command that the search has not had a tenth farther.
+            let stated = self.stated + 0.01 * self.largest_stroke();
+            assert!(
+                found <= 1.1 * stated,
+                "{name}, {what}: {found} for {}",
+                self.stated
+            );
         }
+    }
+
+    /// Random holds, between both ends or at random levels.
+    fn random_strokes(&self, seed: u64) -> Vec<f64> {
+        let Trial { levels, step_s, .. } = &self.trial;
+        let ends = levels.iter().copied();
+        let largest = ends.clone().fold(f64::NEG_INFINITY, f64::max);
+        let least = ends.fold(f64::INFINITY, f64::min);
+        let mut random = ChaCha8Rng::seed_from_u64(100 + seed);
+        let mut commands = vec![levels[0]; self.trial.steps_per_level];
+        for stroke in 0..30 {
+            let level = match (seed % 4, stroke % 2) {
+                (3, _) => random.random_range(least..largest),
+                (_, 0) => largest,
+                (_, _) => least,
+            };
+            let held_s = 0.03 * 15f64.powf(random.random_range(0.0..1.0));
+            commands.extend(vec![level; (held_s / step_s).ceil() as usize]);
+        }
+        commands
     }
 
     /// From rest under the first level, between the largest and the least.
@@ -339,6 +375,7 @@ pub fn export(file: &Path, controller: usize, target: &str, more: &[&str]) -> Ex
         steps_per_level: steps("steps_per_level"),
         steps_of_broken_off: steps("steps_of_broken_off"),
         steps_of_reversals: serde_json::from_value(trial["steps_of_reversals"].clone()).unwrap(),
+        worst: held(&trial["worst"]),
     };
     let model = ModelFile::read(file)
         .unwrap()
@@ -353,6 +390,16 @@ pub fn export(file: &Path, controller: usize, target: &str, more: &[&str]) -> Ex
         trial,
         servo,
     }
+}
+
+/// The strokes of a search.
+fn held(strokes: &Value) -> Vec<Held> {
+    let strokes = strokes.as_array().unwrap().iter();
+    let held = strokes.map(|held| Held {
+        level: held["level"].as_f64().unwrap(),
+        steps: serde_json::from_value(held["steps"].clone()).unwrap(),
+    });
+    held.collect()
 }
 
 /// The file of a servo whose command is a pulse, recorded on one side of 1500 us.

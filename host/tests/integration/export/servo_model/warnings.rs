@@ -5,6 +5,7 @@ use crate::support::{arg, json, run, servoid};
 use serde_json::{Value, json};
 use servoid::data::Units;
 use servoid::data::model_file::ModelFile;
+use servoid::presentation::export::servo_model::Held;
 use servoid::presentation::summary::of_servo_model;
 use std::path::{Path, PathBuf};
 
@@ -328,4 +329,46 @@ fn one_speed_names_those_that_it_stands_for() {
         "{said}"
     );
     assert!(of(2).contains("where the servo has "));
+}
+
+/// Where JSBSim's steps lie beside the pulses, commands come late, which is in no difference.
+#[test]
+fn steps_that_do_not_divide_the_frame_are_warned_of() {
+    let said = |step_ms: &str| {
+        let file = arg(&AIRCRAFT.file);
+        let to = ["export", file, "--servo-model", "--to", "jsbsim"];
+        warnings(&[&to[..], &["--step-ms", step_ms]].concat())
+    };
+    let late = said("8.333333");
+    for words in [
+        "steps of 8.333 ms do not divide the pulse frame of 20.00 ms",
+        "at the top speed",
+        "steps such as 6.667 or 5.000 or 4.000 ms do",
+    ] {
+        assert!(late.contains(words), "{late}");
+    }
+    assert!(!said("2.5").contains("do not divide"));
+}
+
+/// Every file names the strokes in which a search found the largest difference, and their half-periods.
+#[test]
+fn the_strokes_that_a_search_found_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    for target in ["jsbsim", "mujoco"] {
+        let exported = SERVOS[1].export(target, folder.path(), &[]);
+        let (said, trial) = (prose(&exported.text), &exported.trial);
+        let named = |held: &Held| format!("{:?} for {} steps", held.level, held.steps);
+        let named: Vec<String> = trial.worst.iter().map(named).collect();
+        assert!(said.contains(&named.join(", ")), "{target}: {said}");
+        let seconds = trial
+            .worst
+            .iter()
+            .map(|held| held.steps as f64 * trial.step_s);
+        let shortest = seconds.fold(f64::INFINITY, f64::min);
+        let stated = super::subjects::number_behind(&said, "is largest, reversals of ");
+        assert!(
+            (stated - shortest).abs() < 1e-3 * shortest,
+            "{target}: {stated}"
+        );
+    }
 }

@@ -1,0 +1,197 @@
+//! A search for the command in which an exported servo is farthest from the servo model.
+//!
+//! Where an export lacks a term, its error builds up over strokes that break off, and how far depends on how long each one lasts: one pair
+//! of levels and one half-period show a part of it alone.
+
+use super::subject::ServoExport;
+use super::trial_command::{Trial, finely, largest};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use serde::Serialize;
+
+/// A level of the command, and for how long it is held.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Held {
+    /// The level \[units of the command\].
+    pub level: f64,
+    /// The number of steps.
+    pub steps: usize,
+}
+
+/// Half-periods that are tried, from the shortest to the longest, each so many times the last.
+const HALF_PERIODS: usize = 12;
+
+/// Amplitudes of reversals as parts of that of the trial.
+const AMPLITUDES: [f64; 2] = [1.0, 0.2];
+
+/// Strokes of each command that is tried: where two directions differ, or a load is left out, a servo drifts over so many.
+const STROKES: usize = 16;
+
+/// Commands of random holds between both ends, and of random levels, which were never the farthest by much.
+const RANDOM: (u64, u64) = (24, 4);
+
+/// So many commands that are the farthest are changed, so many times each.
+const CHANGED: usize = 2;
+const CHANGES: usize = 40;
+
+/// A change makes a hold up to so many times as long, or as short.
+const FACTOR: f64 = 1.6;
+
+/// How much finer than usual the servo is computed in the search: errors are a tenth of those of the usual steps, which is enough to find
+/// the strokes. The difference that is stated is computed anew.
+const FINER: f64 = 3.0;
+
+/// The sequence that is farthest may lose strokes at its beginning that change the difference by no more than this part.
+const WITHOUT_BEGINNING: f64 = 0.01;
+
+/// The strokes, from rest in the middle of a trial, in which the difference is largest; `respond` has the positions for commands.
+pub(super) fn worst(
+    export: &ServoExport<'_>,
+    trial: &Trial,
+    respond: &dyn Fn(&[f64]) -> Vec<f64>,
+) -> Vec<Held> {
+    let search = Search {
+        export,
+        trial,
+        respond,
+    };
+    let tried = search.reversals().chain(search.random());
+    let mut found: Vec<_> = tried.map(|strokes| search.until_largest(strokes)).collect();
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let changed = found
+        .into_iter()
+        .take(CHANGED)
+        .map(|far| search.changed(far));
+    let farthest = changed.max_by(|a, b| a.0.total_cmp(&b.0));
+    farthest.map_or_else(Vec::new, |(difference, strokes)| {
+        search.without_beginning(strokes, difference)
+    })
+}
+
+struct Search<'a> {
+    export: &'a ServoExport<'a>,
+    trial: &'a Trial,
+    respond: &'a dyn Fn(&[f64]) -> Vec<f64>,
+}
+
+impl Search<'_> {
+    /// Between two levels on either side of the middle, beginning upwards and downwards.
+    fn reversals(&self) -> impl Iterator<Item = Vec<Held>> {
+        let spans = AMPLITUDES.into_iter().flat_map(|part| [part, -part]);
+        spans.flat_map(move |part| {
+            let half_periods = (0..HALF_PERIODS).map(move |place| {
+                let share = place as f64 / (HALF_PERIODS - 1) as f64;
+                self.trial.steps_between(self.export, share)
+            });
+            half_periods.map(move |steps| {
+                let level = |stroke: usize| match stroke % 2 {
+                    0 => self.trial.level(part),
+                    _ => self.trial.level(-part),
+                };
+                let held = |stroke| Held {
+                    level: level(stroke),
+                    steps,
+                };
+                (0..STROKES).map(held).collect()
+            })
+        })
+    }
+
+    /// Random holds between both ends, and random levels.
+    fn random(&self) -> impl Iterator<Item = Vec<Held>> {
+        let (holds, levels) = RANDOM;
+        (0..holds + levels).map(move |seed| {
+            let mut random = ChaCha8Rng::seed_from_u64(seed);
+            let between_ends = seed < holds;
+            let mut held = |stroke: usize| {
+                let part = match (between_ends, stroke % 2) {
+                    (true, 0) => 1.0,
+                    (true, _) => -1.0,
+                    (false, _) => random.random_range(-1.0..=1.0),
+                };
+                let share = random.random_range(0.0..=1.0);
+                Held {
+                    level: self.trial.level(part),
+                    steps: self.trial.steps_between(self.export, share),
+                }
+            };
+            (0..STROKES).map(&mut held).collect()
+        })
+    }
+
+    /// The same or one that is farther, with other holds or more strokes.
+    fn changed(&self, farthest: (f64, Vec<Held>)) -> (f64, Vec<Held>) {
+        let mut random = ChaCha8Rng::seed_from_u64(0);
+        (0..CHANGES).fold(farthest, |farthest, change| {
+            let factor = FACTOR.powf(random.random_range(-1.0..=1.0));
+            let place = random.random_range(0..farthest.1.len().max(1));
+            let mut strokes = farthest.1.clone();
+            match change % 4 {
+                0 => strokes
+                    .iter_mut()
+                    .for_each(|held| self.lengthen(held, factor)),
+                1 if strokes.len() + 2 <= STROKES => {
+                    let first: Vec<Held> = strokes.iter().take(2).copied().collect();
+                    strokes.splice(0..0, first);
+                }
+                _ => strokes
+                    .iter_mut()
+                    .skip(place)
+                    .take(1)
+                    .for_each(|held| self.lengthen(held, factor)),
+            }
+            let other = self.until_largest(strokes);
+            match other.0 > farthest.0 {
+                true => other,
+                false => farthest,
+            }
+        })
+    }
+
+    /// A hold so many times as long, by a pulse frame or a step at least.
+    fn lengthen(&self, held: &mut Held, factor: f64) {
+        let unit = (self.export.frame_s() / self.trial.step_s).max(1.0);
+        let units = held.steps as f64 / unit;
+        let changed = match factor > 1.0 {
+            true => (units * factor).round().max(units + 1.0),
+            false => (units * factor).round().min(units - 1.0).max(1.0),
+        };
+        held.steps = (changed * unit).round().max(1.0) as usize;
+    }
+
+    /// The largest difference, and the strokes up to the one in which it is.
+    fn until_largest(&self, mut strokes: Vec<Held>) -> (f64, Vec<Held>) {
+        let first = Held {
+            level: self.trial.middle(),
+            steps: self.trial.steps_per_level,
+        };
+        let all = std::iter::once(&first).chain(&strokes);
+        let commands: Vec<f64> = all
+            .flat_map(|held| std::iter::repeat_n(held.level, held.steps))
+            .collect();
+        let positions = (self.respond)(&commands);
+        let exact = finely(&self.export.parameters, self.trial.step_s, &commands, FINER);
+        let after = |course: &[f64]| course.get(first.steps..).unwrap_or_default().to_vec();
+        let (difference, at) = largest(&after(&positions), &after(&exact));
+        let mut end = 0;
+        let needed = strokes.iter().take_while(|held| {
+            let begins = end;
+            end += held.steps;
+            begins <= at
+        });
+        let needed = needed.count();
+        strokes.truncate(needed);
+        (difference, strokes)
+    }
+
+    /// The shortest end of the strokes in which the difference is about as large.
+    fn without_beginning(&self, strokes: Vec<Held>, difference: f64) -> Vec<Held> {
+        let least = (1.0 - WITHOUT_BEGINNING) * difference;
+        let ends = (1..strokes.len()).rev();
+        let ends = ends.filter_map(|place| strokes.get(place..));
+        let mut shorter = ends.map(|end| self.until_largest(end.to_vec()));
+        shorter
+            .find(|(found, _)| *found >= least)
+            .map_or(strokes, |(_, end)| end)
+    }
+}

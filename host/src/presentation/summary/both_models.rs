@@ -1,0 +1,49 @@
+//! The linear model and the servo as a machine in one text.
+
+use super::first_finding::{first_finding, said_before};
+use super::layout::wrapped;
+use super::{Extent, of_model, of_servo_model, servo_sentence};
+use crate::data::model_file::ServoModelDocument;
+use crate::data::model_metadata::ModelMetadata;
+use crate::data::units::Units;
+use servoid_identification::results::Model;
+
+/// What kind of servo it is as a machine, where that is the answer: a finding that leaves nothing to be said before it stands in the place
+/// of the sentence.
+#[must_use]
+pub fn answer_of_servo_model(
+    servo: &ServoModelDocument,
+    linear: &Model,
+    units: Units<'_>,
+) -> Option<String> {
+    let speaks = first_finding(linear).is_none();
+    speaks.then(|| servo_sentence(&servo.model, linear, units))
+}
+
+/// The results of one identification: the answer first, which is that of the servo model where there is one. `picture` is one of the step
+/// response, and with `statistics` structure, residuals and widths are printed too.
+#[must_use]
+pub fn of_both_models(
+    source: &str,
+    model: &Model,
+    of: &ModelMetadata,
+    servo: Option<&ServoModelDocument>,
+    (picture, statistics): (&str, bool),
+) -> String {
+    let units = of.units();
+    let answer = servo.and_then(|servo| answer_of_servo_model(servo, model, units));
+    let sentence = answer.map_or_else(String::new, |answer| wrapped(&answer, 0) + "\n\n");
+    // What is to be said before it stands behind the name of the data.
+    let (before, of_servo) = match said_before(model) {
+        Some(_) => ("", &*sentence),
+        None => (&*sentence, ""),
+    };
+    let extent = Extent {
+        of_servo,
+        picture,
+        statistics,
+    };
+    let mut text = before.to_owned() + &of_model(source, model, of, extent);
+    text.extend(servo.map(|servo| of_servo_model(servo, units, statistics)));
+    text
+}

@@ -1,0 +1,99 @@
+"""The low-order model."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ._document import Column, column_or_none
+from ._interval import Interval, interval, interval_or_none
+from ._withdrawn import Withdrawn, withdrawn
+
+
+class FlightModel(dict[str, Any]):
+    """A transfer function of first to third order: ``model.flight_model`` with ``flight_model=True``.
+
+    It is K exp(-L s) / ((1 + 2 ζ s/ω + s²/ω²) (1 + T s)), of which a low order lacks one factor or the other. The delay L counts
+    from the edge of the command. It is the document's dictionary, too (docs/results.md), with the attributes below.
+
+    Examples
+    --------
+    >>> import servoid
+    >>> flight = servoid.identify(servoid.simulate("linear"), flight_model=True).flight_model
+    >>> flight.coordinates
+    ('gain', 'delay_s', 'ln_omega_rad_s', 'ln_damping')
+    >>> sorted(flight.sd)
+    ['damping', 'delay_s', 'gain', 'omega_rad_s']
+    """
+
+    @property
+    def order(self) -> int:
+        """Number of poles, 1 to 3."""
+        return int(self["order"])
+
+    @property
+    def gain(self) -> Interval:
+        """K (output per input)."""
+        return interval(self["gain"])
+
+    @property
+    def delay_s(self) -> Interval:
+        """L (s)."""
+        return interval(self["delay_s"])
+
+    @property
+    def omega_rad_s(self) -> Interval | None:
+        """ω (rad/s); ``None`` in first order."""
+        return interval_or_none(self["omega_rad_s"])
+
+    @property
+    def damping(self) -> Interval | None:
+        """ζ, a ratio; ``None`` in first order."""
+        return interval_or_none(self["damping"])
+
+    @property
+    def lag_s(self) -> Interval | None:
+        """T (s); ``None`` in second order."""
+        return interval_or_none(self["lag_s"])
+
+    @property
+    def level(self) -> float | None:
+        """Level of the intervals; ``None`` where bounds are withdrawn."""
+        level: float | None = (self["bounds"] or {}).get("level")
+        return level
+
+    @property
+    def withdrawn(self) -> Withdrawn | None:
+        """Why no bounds can be given; ``None`` where they hold."""
+        return withdrawn(self)
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """What rows and columns of :attr:`covariance` are of; ``ln_`` stands before those whose natural logarithm it is."""
+        oscillator = () if self["omega_rad_s"] is None else ("ln_omega_rad_s", "ln_damping")
+        lag = () if self["lag_s"] is None else ("ln_lag_s",)
+        return ("gain", "delay_s", *oscillator, *lag)
+
+    @property
+    def covariance(self) -> Column | None:
+        """Covariance of :attr:`coordinates`, which is [K, L, ln ω, ln ζ, ln T], as far as the order has them; ``None`` without bounds.
+
+        K is in output per input and L in s; the logarithms are of numbers in rad/s, of a ratio, and of numbers in s, so that their
+        standard deviations are relative errors. It is that of the noise, wider by the document's ``inflation``; an uncertain delay of the
+        sensor is in the interval of L alone.
+        """
+        return column_or_none((self["bounds"] or {}).get("covariance"))
+
+    @property
+    def sd(self) -> dict[str, float] | None:
+        """Standard deviation of each parameter in its own unit, by the first order of the logarithm; ``None`` without bounds."""
+        covariance = self.covariance
+        if covariance is None:
+            return None
+        found = {}
+        for name, deviation in zip(self.coordinates, np.sqrt(np.diag(covariance)), strict=True):
+            parameter = name.removeprefix("ln_")
+            scale = 1.0 if parameter == name else self[parameter]["value"]
+            found[parameter] = float(deviation * scale)
+        return found
