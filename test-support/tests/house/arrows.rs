@@ -153,6 +153,7 @@ pub const ROOMS: [(&str, &[&str]); 11] = [
             "arguments",
             "arrays",
             "error",
+            "export",
             "compute",
             "model",
             "data",

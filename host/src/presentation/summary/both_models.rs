@@ -2,7 +2,9 @@
 
 use super::first_finding::{first_finding, said_before};
 use super::layout::wrapped;
-use super::{Extent, of_model, of_servo_model, servo_sentence};
+use super::linear_model::{Extent, of_model};
+use super::servo_model::of_servo_model;
+use super::servo_sentence::servo_sentence;
 use crate::data::model_file::ServoModelDocument;
 use crate::data::model_metadata::ModelMetadata;
 use crate::data::units::Units;

@@ -1,6 +1,6 @@
 //! Numbers with the digits that mean something, and no others.
 
-use servoid_identification::results::{Bounds, Interval, six_digits};
+use servoid_identification::results::{Bounds, Interval, six_digits, with_unit};
 
 /// "p = 0.021"; a test that could not be made has none.
 pub(crate) fn probability(p: Option<f64>) -> String {
@@ -19,6 +19,11 @@ pub(crate) fn decimals(number: f64, significant: i32) -> usize {
     };
     // The smallest positive number begins at the 324th decimal.
     (significant - 1 - leading as i32).clamp(4, 330) as usize
+}
+
+/// "0.120 deg"; the number alone where the unit is not known.
+pub(super) fn number_with_unit(number: f64, digits: usize, unit: Option<&str>) -> String {
+    with_unit(format!("{number:.digits$}"), unit.unwrap_or_default())
 }
 
 /// A level in percent: 57 rather than 56.99999999999999.

@@ -13,6 +13,7 @@ use super::statement::{Comparison, Frame};
 use super::subject::ServoExport;
 use super::terms::Term;
 use super::trial_command::{Difference, Trial};
+use super::worst_command::with_worst;
 use crate::presentation::export::error::ExportError;
 use crate::presentation::export::target::Target;
 use crate::presentation::export::text::{SCRIPT_STYLE, number};
@@ -149,7 +150,7 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     };
     let share = best_share(export, &trial, full_speed.top(command.full), slower).share;
     let parameters = full_speed.slower(share);
-    let trial = trial.with_worst(export, |commands| {
+    let trial = with_worst(trial, export, |commands| {
         positions(&parameters.respond(&outputs(commands.to_vec())), servo)
     });
     // The trial has its commands at pulses, and no wait.

@@ -12,6 +12,7 @@ use super::statement::{Comparison, Frame};
 use super::subject::{NO_LIMIT, ServoExport};
 use super::terms::Term;
 use super::trial_command::{Difference, Trial};
+use super::worst_command::with_worst;
 use crate::presentation::export::error::ExportError;
 use crate::presentation::export::jsbsim::{TIME, before_servo, hold_switch, start};
 use crate::presentation::export::neutral::neutral;
@@ -261,7 +262,7 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         false => behind,
     };
     let step_s = trial.step_s;
-    let trial = trial.with_worst(export, |commands| actuator.respond(commands, step_s));
+    let trial = with_worst(trial, export, |commands| actuator.respond(commands, step_s));
     let positions = actuator.respond(&trial.command(), step_s);
     let slowest = actuator.rates.map(|(up, down)| up.min(down));
     let smooth = SmoothCommand::of(export, &trial, slowest);

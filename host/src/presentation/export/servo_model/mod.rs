@@ -25,8 +25,7 @@ mod worst_command;
 
 pub use exported::ExportedServo;
 pub use subject::{ServoExport, ServoExportOptions};
-pub use trial_command::Trial;
-pub use worst_command::Held;
+pub use trial_command::{Held, Trial};
 
 use super::error::ExportError;
 use super::target::Target;

@@ -13,6 +13,7 @@ use super::statement::{Comparison, Frame, line};
 use super::subject::ServoExport;
 use super::terms::Term;
 use super::trial_command::{Difference, Trial, recorded};
+use super::worst_command::with_worst;
 use crate::presentation::export::error::ExportError;
 use crate::presentation::export::target::Target;
 use crate::presentation::export::text::{XML_STYLE, identifier, number};
@@ -219,7 +220,7 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     });
     let joint = Joint::of(export, step_s, radians, drive);
     let positions = |commands: Vec<f64>| positions_of(&joint, commands);
-    let trial = trial.with_worst(export, |commands| positions(commands.to_vec()));
+    let trial = with_worst(trial, export, |commands| positions(commands.to_vec()));
     let smooth = SmoothCommand::of(export, &trial, None);
     let late_s = smooth.lag_s(export, &positions(smooth.held()));
     let found = positions(trial.command());

@@ -3,8 +3,7 @@
 use super::exported::ExportedServo;
 use super::rate_limit::FACTOR;
 use super::subject::ServoExport;
-use super::trial_command::{Difference, FINER, REVERSALS, Trial};
-use super::worst_command::Held;
+use super::trial_command::{Difference, FINER, Held, REVERSALS, Trial};
 use crate::data::unitless_command::UnitlessCommand;
 use crate::presentation::export::doubts;
 use crate::presentation::export::recorded::{self, beside};

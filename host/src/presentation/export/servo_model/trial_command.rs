@@ -1,7 +1,6 @@
 //! The command under which an export is compared with servoid's own integrator.
 
 use super::subject::ServoExport;
-use super::worst_command::{Held, worst};
 use serde::Serialize;
 use servoid_dynamics::{Grid, ServoParameters, Start, simulate};
 
@@ -22,6 +21,15 @@ pub struct Trial {
     /// The strokes before all this, from rest at the first level: those in which a search found the largest difference. Play and friction
     /// remember what came before, and the search begins at rest.
     pub worst: Vec<Held>,
+}
+
+/// A level of the command, and for how long it is held.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Held {
+    /// The level \[units of the command\].
+    pub level: f64,
+    /// The number of steps.
+    pub steps: usize,
 }
 
 /// How far an exported servo is from the servo model.
@@ -125,18 +133,6 @@ impl Trial {
             steps_of_broken_off: steps(in_frames(export, (BROKEN_OFF * hold_s).max(SHORTEST_S))),
             steps_of_reversals,
             worst: Vec::new(),
-        }
-    }
-
-    /// The same with the strokes in which an export, whose positions `respond` has, is farthest from the servo.
-    pub(super) fn with_worst(
-        self,
-        export: &ServoExport<'_>,
-        respond: impl Fn(&[f64]) -> Vec<f64>,
-    ) -> Self {
-        Self {
-            worst: worst(export, &self, &respond),
-            ..self
         }
     }
 

@@ -4,19 +4,9 @@
 //! of levels and one half-period show a part of it alone.
 
 use super::subject::ServoExport;
-use super::trial_command::{Trial, finely, largest};
+use super::trial_command::{Held, Trial, finely, largest};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use serde::Serialize;
-
-/// A level of the command, and for how long it is held.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Held {
-    /// The level \[units of the command\].
-    pub level: f64,
-    /// The number of steps.
-    pub steps: usize,
-}
 
 /// Half-periods that are tried, from the shortest to the longest, each so many times the last.
 const HALF_PERIODS: usize = 12;
@@ -44,10 +34,19 @@ const FINER: f64 = 3.0;
 /// The sequence that is farthest may lose strokes at its beginning that change the difference by no more than this part.
 const WITHOUT_BEGINNING: f64 = 0.01;
 
-/// The strokes, from rest in the middle of a trial, in which the difference is largest; `respond` has the positions for commands.
-pub(super) fn worst(
+/// The trial with the strokes in which an export, whose positions `respond` has, is farthest from the servo; they begin at rest in its middle.
+pub(super) fn with_worst(
+    trial: Trial,
     export: &ServoExport<'_>,
+    respond: impl Fn(&[f64]) -> Vec<f64>,
+) -> Trial {
+    let worst = worst(&trial, export, &respond);
+    Trial { worst, ..trial }
+}
+
+fn worst(
     trial: &Trial,
+    export: &ServoExport<'_>,
     respond: &dyn Fn(&[f64]) -> Vec<f64>,
 ) -> Vec<Held> {
     let search = Search {
