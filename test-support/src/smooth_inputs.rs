@@ -76,7 +76,7 @@ impl Input {
 /// Who follows it.
 #[derive(Debug, Clone)]
 pub enum Servo {
-    /// A linear servo, with this share of its response in [`SLOW`].
+    /// A linear servo, with this share of its response as a lag of 0.4 s.
     Linear(Linear, f64),
     /// Second order, 50 rad/s and damping .7, 12 ms late, whose speed has a limit \[deg/s\].
     SpeedLimited(f64),
