@@ -34,7 +34,7 @@ pub(super) fn no_limit(
         .map(|speeds| format!(" up to {speeds}"));
     let under = commands.map(|range| format!(" (commands {})", range_in_words(range, units)));
     format!(
-        "no limit of the speed was seen{}{} (strokes of one size show none): this file has none, and a servo has one",
+        "no limit of the speed was seen{}{} (strokes of one size, and those that end before the servo reaches it, show none): this file has none, and a servo has one",
         up_to.unwrap_or_default(),
         under.unwrap_or_default()
     )

@@ -96,8 +96,8 @@ fn hysteresis(model: &ServoModel, units: Units<'_>) -> Option<String> {
         false => String::new(),
     };
     Some(format!(
-        " Positions of rest reached from above and from below are {}{unit} apart{explained}: play in the gears, of which it has none, does that, as do a \
-         dead band and friction.",
+        " Positions of rest reached from above and from below are {}{unit} apart{explained}: play in the gears, of which the model has none, does that, as do a \
+         dead band and friction. Play may be more than that, because a servo that overshoots comes to rest within it.",
         digits(found.shown, 3)
     ))
 }

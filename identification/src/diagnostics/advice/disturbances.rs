@@ -4,7 +4,7 @@ use super::evidence::{Evidence, two_digits};
 use crate::diagnostics::hum::Hum;
 use crate::diagnostics::other_strokes::LASTING;
 use crate::diagnostics::taken_out::TakenOut;
-use crate::results::{Advice, Check};
+use crate::results::{Advice, Check, Withheld};
 use crate::thresholds::ABOVE_NEIGHBOURS;
 
 /// Places that are named; the explanation has all.
@@ -60,6 +60,10 @@ pub(super) fn outliers(evidence: &Evidence<'_>) -> Option<Advice> {
             found.samples
         ),
     });
+    let smooth = evidence.validity.withheld == Some(Withheld::InputUnexcited);
+    let lacking = smooth.then_some(
+        " The model has a few frequencies of this input: where the input is quickest, what it lacks may be motion.",
+    );
     let remedy =
         "Look at these places (the explanation has all) for glitches of the sensor or its wiring.";
     Some(Advice::new(
@@ -72,7 +76,7 @@ pub(super) fn outliers(evidence: &Evidence<'_>) -> Option<Advice> {
         ),
         count as f64,
         0.0,
-        remedy.to_owned() + &motion.unwrap_or_default(),
+        remedy.to_owned() + lacking.unwrap_or_default() + &motion.unwrap_or_default(),
     ))
 }
 

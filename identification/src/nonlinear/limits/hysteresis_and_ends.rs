@@ -360,11 +360,8 @@ impl Table {
                 100.0 * ratio
             ),
             (false, _) => format!(
-                "No stop at the {name} end: {:.3} is reached at a command of {:.3}, with {:.0} % of \
-                 the gain elsewhere.",
-                level.mean,
-                level.command,
-                100.0 * ratio
+                "No stop at the {name} end: {:.3} is reached at a command of {:.3}.",
+                level.mean, level.command
             ),
             // The level before rests at the same angle: two commands end there.
             (true, true) if ratio.abs() <= by_chance + explained => {

@@ -165,10 +165,17 @@ impl Rate {
             RateVerdict::Limited => {
                 format!("Rate limit {direction} of {speed:.1} per second.")
             }
-            _ => format!(
-                "The speed {direction} grows less than the stroke (to the power {exponent:.2}), up to {speed:.1} \
-                 per second at the largest stroke: torque or acceleration is limited."
-            ),
+            _ => {
+                // Strokes that bend at a size have no one power.
+                let power = match exponent < RATE_SLOPES.0 {
+                    true => format!(" (to the power {exponent:.2})"),
+                    false => String::new(),
+                };
+                format!(
+                    "The speed {direction} grows less than the stroke{power}, up to {speed:.1} per second at the largest stroke: \
+                     torque, acceleration or speed is limited."
+                )
+            }
         }
     }
 }

@@ -8,7 +8,7 @@ use super::exported::ExportedServo;
 use super::fixed_step::step_s;
 use super::load_mass::{GRAVITY, Turn, Weight};
 use super::smooth_command::SmoothCommand;
-use super::speed_by_drive::closest_drive;
+use super::speed_by_drive::{SHARES, closest_drive};
 use super::statement::{Comparison, Frame, line};
 use super::subject::ServoExport;
 use super::terms::Term;
@@ -26,6 +26,9 @@ const IMPEDANCE: f64 = 0.9999;
 
 /// Time constant of that constraint in steps: the shortest that MuJoCo takes.
 const TIME_CONSTANT: f64 = 2.0;
+
+/// MuJoCo takes a positive damping of a general actuator for a damping ratio where its two stiffnesses are equal: so much apart they are not.
+const NO_RATIO: f64 = 1e-6;
 
 /// An angle that no servo reaches \[rad\], for the end that has no stop.
 const TURNS: f64 = 1e3;
@@ -144,8 +147,10 @@ impl Joint {
             let values = [("id", id.to_owned()), ("load", number(-self.load))];
             fill(include_str!("../templates/servo_model/load.mjcf"), &values)
         });
+        let (actuator, law) = self.law();
         vec![
             ("id", id.to_owned()),
+            ("actuator", actuator.to_owned()),
             ("step", number(self.step_s)),
             ("mass", number(self.weight.mass)),
             ("place", self.weight.place()),
@@ -154,8 +159,7 @@ impl Joint {
             ("damping", number(self.damping)),
             ("friction", friction.unwrap_or_default()),
             ("stops", stops.unwrap_or_default()),
-            ("kp", number(self.kp)),
-            ("kv", number(self.kv)),
+            ("law", law),
             ("range", range.unwrap_or_default()),
             // MuJoCo rounds a delay up to whole steps.
             (
@@ -165,6 +169,26 @@ impl Joint {
             ("samples", (self.delay_steps + 1).to_string()),
             ("load", load.unwrap_or_default()),
         ]
+    }
+
+    /// The element of the actuator and its law. A position actuator has no negative kv; a general one takes any.
+    fn law(&self) -> (&'static str, String) {
+        let (kp, kv) = (self.kp, self.kv);
+        match kv < 0.0 {
+            false => (
+                "position",
+                format!("kp=\"{}\" kv=\"{}\"", number(kp), number(kv)),
+            ),
+            true => (
+                "general",
+                format!(
+                    "gainprm=\"{}\" biastype=\"affine\" biasprm=\"0 {} {}\"",
+                    number(kp),
+                    number(-(1.0 + NO_RATIO) * kp),
+                    number(-kv)
+                ),
+            ),
+        }
     }
 
     /// What a stop adds to the acceleration `free`: a soft constraint, too, which pushes the joint back that is beyond.
@@ -250,8 +274,10 @@ fn speed_in_words(export: &ServoExport<'_>, drive: Option<DriveLimit<f64>>) -> O
     let unit = export.command_unit();
     let [up, down] = drive.both_ways().map(four_digits);
     Some(format!(
-        "Speed: MuJoCo has no limit of it. Here the speed comes to that by and by, as that of a motor does: B is {} 1/s, A+ {up} {unit}/s^2 and A- {down} {unit}/s^2, with which the joint is closest to the servo in the staircase, in the mean of squares.",
-        four_digits(drive.motor_damping)
+        "Speed: MuJoCo has no limit of it. Here the speed comes to that against the joint's damping B, in 1/B: B is {} 1/s, A+ {up} {unit}/s^2 and A- {down} {unit}/s^2. Of all B from {} to {} times c, the joint is closest to the servo with that one in the staircase, in the mean of squares.",
+        four_digits(drive.motor_damping),
+        SHARES.0,
+        SHARES.1
     ))
 }
 
@@ -280,10 +306,10 @@ fn about(
         START.to_owned(),
         export.frame(Frame::BeforeFile),
         format!(
-            "In MuJoCo: the joint's angle is the position in rad, {} for each unit of it. ctrl is the command as such a position: {control}. The actuator is the drive, with kp = k, kv = c - B and the range from -A- to A+; the joint has the damping B and the frictionloss C. Range, frictionloss and load act on the joint: they are times the gain in rad.",
+            "In MuJoCo: the joint's angle is the position in rad, {} for each unit of it. ctrl is the command as such a position: {control}. The actuator is the drive, with kp = k, kv = c - B and the range from -A- to A+ (where B is larger than c it is a general one, with gainprm = k and biasprm = 0, -k, B - c, because a position actuator has no negative kv); the joint has the damping B and the frictionloss C. Range, frictionloss and load act on the joint: they are times the gain in rad.",
             number(radians)
         ),
-        "The joint has an inertia of 1 kg m^2, which stands for the unknown one of motor, gears and load. In your mechanism with the inertia J about this joint, armature included, multiply kp, kv, forcerange, damping, frictionloss and the load by J. The weight, if there is one, is a mass on an arm as short as a millimetre: your mechanism takes its place.".to_owned(),
+        "The joint has an inertia of 1 kg m^2, which stands for the unknown one of motor, gears and load. In your mechanism with the inertia J about this joint, armature included, multiply kp, kv (or gainprm and biasprm), forcerange, damping, frictionloss and the load by J. The weight, if there is one, is a mass on an arm as short as a millimetre: your mechanism takes its place.".to_owned(),
         format!(
             "Steps: {} ms each (timestep), for which delay and constraints are computed. For others, export with --step-ms.",
             number(1e3 * difference.trial.step_s)

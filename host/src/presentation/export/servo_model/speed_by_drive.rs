@@ -1,6 +1,7 @@
 //! A drive that stands for a limit of the speed, in a program that has none.
 //!
-//! A drive A+ against the motor's damping B has the top speed A+/B, to which the speed comes by and by. The larger B is, the sooner.
+//! A drive A+ against the motor's damping B has the top speed A+/B, to which the speed comes in 1/B. Below its limit such a drive is that of the loop,
+//! whatever B is: the loop has c - B of the damping, which a B beyond c makes negative.
 
 use super::subject::ServoExport;
 use super::trial_command::Trial;
@@ -9,8 +10,9 @@ use servoid_identification::servo_model::DriveLimit;
 /// Each damping that is tried is this part of the last.
 const FACTOR: f64 = 0.9;
 
-/// Beyond a tenth of the damping of the loop the speed comes to its limit too late for any servo.
-const LEAST_SHARE: f64 = 0.1;
+/// Shares of the damping of the loop: with the least the speed comes to its limit too late for any servo, with the largest within a thousandth of a second or two. A
+/// servo whose acceleration has a limit, too, is between.
+pub(super) const SHARES: (f64, f64) = (0.1, 16.0);
 
 /// The drive that, in place of the speed limit of the servo, gives the least mean square of the difference from it in the strokes of the
 /// staircase; the drive of the servo itself, where its speed has no limit. `respond` has the positions of a drive.
@@ -30,9 +32,10 @@ pub(super) fn closest_drive(
     };
     let staircase = trial.only_staircase();
     let exact = staircase.exact(servo);
-    let dampings = std::iter::successors(Some(servo.damping), |damping| Some(FACTOR * damping));
+    let most = SHARES.1 * servo.damping;
+    let dampings = std::iter::successors(Some(most), |damping| Some(FACTOR * damping));
     let tried = dampings
-        .take_while(|damping| *damping >= LEAST_SHARE * servo.damping)
+        .take_while(|damping| *damping >= SHARES.0 * servo.damping)
         .map(|damping| {
             let drive = of_damping(damping);
             let positions = respond(drive, &staircase);
