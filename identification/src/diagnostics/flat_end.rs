@@ -30,6 +30,10 @@ const AT_REST: f64 = 0.05;
 /// Share of the range of the commands over which the line must go: two of six levels do, a few neighbours show no slope.
 const LINE: f64 = 0.15;
 
+/// A stop is passed where more than the second share of the samples lies beyond it by more than the first share of the travel: neither noise nor
+/// glitches nor what gives at a stop are so far and so many.
+const PASSED: (f64, f64) = (0.1, 0.1);
+
 /// Most places at which an end is looked for: of more commands, not all are tried.
 const PLACES: usize = 50;
 
@@ -49,6 +53,19 @@ impl TravelEnd {
     /// is rounded.
     pub(crate) fn of_rests(record: &Record) -> [Option<Self>; 2] {
         of_rests(&rests(record), sensor_step(record).unwrap_or_default())
+            .map(|end| end.filter(|end| !end.is_passed(record)))
+    }
+
+    /// Whether the output goes on beyond it, as it does where short holds of a motion that goes on look like rests.
+    fn is_passed(&self, record: &Record) -> bool {
+        let outputs = || record.runs().iter().flat_map(Run::output).copied();
+        let present = || outputs().filter(|y| !y.is_nan());
+        let (Some(travel), count) = (span(present()), present().count() as f64) else {
+            return false;
+        };
+        let outwards = (self.rest - present().sum::<f64>() / count).signum();
+        let beyond = |y: &f64| outwards * (y - self.rest) > PASSED.0 * travel;
+        present().filter(beyond).count() as f64 > PASSED.1 * count
     }
 }
 

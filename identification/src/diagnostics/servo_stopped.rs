@@ -17,6 +17,13 @@ use std::ops::Range;
 /// Blocks of a run, at most.
 const BLOCKS: usize = 400;
 
+/// Delays at which the input may explain the output within blocks, in blocks.
+const DELAYS: usize = 4;
+
+/// Share of the output's variance within blocks that the input explains where the servo follows it. Noise alone comes to a tenth at the best of so many
+/// delays, in the shortest part that counts.
+const FOLLOWS: f64 = 0.25;
+
 /// Where the servo stops.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ServoStopped {
@@ -75,8 +82,33 @@ fn stopped_at(run: &Run<'_>) -> Option<usize> {
         .map(|stroke| stroke.len())
         .min()?;
     let as_long = longest as f64 >= STANDSTILL_AS_LONG * shortest as f64;
-    (part(before) && part(after) && late.len() >= STANDSTILL_STROKES && as_long)
-        .then_some(still_from)
+    let stands = part(before) && part(after) && late.len() >= STANDSTILL_STROKES && as_long;
+    (stands && !follows(run, still_from, size)).then_some(still_from)
+}
+
+/// Whether the output follows the input from sample `from` on within blocks of this size, whose means do not show what is quicker than they: the input
+/// explains a part of it at some delay of a few blocks.
+fn follows(run: &Run<'_>, from: usize, size: usize) -> bool {
+    let within_blocks = |column: &[f64]| -> Vec<f64> {
+        let of_block = |block: &[f64]| {
+            let mean = mean(block).unwrap_or(f64::NAN);
+            let about: Vec<f64> = block.iter().map(|value| value - mean).collect();
+            about
+        };
+        column.chunks(size).flat_map(of_block).collect()
+    };
+    let [input, output] = [run.input(), run.output()].map(within_blocks);
+    let explained = |delay: usize| {
+        let late =
+            (from..output.len()).filter_map(|k| Some((output[k], input[k.checked_sub(delay)?])));
+        let known = late.filter(|(y, u)| !(y + u).is_nan());
+        let [yy, uu, yu] = known.fold([0.0; 3], |[yy, uu, yu], (y, u)| {
+            [yy + y * y, uu + u * u, yu + y * u]
+        });
+        // Of an output that does not move at all nothing is explained.
+        yu * yu > FOLLOWS * yy * uu
+    };
+    (0..DELAYS * size).any(explained)
 }
 
 /// The samples from each stroke to the next.
@@ -176,5 +208,29 @@ mod tests {
         assert_eq!(ServoStopped::of(&record(&sweep, 60.0, usize::MAX)), None);
         // It never moved: that is another finding.
         assert_eq!(ServoStopped::of(&record(&steady, 5.0, 0)), None);
+    }
+    /// From 0.2 to 15 Hz in 20 s, in rows of 5 ms: the last strokes are shorter than a block, whose mean does not show them.
+    #[test]
+    fn a_servo_that_follows_a_quick_sweep_has_none() {
+        let time = |k: u32| 0.005 * f64::from(k);
+        let turns = |t: f64| 0.2 * t + 0.37 * t * t;
+        let sweep: Vec<f64> = (0..4_000)
+            .map(|k| 10.0 * (std::f64::consts::TAU * turns(time(k))).sin())
+            .collect();
+        let (mut position, mut speed) = (0.0, 0.0);
+        let output = (0..sweep.len()).map(|k| {
+            let command = sweep[k.saturating_sub(3)];
+            speed += 0.005 * (32.0 * 32.0 * (command - position) - 1.46 * 32.0 * speed);
+            position += 0.005 * speed;
+            position + 0.1 * (((k * k * 7919) % 101) as f64 / 100.0 - 0.5)
+        });
+        let output: Vec<f64> = output.collect();
+        let still = |output: Vec<f64>| {
+            ServoStopped::of(&Record::of_run(0.005, sweep.clone(), output).unwrap())
+        };
+        assert_eq!(still(output.clone()), None);
+        let last = |k: usize| output[k.min(2_400)] + 0.1 * (k % 7) as f64;
+        let found = still((0..output.len()).map(last).collect());
+        assert!(found.is_some_and(|found| found.at_s > 11.0), "{found:?}");
     }
 }
