@@ -49,8 +49,26 @@ const WORDS: [&str; 11] = [
     "ardupilot",
 ];
 
-/// The sentence with arguments where it names options.
+/// Words between two options.
+const JOINING: [&str; 2] = ["and", "or"];
+
+/// The sentence with arguments where it names options. Commands for a shell, which stand between quotes, stay what they are.
 pub(crate) fn in_python(sentence: &str) -> String {
+    let command = sentence.split_once(SHELL).and_then(|(before, after)| {
+        let (command, behind) = after.split_once('\'')?;
+        Some(format!(
+            "{}{SHELL}{command}'{}",
+            with_arguments(before),
+            in_python(behind)
+        ))
+    });
+    command.unwrap_or_else(|| with_arguments(sentence))
+}
+
+/// What commands for a shell begin with.
+const SHELL: &str = "'servoid ";
+
+fn with_arguments(sentence: &str) -> String {
     let (mut text, mut rest, mut follows_argument) = (String::new(), sentence, false);
     while let Some((before, after)) = rest.split_once(MARK) {
         // One option behind another is one argument behind another.
@@ -112,6 +130,9 @@ fn value(text: &str) -> Option<(String, &str)> {
     }
     // A name of a column stands before another option or at the end; any other word goes on with the sentence.
     let ends_here = behind.is_empty() || behind.starts_with(" --");
+    if JOINING.contains(&word) {
+        return None;
+    }
     (WORDS.contains(&word) || (ends_here && !word.is_empty()))
         .then(|| (format!("{word:?}"), behind))
 }

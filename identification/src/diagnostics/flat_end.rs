@@ -627,4 +627,25 @@ mod tests {
         // 84 of 400; 99 where an end may be short by however little.
         assert!(stops < 90, "{stops}");
     }
+    /// Levels of which the upper ones rest at 0.5, and a motion that goes on up to an angle.
+    #[test]
+    fn a_stop_that_the_output_passes_is_none() {
+        let found = |farthest: f64| {
+            let (mut input, mut output) = (Vec::new(), vec![0.0; 3]);
+            for visit in 0..28 {
+                let level = f64::from(visit * 3 % 7 - 3);
+                input.extend([level; 40]);
+                output.extend([f64::min(level, 0.5); 40]);
+            }
+            for k in 0..600 {
+                let command = 3.0 * (0.1 * f64::from(k)).sin();
+                input.push(command);
+                output.push(command.min(farthest));
+            }
+            output.truncate(input.len());
+            stops_of_rests(&Record::of_run(0.005, input, output).unwrap())
+        };
+        assert_eq!(found(0.5), [0.5]);
+        assert_eq!(found(3.0), [0.0; 0]);
+    }
 }
