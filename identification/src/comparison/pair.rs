@@ -91,10 +91,7 @@ impl<'a> Identified<'a> {
     pub(super) fn asymmetry(&self) -> Asymmetry {
         let symmetry = self.split.as_ref().and_then(|split| split.symmetry.valid());
         Asymmetry {
-            // Strokes of another draw differ by other amounts where the servo is not linear.
-            p: symmetry
-                .filter(|_| self.model.linear)
-                .map(|symmetry| symmetry.p),
+            p: symmetry.map(|symmetry| symmetry.p),
             largest_percent: symmetry.map(|s| {
                 100.0 * s.largest_difference / self.model.metrics.dc_gain.value.unwrap_or(1.0)
             }),

@@ -163,13 +163,10 @@ pub(crate) fn facts_of_comparison(
     }
     for (name, side) in found.asymmetry.iter().flat_map(|s| [(a, &s.a), (b, &s.b)]) {
         if let Some(largest) = side.largest_percent {
-            let largest = largest.abs();
-            let chance = match side.p {
-                Some(_) => format!("{} by chance alone", probability(side.p)),
-                None => "in these strokes: those of a servo that is not linear differ by others in each recording".to_owned(),
-            };
-            let apart =
-                format!("{largest:.1} % of the stroke apart where they differ most ({chance})");
+            let (largest, p) = (largest.abs(), probability(side.p));
+            let apart = format!(
+                "{largest:.1} % of the stroke apart where they differ most ({p} by chance alone; in a servo with limits other strokes differ by others)"
+            );
             add(&format!("{name}, up against down strokes"), apart);
         }
     }
