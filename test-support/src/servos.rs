@@ -216,9 +216,18 @@ pub enum Limit {
 
 /// A second-order servo (ζ, ω, delay 21.5 ms) with a limit, in steps of 0.1 ms.
 pub fn limited(zeta: f64, omega: f64, limit: Limit, input: &[f64], rest: f64) -> Vec<f64> {
-    const STEPS: usize = 20;
-    const DELAY: usize = 215;
-    let dt = PERIOD / STEPS as f64;
+    limited_in_steps(zeta, omega, limit, input, rest, (PERIOD / 20.0, 20, 215))
+}
+
+/// The same in steps of `dt` \[s\], so many for each sample of the input, with a delay of `late` steps.
+pub fn limited_in_steps(
+    zeta: f64,
+    omega: f64,
+    limit: Limit,
+    input: &[f64],
+    rest: f64,
+    (dt, steps, late): (f64, usize, usize),
+) -> Vec<f64> {
     let (mut x, mut v, mut shaft) = (rest, 0.0, rest);
     let mut output = Vec::with_capacity(input.len());
     for k in 0..input.len() {
@@ -228,11 +237,11 @@ pub fn limited(zeta: f64, omega: f64, limit: Limit, input: &[f64], rest: f64) ->
             Limit::Rate(..) => x,
         };
         output.push(shaft);
-        for step in 0..STEPS {
-            let now = k * STEPS + step;
+        for step in 0..steps {
+            let now = k * steps + step;
             let u = now
-                .checked_sub(DELAY)
-                .map_or(rest, |then| input[then / STEPS]);
+                .checked_sub(late)
+                .map_or(rest, |then| input[then / steps]);
             v += dt * (omega * omega * (u - x) - 2.0 * zeta * omega * v);
             if let Limit::Rate(up, down) = limit {
                 v = v.clamp(-down, up);

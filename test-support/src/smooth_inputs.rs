@@ -7,7 +7,7 @@ use servoid_identification::{Options, Record, identify, results::Model};
 use std::f64::consts::TAU;
 
 use crate::plants::{normal, random};
-use crate::servos::Linear;
+use crate::servos::{Limit, Linear, limited_in_steps};
 
 /// Length of a recording \[s\].
 const DURATION: f64 = 60.0;
@@ -78,10 +78,8 @@ impl Input {
 pub enum Servo {
     /// A linear servo, with this share of its response as a lag of 0.4 s.
     Linear(Linear, f64),
-    /// Second order, 50 rad/s and damping .7, 12 ms late, whose speed has a limit \[deg/s\].
-    SpeedLimited(f64),
-    /// The same with play of this width \[deg\] instead.
-    Play(f64),
+    /// One that is not, as [`limited_in_steps`] has it.
+    Limited(Limit),
 }
 
 impl Servo {
@@ -110,37 +108,25 @@ impl Servo {
     }
 
     fn respond(&self, input: &[f64], period_s: f64) -> Vec<f64> {
-        match (self, self.impulse(period_s)) {
-            (Self::Linear(..), Some(h)) => (0..input.len())
-                .into_par_iter()
-                .map(|k| (0..=k.min(h.len() - 1)).map(|i| h[i] * input[k - i]).sum())
-                .collect(),
-            (Self::SpeedLimited(limit), _) => limited(input, period_s, *limit, 0.0),
-            (Self::Play(width), _) => limited(input, period_s, f64::INFINITY, *width),
-            (Self::Linear(..), None) => unreachable!("a linear servo has an impulse response"),
+        if let Self::Limited(limit) = self {
+            return limited(input, period_s, *limit);
         }
+        let h = self.impulse(period_s).unwrap_or_default();
+        let at = |k: usize| {
+            h.iter()
+                .zip(input[..=k].iter().rev())
+                .map(|(h, u)| h * u)
+                .sum()
+        };
+        (0..input.len()).into_par_iter().map(at).collect()
     }
 }
 
-/// In ten steps of Euler's rule for each sample.
-fn limited(input: &[f64], period_s: f64, limit: f64, play: f64) -> Vec<f64> {
-    const STEPS: usize = 10;
-    let step_s = period_s / STEPS as f64;
-    let late = (0.012 / step_s).round() as usize;
-    let (omega, zeta) = (50.0_f64, 0.7);
-    let (mut motor, mut speed, mut shaft) = (input[0], 0.0_f64, input[0]);
-    let mut output = Vec::with_capacity(input.len());
-    for k in 0..input.len() {
-        output.push(shaft);
-        for step in k * STEPS..(k + 1) * STEPS {
-            let error = input[step.saturating_sub(late) / STEPS] - motor;
-            let change = omega.powi(2) * error - 2.0 * zeta * omega * speed;
-            speed = (speed + step_s * change).clamp(-limit, limit);
-            motor += step_s * speed;
-            shaft = shaft.clamp(motor - play / 2.0, motor + play / 2.0);
-        }
-    }
-    output
+/// Second order, 50 rad/s and damping .7, 12 ms late, with a limit; in ten steps of Euler's rule for each sample.
+fn limited(input: &[f64], period_s: f64, limit: Limit) -> Vec<f64> {
+    let dt = period_s / 10.0;
+    let late = (0.012 / dt).round() as usize;
+    limited_in_steps(0.7, 50.0, limit, input, input[0], (dt, 10, late))
 }
 
 /// Noise of the sensor with a standard deviation \[deg\].
@@ -293,7 +279,7 @@ impl InBand {
 }
 
 /// Magnitude \[dB\] and phase \[rad\] of the samples at `omega` \[rad/s\].
-fn response(impulse: &[f64], omega: f64, period_s: f64) -> (f64, f64) {
+pub fn response(impulse: &[f64], omega: f64, period_s: f64) -> (f64, f64) {
     let [mut re, mut im] = [0.0, 0.0];
     for (i, h) in impulse.iter().enumerate() {
         let (sin, cos) = (omega * period_s * i as f64).sin_cos();
@@ -369,7 +355,7 @@ pub fn smooth_inputs() -> Vec<SmoothInput> {
             ..base.clone()
         },
     ];
-    let limited = Servo::SpeedLimited(250.0);
+    let limited = Servo::Limited(Limit::Rate(250.0, 250.0));
     let others = [
         (
             "logarithmic sweep, speed limited to 250 degrees a second",
@@ -384,17 +370,17 @@ pub fn smooth_inputs() -> Vec<SmoothInput> {
         (
             "logarithmic sweep, play of 1 degree",
             Input::LogarithmicSweep,
-            Servo::Play(1.0),
+            Servo::Limited(Limit::Play(1.0)),
         ),
         (
             "sum of sines, play of 1 degree",
             Input::SumOfSines,
-            Servo::Play(1.0),
+            Servo::Limited(Limit::Play(1.0)),
         ),
         (
             "logarithmic sweep, play of .3 degrees",
             Input::LogarithmicSweep,
-            Servo::Play(0.3),
+            Servo::Limited(Limit::Play(0.3)),
         ),
     ];
     lines.extend(others.map(|(label, input, servo)| SmoothInput {

@@ -627,6 +627,7 @@ mod tests {
         // 84 of 400; 99 where an end may be short by however little.
         assert!(stops < 90, "{stops}");
     }
+
     /// Levels of which the upper ones rest at 0.5, and a motion that goes on up to an angle.
     #[test]
     fn a_stop_that_the_output_passes_is_none() {

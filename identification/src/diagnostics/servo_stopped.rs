@@ -20,8 +20,8 @@ const BLOCKS: usize = 400;
 /// Delays at which the input may explain the output within blocks, in blocks.
 const DELAYS: usize = 4;
 
-/// Share of the output's variance within blocks that the input explains where the servo follows it. Noise alone comes to a tenth at the best of so many
-/// delays, in the shortest part that counts.
+/// Share of the output's variance within blocks that the input explains where the servo follows it. Under square waves, noise alone comes at the best
+/// of so many delays to 0.06 to 0.22 in one of a hundred parts of 80 to 200 samples, the shortest that count; white, or AR(1) that keeps 0.9.
 const FOLLOWS: f64 = 0.25;
 
 /// Where the servo stops.
@@ -90,12 +90,11 @@ fn stopped_at(run: &Run<'_>) -> Option<usize> {
 /// explains a part of it at some delay of a few blocks.
 fn follows(run: &Run<'_>, from: usize, size: usize) -> bool {
     let within_blocks = |column: &[f64]| -> Vec<f64> {
-        let of_block = |block: &[f64]| {
+        let blocks = column.chunks(size).flat_map(|block| {
             let mean = mean(block).unwrap_or(f64::NAN);
-            let about: Vec<f64> = block.iter().map(|value| value - mean).collect();
-            about
-        };
-        column.chunks(size).flat_map(of_block).collect()
+            block.iter().map(move |value| value - mean)
+        });
+        blocks.collect()
     };
     let [input, output] = [run.input(), run.output()].map(within_blocks);
     let explained = |delay: usize| {
@@ -209,6 +208,7 @@ mod tests {
         // It never moved: that is another finding.
         assert_eq!(ServoStopped::of(&record(&steady, 5.0, 0)), None);
     }
+
     /// From 0.2 to 15 Hz in 20 s, in rows of 5 ms: the last strokes are shorter than a block, whose mean does not show them.
     #[test]
     fn a_servo_that_follows_a_quick_sweep_has_none() {

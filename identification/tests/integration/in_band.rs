@@ -4,6 +4,7 @@ use rayon::prelude::*;
 use servoid_identification::results::{Model, Reason, Withheld};
 use servoid_identification::{Options, Record, identify};
 use servoid_test_support::plants::{Noise, PERIOD, Plant, low_passed, normal, random, simulate};
+use servoid_test_support::smooth_inputs::response;
 use std::f64::consts::TAU;
 
 const PERIOD_S: f64 = 0.01;
@@ -137,13 +138,7 @@ fn magnitudes_held(model: &Model, impulse: &[f64]) -> Vec<bool> {
         return Vec::new();
     };
     let held = |(k, omega): (usize, &f64)| {
-        let [mut re, mut im] = [0.0, 0.0];
-        for (i, h) in impulse.iter().enumerate() {
-            let (sin, cos) = (omega * PERIOD * i as f64).sin_cos();
-            re += h * cos;
-            im += h * sin;
-        }
-        let magnitude = 20.0 * re.hypot(im).log10();
+        let (magnitude, _) = response(impulse, *omega, PERIOD);
         (bounds.magnitude_db_lower[k]..=bounds.magnitude_db_upper[k]).contains(&magnitude)
     };
     let omegas = model.frequency.omega_rad_s.iter().enumerate();

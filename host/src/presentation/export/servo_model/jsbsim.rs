@@ -272,7 +272,8 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     let id = identifier(export.name);
     let [limits, tops] = [&actuator, &any].map(|of| of.rates.map(<[f64; 2]>::from));
     let rate = export.rate(limits, tops.unwrap_or_default());
-    let mut about = about(export, &actuator, rate, &difference);
+    let late = late_pulses(export, step_s);
+    let mut about = about(export, &actuator, rate, &difference, late.as_deref());
     about.push(smooth.in_words(export, late_s));
     let centre = actuator.centre;
     let (mut before, input) = before_servo(&id, centre, export.frame_s());
@@ -302,7 +303,6 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         ),
         ("id", id),
     ];
-    let late = late_pulses(export, step_s);
     let text = fill(include_str!("../templates/servo_model/servo.xml"), &values);
     Ok(ExportedServo::new(text, difference)?
         .lacking(export, "JSBSim", &LEFT_OUT)
@@ -370,6 +370,7 @@ fn about(
     actuator: &Actuator,
     rate: String,
     difference: &Difference,
+    late: Option<&str>,
 ) -> Vec<String> {
     let mut about = export.statement(Target::Jsbsim);
     about.extend(export.stops_in_words(
@@ -383,7 +384,6 @@ fn about(
         ),
         export.frame(Frame::InFile),
     ]);
-    let late = late_pulses(export, difference.trial.step_s);
     about.extend(late.map(|late| format!("WARNING: {late}.")));
     about.extend([
         actuator.in_words(),

@@ -10,7 +10,7 @@ use servoid_identification::servo_model::DriveLimit;
 /// Each damping that is tried is this part of the last.
 const FACTOR: f64 = 0.9;
 
-/// Shares of the damping of the loop: with the least the speed comes to its limit too late for any servo, with the largest within a thousandth of a second or two. A
+/// Shares of the damping of the loop: with the least the speed comes to its limit too late for any servo, with the largest in 1 to 2 ms. A
 /// servo whose acceleration has a limit, too, is between.
 pub(super) const SHARES: (f64, f64) = (0.1, 16.0);
 
