@@ -35,18 +35,45 @@ fn in_motion(stretch: &Stretch, period_s: f64) -> bool {
     let Some(first) = stretch.output.get(..lead) else {
         return false;
     };
-    let noise = noise_sd(&stretch.output);
-    let middle = (lead - 1) as f64 / 2.0;
-    let (mut moments, mut squares) = (0.0, 0.0);
-    for (k, y) in first.iter().enumerate().filter(|(_, y)| !y.is_nan()) {
+    // Stretches of a few samples show white noise alone.
+    let white =
+        noise_sd(&stretch.output) * (lead as f64 / squares_from_middle(lead).sqrt()).max(1.0);
+    let noise = white.max(noise_of_rise(&stretch.output, lead));
+    rise(first).is_some_and(|rise| rise.abs() > MOTION * noise)
+}
+
+/// The rise of a line through the samples over their length, in least squares; `None` where they are missing.
+fn rise(samples: &[f64]) -> Option<f64> {
+    let middle = (samples.len() - 1) as f64 / 2.0;
+    let known = samples.iter().enumerate().filter(|(_, y)| !y.is_nan());
+    let (moments, squares) = known.fold((0.0, 0.0), |(moments, squares), (k, y)| {
         let from_middle = k as f64 - middle;
-        moments += from_middle * y;
-        squares += from_middle * from_middle;
+        (
+            moments + from_middle * y,
+            squares + from_middle * from_middle,
+        )
+    });
+    (squares > 0.0).then(|| moments / squares * samples.len() as f64)
+}
+
+/// Sum of the squared distances of `count` samples from their middle.
+fn squares_from_middle(count: usize) -> f64 {
+    let count = count as f64;
+    count * (count * count - 1.0) / 12.0
+}
+
+/// Standard deviation of [`rise`] by noise of any colour: of successive ones, the second differences are those of the noise at rest and in even
+/// motion. Their lower quartile is that of the noise where up to three quarters of the leads are in uneven motion.
+fn noise_of_rise(output: &[f64], lead: usize) -> f64 {
+    let rises: Vec<f64> = output.chunks_exact(lead).filter_map(rise).collect();
+    let second = |w: &[f64]| (w[2] - 2.0 * w[1] + w[0]).abs();
+    let mut differences: Vec<f64> = rises.windows(3).map(second).collect();
+    if differences.is_empty() {
+        return 0.0;
     }
-    // The rise over the lead, and the standard deviation of the slope times the lead.
-    squares > 0.0
-        && (moments / squares).abs() * lead as f64
-            > MOTION * noise * (lead as f64 / squares.sqrt()).max(1.0)
+    differences.sort_by(f64::total_cmp);
+    // The lower quartile of |x| is 0.3186 sd; a second difference of white noise has sqrt(6) times its sd.
+    differences[differences.len() / 4] / 0.3186 / 6f64.sqrt()
 }
 
 /// The start that lets the servo follow the first samples best (Gauss-Newton from two guesses of the command before).
@@ -127,4 +154,44 @@ fn gauss_newton(
     let step =
         cholesky(&normal).map(|lower| backward_solve(&lower, &forward_solve(&lower, &gradient)));
     (cost, step)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::stretches::stretches;
+    use super::in_motion;
+    use crate::data::Record;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    const PERIOD_S: f64 = 0.001;
+
+    /// Whether strokes every half second that begin with this motion are taken to begin in motion, in noise that keeps .8 of its last value.
+    fn begins_in_motion(seed: u64, motion: impl Fn(f64) -> f64) -> bool {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut noise = 0.0;
+        let input: Vec<f64> = (0..10_000).map(|k| (k / 500 % 4) as f64).collect();
+        let mut angle = input[0];
+        let output: Vec<f64> = (0..input.len())
+            .map(|k| {
+                let v: f64 = StandardNormal.sample(&mut random);
+                noise = 0.8 * noise + 0.03 * v;
+                angle += PERIOD_S / 0.02 * (input[k] - angle);
+                angle + noise + motion(PERIOD_S * k as f64)
+            })
+            .collect();
+        let record = Record::of_run(PERIOD_S, &input, &output).unwrap();
+        let (all, _) = stretches(&record, &[]);
+        in_motion(&all[0], PERIOD_S)
+    }
+
+    #[test]
+    fn slow_noise_is_no_motion_and_motion_is_seen_in_it() {
+        let still = (0..200).filter(|&seed| begins_in_motion(seed, |_| 0.0));
+        // Four standard deviations: 1 of 16 000. By the white part of that noise it would be half of them.
+        assert_eq!(still.count(), 0);
+        let moving = (0..200).filter(|&seed| begins_in_motion(seed, |t| 3.0 * (-t / 0.03).exp()));
+        assert_eq!(moving.count(), 200);
+    }
 }

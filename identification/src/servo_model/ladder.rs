@@ -163,6 +163,10 @@ impl Ladder<'_> {
                 ..limited
             },
             Terms {
+                dead_band: true,
+                ..limited
+            },
+            Terms {
                 load: LoadKind::Constant,
                 ..limited
             },

@@ -1,6 +1,6 @@
 //! Servos of each kind are found again, with intervals that hold.
 
-use rand::SeedableRng;
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
@@ -126,6 +126,51 @@ fn a_servo_whose_speed_alone_is_limited_is_found_again() {
     let accelerations = found.quantities.iter();
     for quantity in accelerations.filter(|found| found.name.starts_with("acceleration")) {
         assert!(!quantity.determined, "{quantity:?}");
+    }
+}
+
+/// Friction beside a limit explains most of what a dead band leaves at rest, so both are tried before anything is added to either.
+#[test]
+fn a_dead_band_is_not_taken_for_friction() {
+    let unlimited = |at: Coordinate| match at {
+        Coordinate::Delay => 0.006,
+        Coordinate::LnStiffness => 5155f64.ln(),
+        Coordinate::LnDamping => 112f64.ln(),
+        Coordinate::LnTopSpeed => 1e5f64.ln(),
+        Coordinate::DeadBand => 0.4,
+        other => value(other),
+    };
+    let terms = Terms {
+        limit: true,
+        dead_band: true,
+        ..Terms::default()
+    };
+    let servo = point(terms, unlimited);
+    for seed in 1..4 {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut input = vec![0.0; 250];
+        while input.len() < 10_000 {
+            let size = 8.0 * [0.3, 0.6, 1.0][random.random_range(0..3)];
+            let hold = random.random_range(75..150);
+            for level in [size, -size, 0.0, 0.0] {
+                input.extend(std::iter::repeat_n(level, hold));
+            }
+        }
+        let output: Vec<f64> = response(&servo, &input, 1e-4)
+            .into_iter()
+            .map(|y| {
+                let v: f64 = StandardNormal.sample(&mut random);
+                y + 0.2 * v
+            })
+            .collect();
+        let record = Record::of_run(PERIOD_S, &input, &output).unwrap();
+        let found = fit(&record, &ServoModelOptions::default()).unwrap();
+        assert_eq!(found.terms, terms, "seed {seed}");
+        for (name, truth) in [("delay", 0.006), ("dead band, to each side", 0.4)] {
+            let mut named = found.quantities.iter().filter(|found| found.name == name);
+            let interval = named.next().unwrap().interval.valid().unwrap();
+            assert!(interval.contains(truth), "seed {seed}: {name} {interval:?}");
+        }
     }
 }
 
