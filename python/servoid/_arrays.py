@@ -30,6 +30,18 @@ def samples(name: str, values: Any) -> Column:
     return found
 
 
+def number(name: str, value: Any, what: str = "a number") -> float:
+    """One number of an argument; text is none, also where it looks like one."""
+    if isinstance(value, (str, bytes)) or not (hasattr(value, "__float__") or hasattr(value, "__index__")):
+        raise TypeError(f"{name} is {value!r}: give {what}")
+    return float(value)
+
+
+def number_or_none(name: str, value: Any, what: str = "a number") -> float | None:
+    """The same, and ``None`` where there is nothing."""
+    return None if value is None else number(name, value, what)
+
+
 def is_list_of_runs(values: Any) -> bool:
     """Whether these are several columns, and not one column of numbers."""
     return (

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from . import _servoid
+from ._arrays import number
 from ._difference import (
     Asymmetry,
     DifferenceCurve,
@@ -253,7 +254,12 @@ def compare(
     >>> found.verdict
     'different'
     """
-    options = {"margin": margin, "level": level, "zero_sd": zero_sd, "servo_model": servo_model}
+    options = {
+        "margin": number("margin", margin, "a number of percent of the step"),
+        "level": number("level", level, "a level such as 0.99"),
+        "zero_sd": number("zero_sd", zero_sd),
+        "servo_model": servo_model,
+    }
     if isinstance(a, Model) and isinstance(b, Model):
         return Comparison(*_servoid.compare_models(a._core, b._core, options))
     if isinstance(a, Model) or isinstance(b, Model):
@@ -295,6 +301,8 @@ def validate(model: Model, u: Any, y: Any = None, *, at_rest: float | None = Non
     >>> servoid.validate(model, servoid.simulate("bench", seed=2)).fit_percent > 95
     True
     """
+    if not isinstance(model, Model):
+        raise TypeError(f"a model comes first, and here {type(model).__name__}: read its file with servoid.Model.load(path)")
     if y is None:
         options = dict(reading) if at_rest is None else {"at_rest": at_rest, **reading}
         recording = as_recording(u, options, like=model)

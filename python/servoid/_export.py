@@ -59,7 +59,6 @@ class Export:
 
 def export(core: Core, options: dict[str, Any]) -> Export:
     """The model for another program."""
-    text, remarks, printed = core.export(options)
+    text, remarks, warnings, printed = core.export(options)
     document = json.loads(printed)
-    warnings = tuple(document["warnings"])
-    return Export(document["target"], text, tuple(remarks), warnings, document.get("largest_difference"), document)
+    return Export(document["target"], text, tuple(remarks), tuple(warnings), document.get("largest_difference"), document)

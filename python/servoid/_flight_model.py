@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,29 @@ class FlightModel(dict[str, Any]):
     >>> sorted(flight.sd)
     ['damping', 'delay_s', 'gain', 'omega_rad_s']
     """
+
+    def __init__(self, fields: Mapping[str, Any], summary: str = "") -> None:
+        super().__init__(fields)
+        self.__dict__["_summary"] = summary
+
+    @property
+    def summary(self) -> str:
+        """The text that the command line prints of it."""
+        return str(self.__dict__["_summary"])
+
+    def __str__(self) -> str:
+        return self.summary.strip("\n") or repr(self)
+
+    def __repr__(self) -> str:
+        parameters = [
+            _in_words("gain", self.gain, 1.0, ""),
+            _in_words("delay", self.delay_s, 1e3, " ms"),
+            _in_words("omega", self.omega_rad_s, 1.0, " rad/s"),
+            _in_words("damping", self.damping, 1.0, ""),
+            _in_words("lag", self.lag_s, 1e3, " ms"),
+        ]
+        level = "no bounds" if self.level is None else f"bounds at {100 * self.level:g} %"
+        return f"<FlightModel of order {self.order} ({level}): {', '.join(filter(None, parameters))}>"
 
     @property
     def order(self) -> int:
@@ -97,3 +121,12 @@ class FlightModel(dict[str, Any]):
             scale = 1.0 if parameter == name else self[parameter]["value"]
             found[parameter] = float(deviation * scale)
         return found
+
+
+def _in_words(name: str, found: Interval | None, scale: float, unit: str) -> str:
+    """A parameter with its interval; nothing where the order has it not."""
+    if found is None or found.value is None:
+        return ""
+    ends = ["-" if end is None else f"{scale * end:.4g}" for end in (found.lower, found.upper)]
+    bounds = "" if ends == ["-", "-"] else f" ({ends[0]} .. {ends[1]})"
+    return f"{name} {scale * found.value:.4g}{unit}{bounds}"

@@ -7,7 +7,8 @@ from typing import Any
 
 from . import _servoid
 from ._model import Model
-from ._recording import ARRAYS, READ_OPTIONS, Recording, array_runs, as_recording
+from ._arrays import number
+from ._recording import ARRAYS, array_runs, as_recording
 
 
 def identify(
@@ -98,7 +99,7 @@ def identify(
         "noise_order": str(noise_order),
         "detrend": detrend,
         "prior": prior,
-        "level": level,
+        "level": number("level", level, "a level such as 0.99"),
         "explain": explain,
         "flight_model": flight_model,
         "servo_model": servo_model,
@@ -108,10 +109,7 @@ def identify(
         _refuse_options_of_arrays(phase, controllers, input_unit, output_unit)
         options = {"period": period, "at_rest": at_rest, **reading}
         recording = as_recording(u, {name: value for name, value in options.items() if value is not None})
-        # How files were read is said where it was not said before.
-        said = isinstance(u, Recording)
-        core, found = _servoid.identify(recording._data, wanted)
-        return Model(core, (*(() if said else recording.remarks), *found))
+        return Model(_servoid.identify(recording._data, wanted))
     if reading:
         raise TypeError(f"identify() of arrays got unexpected options {', '.join(sorted(reading))}")
     runs, of_arrays = array_runs(
@@ -124,8 +122,7 @@ def identify(
         input_unit=input_unit,
         output_unit=output_unit,
     )
-    core, remarks = _servoid.identify_arrays(runs, ARRAYS, of_arrays, wanted)
-    return Model(core, tuple(remarks))
+    return Model(_servoid.identify_arrays(runs, ARRAYS, of_arrays, wanted))
 
 
 def _refuse_options_of_arrays(phase: float, *others: Any) -> None:

@@ -124,7 +124,7 @@ class Structure:
 
 @dataclass(frozen=True)
 class Fit:
-    """How well the model reproduces its record: 100 (1 - \\|y - ŷ\\| / \\|y - mean y\\|), and the error (rms, unit of the output)."""
+    """How well the model reproduces its record: 100 (1 - norm(y - ŷ) / norm(y - mean of y)), and the error (rms, unit of the output)."""
 
     simulation_percent: float
     one_step_percent: float
@@ -173,8 +173,9 @@ class Advice:
 
 def advice(fields: dict[str, Any]) -> tuple[Advice, ...]:
     """The findings of a document."""
+    said = _servoid.with_arguments_for_options
     return tuple(
-        Advice(item["check"], item["finding"], item.get("value"), item.get("threshold"), item["do"])
+        Advice(item["check"], said(item["finding"]), item.get("value"), item.get("threshold"), said(item["do"]))
         for item in fields.get("advice", ())
     )
 
@@ -249,16 +250,14 @@ class Model(Document):
 
     _core: _servoid.Model
 
-    def __init__(self, core: _servoid.Model, remarks: tuple[str, ...] = ()) -> None:
+    def __init__(self, core: _servoid.Model) -> None:
         super().__init__(core.document)
         self.__dict__["_core"] = core
-        self.__dict__["_remarks"] = remarks
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """How :func:`identify` read the files that it was given."""
-        found: tuple[str, ...] = self.__dict__["_remarks"]
-        return found
+        """How the data were read, and what became of a prior that is not used."""
+        return tuple(_servoid.with_arguments_for_options(remark) for remark in self._fields.get("remarks", ()))
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Model:
@@ -410,14 +409,14 @@ class Model(Document):
     @property
     def no_servo_model(self) -> str | None:
         """Why there is no servo model though one was looked for."""
-        reason: str | None = self._fields.get("no_servo_model")
-        return reason
+        reason = self._fields.get("no_servo_model")
+        return None if reason is None else _servoid.with_arguments_for_options(reason)
 
     @property
     def flight_model(self) -> FlightModel | None:
         """The low-order model (``flight_model=True``), with its intervals; its covariance is that of [K, L, ln ω, ln ζ, ln T]."""
         found: dict[str, Any] | None = self.to_dict().get("flight_model")
-        return None if found is None else FlightModel(found)
+        return None if found is None else FlightModel(found, self._core.flight_summary or "")
 
     @property
     def explanation(self) -> dict[str, Any] | None:

@@ -51,7 +51,7 @@ class Plan(Printed):
 
 
 def plan(
-    servo: str = "bench",
+    servo: str | os.PathLike[str] = "bench",
     *,
     model: str | os.PathLike[str] | None = None,
     noise: float | None = None,
@@ -71,7 +71,7 @@ def plan(
 
     Parameters
     ----------
-    servo : str
+    servo : str or path
         The servo that is assumed: bench, aircraft or linear, or the file of a model with a servo model.
     model : path, optional
         Take the linear part of the servo and its noise from this model file instead.
@@ -104,8 +104,8 @@ def plan(
     True
     """
     options = {
-        "model": None if model is None else os.fspath(model),
-        "servo": servo,
+        "model": None if model is None else named("model", model),
+        "servo": named("servo", servo),
         "noise": noise,
         "band": band,
         "repeat": repeat,
@@ -114,6 +114,16 @@ def plan(
     }
     run = reference_options(reference, amplitude, hold, length, levels, prbs_seed, frequencies)
     return Plan(*_servoid.plan(run, options))
+
+
+def named(argument: str, value: Any) -> str:
+    """The name of a simulated servo, or the path of a model's file."""
+    if isinstance(value, (str, os.PathLike)):
+        return str(os.fspath(value))
+    raise TypeError(
+        f"{argument} is a {type(value).__name__} and must be the path of a file: "
+        f'save a model with model.save("servo.json") and give {argument}="servo.json"'
+    )
 
 
 def reference_options(

@@ -55,7 +55,7 @@ FLOOR_DB = 10.0
 def bode(model: Model, response: FrequencyResponse, shown: slice, axes: Any, label: str) -> Any:
     """Magnitude and phase of a response with their bounds, at these of its frequencies."""
     plt = pyplot()
-    magnitude, phase = plt.subplots(2, sharex=True)[1] if axes is None else axes
+    magnitude, phase = plt.subplots(2, sharex=True, layout="constrained")[1] if axes is None else axes
     hertz = response.omega_rad_s[shown] / (2 * np.pi)
     panels = [
         (magnitude, response.magnitude_db, response.magnitude_db_lower, response.magnitude_db_upper),
@@ -72,7 +72,8 @@ def bode(model: Model, response: FrequencyResponse, shown: slice, axes: Any, lab
             lower = np.maximum(lower, min(0.0, value[shown].min()) - FLOOR_DB)
         band = f"{100 * response.level:g} %"
         ax.fill_between(hertz, lower, upper[shown], alpha=0.2, color=line.get_color(), label=band)
-    magnitude.set_ylabel(f"magnitude (dB of {ratio(model)[1:-1]})")
+    # Two lines: one is longer than half a figure is high.
+    magnitude.set_ylabel(f"magnitude\n(dB of {ratio(model)[1:-1]})")
     phase.set_ylabel("phase (degrees)")
     phase.set_xlabel("frequency (Hz)")
     magnitude.legend()

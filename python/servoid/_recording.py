@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from . import _servoid
-from ._arrays import is_list_of_runs, samples
+from ._arrays import is_list_of_runs, number, number_or_none, samples
 from ._document import Column
 
 if TYPE_CHECKING:
@@ -171,22 +171,30 @@ def read(
     options = {
         "input": input,
         "output": output,
-        "period": period,
+        "period": number_or_none("period", period, SECONDS),
         "time": time,
         "time_unit": time_unit,
         "run": run,
         "controller": controller,
-        "at_rest": at_rest,
+        "at_rest": number_or_none("at_rest", at_rest),
         "polled": polled,
         "exact_command": exact_command,
         "with_rest": with_rest,
     }
+    if not paths:
+        raise TypeError("no file is named: give the path of a recording, the paths of several runs, or a table of pandas")
     if any(hasattr(path, "to_csv") for path in paths):
         if len(paths) != 1:
             raise _servoid.ServoidError(
                 "give one table; its runs are named by a column (run=)"
             )
         return Recording(_of_table(paths[0], options))
+    for path in paths:
+        if not isinstance(path, (str, os.PathLike)):
+            raise TypeError(
+                f"a recording is the path of a file or a table of pandas, and here {type(path).__name__}: "
+                "give several files one behind the other, and make a recording of arrays with servoid.recording(u, y, period=...)"
+            )
     return Recording(_servoid.Data.read([os.fspath(path) for path in paths], options))
 
 
@@ -251,6 +259,9 @@ def recording(
     return Recording(_servoid.Data.of_arrays(runs, ARRAYS, options))
 
 
+SECONDS = "a number of seconds"
+"""What a time between samples is."""
+
 ARRAYS = "arrays"
 """What data are called that come as arrays."""
 
@@ -281,10 +292,16 @@ def array_runs(
         (samples("input", one), samples("output", other))
         for one, other in zip(inputs, outputs)
     ]
-    each = (
-        list(at_rest) if isinstance(at_rest, Sequence) else [at_rest for _ in runs]
-    )
-    names = [] if controllers is None else [float(name) for name in controllers]
+    if all(len(column) == 0 for run in runs for column in run):
+        raise _servoid.ServoidError(
+            "there are no samples: u and y are empty, so give the command and the motion that were recorded"
+        )
+    if isinstance(at_rest, Sequence) and not isinstance(at_rest, str):
+        each = [number_or_none("at_rest", one) for one in at_rest]
+    else:
+        each = [number_or_none("at_rest", at_rest) for _ in runs]
+    names = [] if controllers is None else [number("controllers", name, "a number for each run") for name in controllers]
+    period, phase = number("period", period, SECONDS), number("phase", phase, SECONDS)
     if len(each) != len(runs) or (names and len(names) != len(runs)):
         raise _servoid.ServoidError(
             f"there are {len(runs)} runs: give one value of at_rest and of controllers for each"
@@ -294,8 +311,8 @@ def array_runs(
             f"a phase of {phase} s is not a time after an edge: it must be 0 or more"
         )
     options = {
-        "period": float(period),
-        "phase": float(phase),
+        "period": period,
+        "phase": phase,
         "at_rest": each,
         "controllers": names,
         "input_unit": input_unit,
@@ -315,9 +332,9 @@ def as_recording(source: Any, options: dict[str, Any], like: Model | None = None
     if hasattr(source, "to_csv"):
         return read(source, **options)
     paths = [source] if isinstance(source, (str, os.PathLike)) else source
-    if not (isinstance(paths, Sequence) and all(isinstance(path, (str, os.PathLike)) for path in paths)):
+    if not (isinstance(paths, Sequence) and paths and all(isinstance(path, (str, os.PathLike)) for path in paths)):
         raise _servoid.ServoidError(
-            f"a recording is a file, a list of files or a table of pandas, and here {type(source).__name__}: "
+            f"a recording is a file, a list of files or a table of pandas, and here {_called(source)}: "
             "make one of arrays with servoid.recording(u, y, period=...)"
         )
     if like is None:
@@ -328,6 +345,11 @@ def as_recording(source: Any, options: dict[str, Any], like: Model | None = None
     return Recording(
         _servoid.Data.read_as([os.fspath(path) for path in paths], given, like._core)
     )
+
+
+def _called(source: Any) -> str:
+    empty = isinstance(source, Sequence) and len(source) == 0
+    return f"an empty {type(source).__name__}" if empty else type(source).__name__
 
 
 READ_OPTIONS = (

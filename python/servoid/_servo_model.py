@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
 from typing import Any
 
@@ -177,6 +178,14 @@ class ServoModel:
             return ServoResponse(value, None, None, None if reason is None else Withdrawn(*reason))
         return ServoResponse(value, value - half_width, value + half_width, None)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (_of_document, (self._core.document,))
+
     def __repr__(self) -> str:
         names = ", ".join(name for name, found in self.quantities.items() if found.determined)
         return f"<ServoModel: predicts {self.fit['held_out_percent']:.1f} % of what it had not seen; determined: {names}>"
+
+
+def _of_document(text: str) -> ServoModel:
+    """The servo model in the document of a model."""
+    return ServoModel(json.loads(text)["servo_model"], _servoid.Model.parse(text, "the document"))

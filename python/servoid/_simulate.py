@@ -6,12 +6,12 @@ import os
 import tempfile
 
 from . import _servoid
-from ._plan import reference_options
+from ._plan import named, reference_options
 from ._recording import Recording, of_bytes, read
 
 
 def simulate(
-    servo: str = "bench",
+    servo: str | os.PathLike[str] = "bench",
     *,
     seed: int = 1,
     controller: float | None = None,
@@ -29,7 +29,7 @@ def simulate(
 
     Parameters
     ----------
-    servo : str
+    servo : str or path
         bench (free), aircraft (loaded by a rotor), linear (exactly), or the file of a model with a servo model.
     seed : int
         Seed of the noise; equal seeds give equal recordings.
@@ -65,6 +65,7 @@ def simulate(
     >>> servoid.simulate("aircraft", seed=3, reference="prbs", length=20)
     <Recording aircraft.csv: 1 run, 10000 samples, every 2 ms>
     """
+    servo = named("servo", servo)
     run = reference_options(reference, amplitude, hold, length, levels, prbs_seed, frequencies)
     if out is not None:
         _servoid.simulate(servo, controller, seed, run, os.fspath(out), force)

@@ -1,5 +1,7 @@
 //! Options of the command line in a sentence, as arguments of Python: `--period 0.02` is `period=0.02`.
 
+use pyo3::prelude::*;
+
 /// Options that are arguments too, and take a value.
 const VALUED: [&str; 19] = [
     "input",
@@ -63,6 +65,12 @@ pub(crate) fn in_python(sentence: &str) -> String {
         ))
     });
     command.unwrap_or_else(|| with_arguments(sentence))
+}
+
+/// The sentence of a document as the package shows it.
+#[pyfunction]
+pub(crate) fn with_arguments_for_options(sentence: &str) -> String {
+    in_python(sentence)
 }
 
 /// What commands for a shell begin with.

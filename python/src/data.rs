@@ -63,12 +63,6 @@ impl ReadOptions {
     }
 }
 
-/// What a user should know about the data.
-pub(crate) fn remarks(dataset: &Dataset) -> Vec<String> {
-    let remarks = dataset.about.remarks.iter();
-    remarks.map(|remark| in_python(remark)).collect()
-}
-
 impl Data {
     fn of(dataset: Dataset<'static>, name: String, read_as: DatasetOptions) -> Self {
         Self(Arc::new(Source {
@@ -172,7 +166,8 @@ impl Data {
     /// What a user should know about the files.
     #[getter]
     fn remarks(&self) -> Vec<String> {
-        remarks(&self.0.dataset)
+        let remarks = self.0.dataset.about.remarks.iter();
+        remarks.map(|remark| in_python(remark)).collect()
     }
 
     /// Input and output of each run.

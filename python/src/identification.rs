@@ -2,7 +2,7 @@
 
 use crate::arrays::{ArrayColumns, ArrayOptions};
 use crate::compute::{Interrupted, compute, compute_borrowed};
-use crate::data::{Data, remarks};
+use crate::data::Data;
 use crate::error::raised;
 use crate::model::Model;
 use pyo3::prelude::*;
@@ -49,23 +49,22 @@ impl IdentifyOptions {
     }
 }
 
-/// The model of data, and what a user should know about it.
+/// The model of data.
 #[pyfunction]
 pub(crate) fn identify(
     py: Python<'_>,
     data: &Bound<'_, Data>,
     options: IdentifyOptions,
-) -> PyResult<(Model, Vec<String>)> {
+) -> PyResult<Model> {
     let source = data.get().0.clone();
     let request = options.request()?;
     compute(py, move |interrupted| {
         let (data, read_as) = (&source.dataset, source.read_as.clone());
-        let (model, prior) = identified(data, &source.name, read_as, &request, interrupted)?;
-        Ok((model, prior.into_iter().collect()))
+        identified(data, &source.name, read_as, &request, interrupted)
     })
 }
 
-/// The model of arrays, and what a user should know about them. Arrays of the caller are read where they are.
+/// The model of arrays. Arrays of the caller are read where they are.
 #[pyfunction]
 pub(crate) fn identify_arrays(
     py: Python<'_>,
@@ -73,15 +72,18 @@ pub(crate) fn identify_arrays(
     name: String,
     arrays: ArrayOptions,
     options: IdentifyOptions,
-) -> PyResult<(Model, Vec<String>)> {
+) -> PyResult<Model> {
     let request = options.request()?;
     let arrays = arrays.with_runs(&name, &runs);
     compute_borrowed(py, |interrupted| {
         let data = dataset::of_arrays(arrays)?;
-        let read_as = DatasetOptions::default();
-        let (model, prior) = identified(&data, &name, read_as, &request, interrupted)?;
-        let remarks = remarks(&data).into_iter().chain(prior).collect();
-        Ok((model, remarks))
+        identified(
+            &data,
+            &name,
+            DatasetOptions::default(),
+            &request,
+            interrupted,
+        )
     })
 }
 
@@ -91,10 +93,9 @@ fn identified(
     read_as: DatasetOptions,
     request: &IdentifyRequest,
     interrupted: Interrupted,
-) -> anyhow::Result<(Model, Option<String>)> {
+) -> anyhow::Result<Model> {
     let found = Identified::of(data, name, request, || interrupted)?;
     let document = to_json(&found.document(data, read_as))?;
     let summary = found.as_text(data, name, false);
-    let model = Model::of(document, name.to_owned(), Some(summary))?;
-    Ok((model, found.prior_not_used()))
+    Model::of(document, name.to_owned(), Some(summary))
 }

@@ -29,6 +29,8 @@ mod sides;
 #[pyo3::pymodule]
 mod _servoid {
     #[pymodule_export]
+    use crate::arguments::with_arguments_for_options;
+    #[pymodule_export]
     use crate::data::Data;
     #[pymodule_export]
     use crate::error::ServoidError;

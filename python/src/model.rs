@@ -7,7 +7,7 @@ use crate::error::raised;
 use crate::export::ExportOptions;
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
-use servoid::analysis::{Exported, to_json};
+use servoid::analysis::{Exported, text_of_file, to_json};
 use servoid::data::model_file::ModelFile;
 use servoid::presentation::plots::{self, Named};
 use servoid::presentation::{report, summary};
@@ -60,6 +60,9 @@ type Response<'py> = (
     Option<(String, String)>,
 );
 
+/// Text, remarks, warnings and document.
+type ExportedFile = (String, Vec<String>, Vec<String>, String);
+
 #[pymethods]
 impl Model {
     /// The model of a document; errors call it `name`.
@@ -93,25 +96,27 @@ impl Model {
     /// What kind of servo, how fast, how sure.
     #[getter]
     fn sentence(&self) -> String {
-        summary::model_sentence(&self.file.model, &self.file.metadata)
+        in_python(&summary::model_sentence(
+            &self.file.model,
+            &self.file.metadata,
+        ))
     }
 
     /// The text that the program prints.
     #[getter]
     fn summary(&self) -> PyResult<String> {
-        if let Some(summary) = &self.summary {
-            return Ok(summary.clone());
+        match &self.summary {
+            Some(summary) => Ok(summary.clone()),
+            None => text_of_file(&self.file, &self.name).map_err(raised),
         }
-        let (model, metadata) = (&self.file.model, &self.file.metadata);
-        let servo = self.file.servo_model().map_err(raised)?;
-        let extent = ("", false);
-        Ok(summary::of_both_models(
-            &self.name,
-            model,
-            metadata,
-            servo.as_ref(),
-            extent,
-        ))
+    }
+
+    /// The text that the program prints of the low-order model, where there is one.
+    #[getter]
+    fn flight_summary(&self) -> PyResult<Option<String>> {
+        let found = self.file.flight_model().map_err(raised)?;
+        let text = |flight| summary::of_flight_model(&flight, self.file.model.linear);
+        Ok(found.map(text))
     }
 
     /// What kind of servo as a machine, where there is a servo model and that is the answer.
@@ -119,7 +124,8 @@ impl Model {
     fn servo_sentence(&self) -> PyResult<Option<String>> {
         let (model, units) = (&self.file.model, self.file.metadata.units());
         let servo = self.file.servo_model().map_err(raised)?;
-        Ok(servo.and_then(|servo| summary::answer_of_servo_model(&servo, model, units)))
+        let answer = servo.and_then(|servo| summary::answer_of_servo_model(&servo, model, units));
+        Ok(answer.map(|answer| in_python(&answer)))
     }
 
     /// The frequency response of the servo alone, as the document has that of the samples, and the first frequency and the one behind
@@ -147,21 +153,18 @@ impl Model {
         py.detach(page).map_err(raised)
     }
 
-    /// The file of `servoid export`: its text, its remarks, and the document without the text.
-    fn export(
-        &self,
-        py: Python<'_>,
-        options: ExportOptions,
-    ) -> PyResult<(String, Vec<String>, String)> {
+    /// The file of `servoid export`: its text, its remarks, its warnings, and the document without the text.
+    fn export(&self, py: Python<'_>, options: ExportOptions) -> PyResult<ExportedFile> {
         let request = options.request().map_err(raised)?;
-        let write = || -> anyhow::Result<(String, Vec<String>, String)> {
+        let write = || -> anyhow::Result<(Exported, String)> {
             let found = Exported::of(&self.file, &request)?;
             let document = to_json(&found.document(request.target))?;
-            Ok((found.text, found.remarks, document))
+            Ok((found, document))
         };
-        let (text, remarks, document) = py.detach(write).map_err(raised)?;
-        let remarks = remarks.iter().map(|remark| in_python(remark)).collect();
-        Ok((text, remarks, document))
+        let (found, document) = py.detach(write).map_err(raised)?;
+        let [remarks, warnings] = [&found.remarks, &found.warnings]
+            .map(|said| said.iter().map(|sentence| in_python(sentence)).collect());
+        Ok((found.text, remarks, warnings, document))
     }
 
     /// The step response with its band, drawn.
@@ -221,16 +224,17 @@ impl Model {
             Some(name) => known
                 .iter()
                 .position(|other| *other == name)
-                .ok_or_else(|| {
-                    raised(anyhow::anyhow!(
-                        "the servo model has no controller {name}: it has {known:?}"
-                    ))
-                }),
+                .ok_or_else(|| raised(no_controller(name, known))),
         }?;
         // It checks that the values can be computed with; a servo model knows no missing input.
         let unknown = vec![f64::NAN; input.as_array().len()];
         let run = Self::run(lent(&input), unknown.into(), None)?.into_owned();
-        if run.is_empty() || run.input().iter().any(|value| value.is_nan()) {
+        if run.is_empty() {
+            return Err(raised(anyhow::anyhow!(
+                "the input is empty: give one value for each sample"
+            )));
+        }
+        if run.input().iter().any(|value| value.is_nan()) {
             return Err(raised(anyhow::anyhow!(
                 "the servo model needs an input without missing samples"
             )));
@@ -245,6 +249,16 @@ impl Model {
             Ok(half_width) => (value, Some(PyArray1::from_vec(py, half_width)), None),
             Err(reason) => (value, None, Some(in_words(reason)?)),
         })
+    }
+}
+
+/// What to do where no controller has the `name`.
+fn no_controller(name: f64, known: &[f64]) -> anyhow::Error {
+    match known.is_empty() {
+        true => anyhow::anyhow!(
+            "the servo model has one controller, which has no name: leave controller out"
+        ),
+        false => anyhow::anyhow!("the servo model has no controller {name}: it has {known:?}"),
     }
 }
 

@@ -25,7 +25,7 @@ Y = np.convolve(U, np.full(10, 0.1))[: len(U)] + 1e-3 * RANDOM.normal(size=len(U
         (U.reshape(10, 50), Y, {}, "shape"),
         (U, ["a"] * 500, {}, "something else than numbers"),
         (U, Y + 1j, {}, "something else than numbers"),
-        ([], [], {}, "no value"),
+        ([], [], {}, "no samples"),
         ([U, U], [Y], {}, "as many arrays"),
         (U, Y, {"period": np.nan}, "sample period"),
         (U, Y, {"period": 0.0}, "sample period"),
@@ -85,6 +85,55 @@ def test_wrong_types_are_type_errors():
         servoid.identify(U, Y, period=0.01, colour="red")
     with pytest.raises(TypeError):
         servoid.identify(U, Y, period=0.01, detrend=7)
+
+
+@pytest.mark.parametrize(
+    ("call", "sentence"),
+    [
+        (lambda: servoid.read(), "no file is named: give the path"),
+        (lambda: servoid.read([]), "give several files one behind the other"),
+        (lambda: servoid.identify(U, Y, period="0.01"), "period is '0.01': give a number of seconds"),
+        (lambda: servoid.identify(U, Y, period="10ms"), "period is '10ms': give a number of seconds"),
+        (lambda: servoid.identify(U, Y, period=0.01, phase="0"), "phase is '0': give a number of seconds"),
+        (lambda: servoid.identify(U, Y, period=0.01, at_rest="0"), "at_rest is '0': give a number"),
+        (lambda: servoid.identify(U, Y, period=0.01, level="99"), "level is '99': give a level such as 0.99"),
+        (lambda: servoid.identify(U, Y, period=0.01, controllers=["P"]), "controllers is 'P': give a number for each run"),
+        (lambda: servoid.recording(U, Y, period="0.01"), "period is '0.01'"),
+        (lambda: servoid.read("a.csv", input="u", output="y", period="0.01"), "period is '0.01'"),
+        (lambda: servoid.compare("a.csv", "b.csv", margin="5"), "margin is '5'"),
+        (lambda: servoid.plan(model=servoid.identify(U, Y, period=0.01)), r'save a model with model\.save\("servo\.json"\)'),
+        (lambda: servoid.simulate(servoid.identify(U, Y, period=0.01)), r'give servo="servo\.json"'),
+        (lambda: servoid.validate("a.json", U, Y), r"servoid\.Model\.load\(path\)"),
+    ],
+)
+def test_wrong_types_are_answered_by_what_to_give(call, sentence):
+    with pytest.raises(TypeError, match=sentence):
+        call()
+
+
+@pytest.mark.parametrize("nothing", [[], np.array([])])
+def test_empty_arrays_and_lists_are_answered(nothing):
+    for call in (
+        lambda: servoid.identify(nothing, nothing, period=0.01),
+        lambda: servoid.recording(nothing, nothing, period=0.01),
+    ):
+        with pytest.raises(servoid.ServoidError, match="there are no samples: u and y are empty"):
+            call()
+    with pytest.raises(servoid.ServoidError, match="and here an empty list"):
+        servoid.compare([], [])
+
+
+def test_a_servo_model_without_names_of_controllers_takes_none():
+    servo = servoid.identify(servoid.simulate("linear"), servo_model=True).servo_model
+    with pytest.raises(servoid.ServoidError, match="one controller, which has no name: leave controller out"):
+        servo.simulate(U, controller=3)
+    with pytest.raises(servoid.ServoidError, match="the input is empty"):
+        servo.simulate([])
+
+
+def test_no_doc_string_has_a_backslash():
+    for name in servoid.__all__:
+        assert "\\" not in (getattr(servoid, name).__doc__ or ""), name
 
 
 def test_arrays_of_any_layout_and_number_are_taken():

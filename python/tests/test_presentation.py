@@ -1,6 +1,7 @@
 """What people see: texts, figures, objects of other packages."""
 
 import json
+import pickle
 import subprocess
 import sys
 
@@ -44,6 +45,61 @@ def test_a_loaded_model_says_what_the_identified_one_says(machine, tmp_path):
     assert loaded.summary == text and text.startswith("This servo") and "servo model:" in text
 
 
+@pytest.fixture(scope="module")
+def explained(tmp_path_factory):
+    """A model of a file of another program, with all that can be asked for beside it."""
+    u, y = servoid.simulate("linear").runs[0]
+    file = tmp_path_factory.mktemp("explained") / "rows.csv"
+    rows = (f"{1e-3 * 2 * k:.3f},{a},{b}" for k, (a, b) in enumerate(zip(u, y)))
+    file.write_text("t,u,y\n" + "\n".join(rows) + "\n")
+    beside = {"explain": True, "flight_model": True, "limits": True, "servo_model": True}
+    return servoid.identify(file, input="u", output="y", time_unit="s", **beside)
+
+
+def test_a_loaded_model_says_how_it_was_read_and_explains_itself(explained, tmp_path):
+    explained.save(tmp_path / "model.json")
+    loaded = servoid.Model.load(tmp_path / "model.json")
+    assert explained.remarks and loaded.remarks == explained.remarks and explained.remarks[0] in repr(loaded)
+    assert not any("--" in remark for remark in explained.remarks)
+    text = explained.summary.replace(f"{explained._core.name}\n", f"{loaded._core.name}\n", 1)
+    assert loaded.summary == text
+    for part in ("how the structure came about", "low-order model: ", "limits of a linear model", "terms that were tried"):
+        assert part in loaded.summary, part
+
+
+def test_a_low_order_model_is_a_text(explained):
+    flight = explained.flight_model
+    printed = str(flight)
+    assert printed.startswith("low-order model: K exp(-L s)") and "natural frequency w" in printed and "rad/s" in printed
+    # It is that of the program.
+    assert all(line in explained.summary for line in printed.splitlines())
+    value, lower, upper = (f"{1e3 * number:.4g}" for number in (flight.delay_s.value, flight.delay_s.lower, flight.delay_s.upper))
+    assert f"delay {value} ms ({lower} .. {upper})" in repr(flight)
+    assert repr(flight).startswith("<FlightModel of order 2 (bounds at 99 %): gain ") and "lag" not in repr(flight)
+    again = pickle.loads(pickle.dumps(flight))
+    assert again == flight and str(again) == printed
+
+
+def test_sentences_have_arguments_where_the_program_has_options(machine):
+    u, y = servoid.simulate("linear").runs[0]
+    halves = [[column[:1800], column[1800:]] for column in (u, y)]
+    found = servoid.identify(*halves, period=0.002, controllers=[1.0, 2.0])
+    (written,) = (item["do"] for item in found.to_dict()["advice"] if "--" in item["do"])
+    said = [item.do for item in found.advice]
+    assert "--servo-model" in written and written.replace("--servo-model", "servo_model=True") in said
+    linear = machine.export("c")
+    assert any("--servo-model" in warning for warning in linear.document["warnings"])
+    assert any("servo_model=True" in warning for warning in linear.warnings) and not any("--" in warning for warning in linear.warnings)
+
+
+def test_a_servo_model_can_be_pickled(machine):
+    servo = machine.servo_model
+    again = pickle.loads(pickle.dumps(servo))
+    assert again.to_dict() == servo.to_dict() and repr(again) == repr(servo)
+    u = np.repeat([0.0, 10.0], 50)
+    np.testing.assert_array_equal(again.simulate(u).value, servo.simulate(u).value)
+
+
 def test_a_low_order_model_says_of_what_its_covariance_is(model):
     flight = model.flight_model
     assert flight == model.to_dict()["flight_model"] and flight.order == 2 and flight.lag_s is None
@@ -61,7 +117,7 @@ def test_a_bode_plot_is_of_the_servo_and_has_bounds_where_they_hold(model, neede
     matplotlib.use("Agg")
     axes = model.plot_bode()
     magnitude, phase = axes
-    assert [ax.get_ylabel() for ax in axes] == ["magnitude (dB of deg per deg)", "phase (degrees)"]
+    assert [ax.get_ylabel() for ax in axes] == ["magnitude\n(dB of deg per deg)", "phase (degrees)"]
     assert phase.get_xlabel() == "frequency (Hz)" and len(magnitude.collections) == len(phase.collections) == 1
     # The samples lag by the hold and are early by their phase.
     shift = np.degrees(model.frequency.omega_rad_s * (model.sample_period_s / 2 - model.sample_phase_s))
@@ -82,7 +138,20 @@ def test_a_bode_plot_is_of_the_servo_and_has_bounds_where_they_hold(model, neede
     drawn = without.plot_bode(both)
     assert drawn[0] is both[0] and not drawn[0].collections and not drawn[1].collections
     assert "no bounds can be given" in drawn[0].get_legend().get_texts()[0].get_text()
-    assert drawn[0].get_ylabel() == "magnitude (dB of output per input)"
+    assert drawn[0].get_ylabel() == "magnitude\n(dB of output per input)"
+
+
+def test_the_labels_of_a_bode_plot_are_in_the_picture(needed):
+    needed("matplotlib").use("Agg")
+    # The label is longest where no unit is known.
+    u, y = servoid.simulate("linear").runs[0]
+    axes = servoid.identify(u, y, period=0.002).plot_bode()
+    figure = axes[0].figure
+    figure.draw_without_rendering()
+    for ax in axes:
+        label, panel = ax.yaxis.label.get_window_extent(), ax.get_window_extent()
+        assert figure.bbox.x0 <= label.x0
+        assert panel.y0 <= label.y0 and label.y1 <= panel.y1, ax.get_ylabel()
 
 
 def test_a_comparison_has_what_its_document_has():
@@ -142,7 +211,7 @@ def test_a_report_and_exports_are_those_of_the_program(machine, tmp_path):
         printed = json.loads(program("export", file, "--to", to, *options, "--json"))
         found = loaded.export(to, **keywords)
         assert found.text == printed.pop("text") and found.document == printed
-        assert found.target == to and list(found.warnings) == printed["warnings"]
+        assert found.target == to and len(found.warnings) == len(printed["warnings"])
         assert found.largest_difference == printed.get("largest_difference")
     written = tmp_path / "servo.xml"
     found = loaded.export("mujoco", written)

@@ -1,12 +1,12 @@
 //! One identification with all that may follow it: servo model, low-order model, limits.
 
+use super::model_text::ModelText;
 use super::{identified, load_at_rest, servo_fit};
 use crate::data::HeldOutPrediction;
 use crate::data::dataset::{Dataset, DatasetOptions};
 use crate::data::model_file::{ModelDocument, ServoModelDocument};
 use crate::data::model_metadata::ModelMetadata;
-use crate::presentation::summary;
-use crate::presentation::{explanation, scope};
+use crate::presentation::{scope, summary};
 use anyhow::Result;
 use serde::Serialize;
 use servoid_identification::diagnostics::{Explanation, PriorOutcome};
@@ -118,6 +118,7 @@ impl Identified {
         let (flight_model, no_flight_model) = parts(&self.flight_model);
         let (servo_model, no_servo_model) = parts(&self.servo_model);
         let split = self.limits.as_ref().and_then(|(_, split)| split.as_ref());
+        let directions = split.zip(self.strokes_in_words());
         IdentifiedDocument {
             model: ModelDocument {
                 model: &self.model,
@@ -126,19 +127,20 @@ impl Identified {
                 servo_model,
             },
             read_as,
+            remarks: self.remarks(data),
             explanation: self.explanation(),
             flight_model,
             no_flight_model,
             no_servo_model,
             limits: self.limits.as_ref().map(|(limits, _)| limits),
-            directions: split.map(Directions::from),
+            directions: directions.map(Directions::from),
         }
     }
 
     /// All this as text. With `picture`, the step response is drawn where it is a finding.
     #[must_use]
     pub fn as_text(&self, data: &Dataset, name: &str, picture: bool) -> String {
-        let (model, units) = (&self.model, data.about.units());
+        let model = &self.model;
         let (flight_model, no_flight_model) = parts(&self.flight_model);
         let (servo_model, no_servo_model) = parts(&self.servo_model);
         // A step response of which not even the times are findings is no picture of the servo.
@@ -146,25 +148,30 @@ impl Identified {
             true => scope::step_as_text(&model.step, PICTURE.0, PICTURE.1),
             false => String::new(),
         };
-        let metadata = ModelMetadata::from(&data.about);
-        let extent = (picture.as_str(), self.explain);
-        let mut text = summary::of_both_models(name, model, &metadata, servo_model, extent);
-        text.extend(no_servo_model.map(|reason| {
-            let line = format!("no servo model: {reason}");
-            format!("\n{}\n", summary::wrapped(&line, 0))
-        }));
-        text.extend(self.explanation().map(|e| explanation::as_text(e, model)));
-        // Whoever asked for a prior wants to know what became of it; with --explain it is among the reasons.
-        let prior = self.explanation.prior.as_ref().filter(|_| !self.explain);
-        text.extend(prior.map(|prior| format!("\n{}\n", summary::wrapped(&prior.in_words(), 0))));
-        text.extend(flight_model.map(|flight| summary::of_flight_model(flight, model.linear)));
-        text.extend(no_flight_model.map(|reason| format!("\nno low-order model: {reason}\n")));
-        text.extend(
-            self.limits
-                .as_ref()
-                .map(|(limits, split)| summary::of_limits(limits, split.as_ref(), units.common())),
-        );
-        text
+        let strokes = self.strokes_in_words();
+        let limits = self.limits.as_ref().map(|(limits, _)| limits);
+        let text = ModelText {
+            model,
+            metadata: &ModelMetadata::from(&data.about),
+            servo_model: (servo_model, no_servo_model.map(String::as_str)),
+            explanation: self.explanation(),
+            prior: self.explanation.prior.as_ref(),
+            flight_model: (flight_model, no_flight_model.map(String::as_str)),
+            limits: limits.zip(strokes.as_deref()),
+        };
+        text.in_words(name, &picture)
+    }
+
+    /// How up and down strokes compare, where that was looked for.
+    fn strokes_in_words(&self) -> Option<String> {
+        let (limits, split) = self.limits.as_ref()?;
+        Some(summary::of_strokes(limits, split.as_ref()))
+    }
+
+    /// How the data were read, and what became of a prior that is not used.
+    fn remarks(&self, data: &Dataset) -> Vec<String> {
+        let read = data.about.remarks.iter().cloned();
+        read.chain(self.prior_not_used()).collect()
     }
 
     /// What became of the prior that was asked for, where it is not used.
@@ -208,6 +215,9 @@ pub struct IdentifiedDocument<'a> {
     model: ModelDocument<'a>,
     #[serde(skip_serializing_if = "DatasetOptions::are_default")]
     read_as: DatasetOptions,
+    /// How the files were read, a sentence each.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    remarks: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     explanation: Option<&'a Explanation>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -231,18 +241,21 @@ struct Directions<'a> {
     p: Option<f64>,
     largest_difference_percent: Option<f64>,
     at_s: Option<f64>,
+    /// The same in words.
+    statement: String,
     up: &'a StepResponse,
     down: &'a StepResponse,
 }
 
-impl<'a> From<&'a DirectionModel> for Directions<'a> {
-    fn from(split: &'a DirectionModel) -> Self {
+impl<'a> From<(&'a DirectionModel, String)> for Directions<'a> {
+    fn from((split, statement): (&'a DirectionModel, String)) -> Self {
         let symmetry = split.symmetry.valid();
         Self {
             asymmetric: symmetry.map(|found| found.asymmetric),
             p: symmetry.map(|found| found.p),
             largest_difference_percent: symmetry.map(|found| 100.0 * found.largest_difference),
             at_s: symmetry.map(|found| found.at_s),
+            statement,
             up: &split.up,
             down: &split.down,
         }

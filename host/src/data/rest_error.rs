@@ -7,7 +7,8 @@
 //! y = c + g (u - m) + f s        s = 1 after a stroke upwards, -1 downwards
 //! ```
 //!
-//! With m the middle of the commands, the servo rests c - m from its command there. Under two levels every stroke upwards ends at the same command, and g and f are one.
+//! With m the middle of the commands, the servo rests c - m from its command there; with a gain that is surely not one, what counts is where
+//! it rests under command 0. Under two levels every stroke upwards ends at the same command, and g and f are one.
 //!
 //! Where the columns have different units, one cannot be subtracted from the other; where a unit is not known, they may have, and then the rests
 //! have to lie about their commands: with a gain near 1, and off by less than the travel.
@@ -78,14 +79,21 @@ pub(super) fn advice(record: &Record, units: Units<'_>) -> Option<Advice> {
     let line = Line::through(&all)?;
     let may_be_one = match is_known {
         true => ONE_ANGLE.contains(&line.slope),
-        false => ONE_UNKNOWN_ANGLE.contains(&line.slope) && line.off.abs() < travel,
+        false => ONE_UNKNOWN_ANGLE.contains(&line.slope) && line.at_middle.0.abs() < travel,
     };
     if !may_be_one {
         return None;
     }
-    let (off, least) = (line.off, MATTERS * travel);
+    // What a gain that is not one adds is no zero that is off. Under two levels it cannot be distinguished from friction.
+    let of_gain =
+        line.friction.is_some() && (line.slope - 1.0).abs() > BEYOND_CHANCE * line.slope_sd;
+    let (off, off_sd) = match of_gain {
+        true => line.at_zero,
+        false => line.at_middle,
+    };
+    let least = MATTERS * travel;
     let beside = line.friction.unwrap_or(line.direction);
-    let chance = BEYOND_CHANCE * line.off_sd;
+    let chance = BEYOND_CHANCE * off_sd;
     let is_off = off.abs() > beside.max(least).max(chance).max(2.0 * line.drift());
     let unit = (units.output).map_or_else(String::new, |unit| format!(" {unit}"));
     let friction = line.friction.map_or(String::new(), |friction| {
@@ -96,10 +104,19 @@ pub(super) fn advice(record: &Record, units: Units<'_>) -> Option<Advice> {
     is_off.then(|| {
         Advice::new(
             Check::Zeros,
-            format!(
-                "The servo rests {off:+.2}{unit} from its command (mean of {} rests){friction}.",
-                all.len()
-            ),
+            match of_gain {
+                true => format!(
+                    "The servo rests at {:.3} times its command {} {:.2}{unit} (a line through {} rests){friction}.",
+                    line.slope,
+                    if off < 0.0 { '-' } else { '+' },
+                    off.abs(),
+                    all.len()
+                ),
+                false => format!(
+                    "The servo rests {off:+.2}{unit} from its command (mean of {} rests){friction}.",
+                    all.len()
+                ),
+            },
             off,
             beside,
             "Look at the zero of the sensor, at the horn on its spline and at a load that pulls to one side. The step response does not \
@@ -143,9 +160,11 @@ const SEPARATE: f64 = 0.05;
 /// The line through the rests, beside the direction that they were reached in.
 struct Line {
     /// Position at the middle of the commands, less that command, and its standard deviation.
-    off: f64,
-    off_sd: f64,
+    at_middle: (f64, f64),
+    /// Position under command 0, and its standard deviation.
+    at_zero: (f64, f64),
     slope: f64,
+    slope_sd: f64,
     /// What changes with the direction of the stroke, to each side; `None` where the command changes with it.
     friction: Option<f64>,
     /// The same with what the command adds, where nothing distinguishes the two.
@@ -188,13 +207,27 @@ impl Line {
             (low.min(u), high.max(u))
         });
         let middle = f64::midpoint(low, high);
-        let of_slope = (middle - u).powi(2) / square;
+        let of_friction_in_slope = if is_separate {
+            along * along / separate
+        } else {
+            0.0
+        };
+        let at = |command: f64| {
+            let of_slope = (command - u).powi(2) / square;
+            let of_both = 1.0 / count + of_friction + of_slope;
+            (
+                y - f * s + slope * (command - u),
+                (variance * of_both).sqrt(),
+            )
+        };
+        let (position, sd) = at(middle);
         let errors = dy.iter().zip(&du).map(|(y, u)| y - u);
         let direction = errors.zip(&ds).map(|(error, s)| error * s).sum::<f64>();
         Some(Self {
-            off: y - f * s + slope * (middle - u) - middle,
-            off_sd: (variance * (1.0 / count + of_friction + of_slope)).sqrt(),
+            at_middle: (position - middle, sd),
+            at_zero: at(0.0),
             slope,
+            slope_sd: (variance * (1.0 / square + of_friction_in_slope)).sqrt(),
             friction: is_separate.then_some(f.abs()),
             direction: (direction / product(&ds, &ds)).abs(),
             errors: left,
@@ -316,9 +349,9 @@ mod tests {
         assert_eq!(advice(&still, us(Some("deg"))), None);
     }
 
-    /// Five levels, each reached from below and from above, of a servo with this gain and friction that rests 2 off.
-    fn five_levels(gain: f64, friction: f64) -> Advice {
-        let level = |hold: usize| 10.0 * [0.0, 1.0, -1.0, 2.0, 1.0, -2.0, -1.0][hold % 7];
+    /// Five levels about `middle`, each reached from below and from above, of a servo with this gain and friction that rests `off` under command 0.
+    fn five_levels(gain: f64, friction: f64, off: f64, middle: f64) -> Option<Advice> {
+        let level = |hold: usize| middle + 10.0 * [0.0, 1.0, -1.0, 2.0, 1.0, -2.0, -1.0][hold % 7];
         let input: Vec<f64> = (0..1600).map(|k| level(k / 50)).collect();
         let output = (0..1600).map(|k| {
             let upwards = level(k / 50) > level(k / 50 + 6);
@@ -326,28 +359,41 @@ mod tests {
             let side = if upwards { -friction } else { friction };
             match k % 50 {
                 0..5 => 0.0,
-                _ => gain * input[k] + 2.0 + side + noise,
+                _ => gain * input[k] + off + side + noise,
             }
         });
         let output: Vec<f64> = output.collect();
         let record = Record::of_run(0.02, input.clone(), output).unwrap();
-        advice(&record, DEGREES).unwrap()
+        advice(&record, DEGREES)
     }
 
     #[test]
     fn a_gain_is_no_friction() {
-        let linear = five_levels(0.9, 0.0);
+        let linear = five_levels(0.9, 0.0, 2.0, 0.0).unwrap();
         assert!(
             linear.finding.contains("is 0.00 deg to each side"),
             "{}",
             linear.finding
         );
         assert!((linear.value - 2.0).abs() < 0.05, "{}", linear.value);
-        let sticking = five_levels(0.9, 0.5);
+        let sticking = five_levels(0.9, 0.5, 2.0, 0.0).unwrap();
         assert!(
             sticking.finding.contains("is 0.50 deg to each side"),
             "{}",
             sticking.finding
         );
+    }
+    /// With a gain that is not one, what is off is what is left under command 0.
+    #[test]
+    fn a_gain_is_no_zero_that_is_off() {
+        let found = five_levels(0.9, 0.5, 2.0, 20.0).unwrap();
+        let said = "The servo rests at 0.900 times its command + 2.0";
+        assert!(found.finding.starts_with(said), "{}", found.finding);
+        assert!((found.value - 2.0).abs() < 0.1, "{}", found.value);
+        // In the middle of its commands it rests 2 beside them.
+        assert_eq!(five_levels(0.9, 0.5, 0.0, 20.0), None);
+        let of_one = five_levels(1.0, 0.5, 2.0, 20.0).unwrap();
+        let said = "The servo rests +2.0";
+        assert!(of_one.finding.starts_with(said), "{}", of_one.finding);
     }
 }

@@ -6,8 +6,8 @@ use super::outcome::{
     Comparison, ComparisonBounds, DifferenceCurve, Direction, Levels, Sides, Subject,
 };
 use super::verdict::Verdict;
-use crate::numerics::{four_digits, six_digits};
-use crate::results::Bounds;
+use crate::numerics::{four_digits, pointwise_critical, six_digits};
+use crate::results::{Bounds, Interval};
 use crate::thresholds::NOTABLE_SHIFT_S;
 
 /// Of a second side that turns the other way, `turned` is the comparison with its outputs of the other sign.
@@ -211,23 +211,22 @@ fn behind(found: &Comparison, options: &ComparisonOptions) -> String {
     }
 }
 
-/// The end of the command at which the two rest farthest apart.
+/// The end of the command at which the two rest farthest apart. Where that is within the bounds of the difference, and not nothing, there is
+/// nothing to say.
 fn rest(levels: &Sides<Levels>, options: &ComparisonOptions) -> Option<String> {
     let (a, b) = (&levels.a, &levels.b);
     let ends = [
-        (a.command_plus, b.command_plus, a.plus.value, b.plus.value),
-        (
-            a.command_minus,
-            b.command_minus,
-            a.minus.value,
-            b.minus.value,
-        ),
+        (a.command_plus, b.command_plus, a.plus, b.plus),
+        (a.command_minus, b.command_minus, a.minus, b.minus),
     ];
     ends.into_iter()
         .filter(|(command_a, command_b, ..)| command_a == command_b)
-        .filter_map(|(command, _, a, b)| Some((command, a?, b?)))
-        .max_by(|(_, a, b), (_, c, d)| (b - a).abs().total_cmp(&(d - c).abs()))
-        .map(|(command, a, b)| {
+        .filter_map(|(command, _, a, b)| {
+            let sure = (b.value? - a.value?).abs() > half_width_of_difference(a, b, options)?;
+            Some((command, a.value?, b.value?, sure))
+        })
+        .max_by(|(_, a, b, _), (_, c, d, _)| (b - a).abs().total_cmp(&(d - c).abs()))
+        .and_then(|(command, a, b, sure)| {
             let with = |number: String, unit: &str| match unit {
                 "" => number,
                 unit => format!("{number} {unit}"),
@@ -241,15 +240,63 @@ fn rest(levels: &Sides<Levels>, options: &ComparisonOptions) -> Option<String> {
             let position = |level: f64| with(format!("{level:.decimals$}"), &options.output_unit);
             let commanded = with(signed(command), &options.input_unit);
             match (position(a), position(b)) {
-                (a, b) if a == b => format!("; commanded {commanded} both come to rest at {a}"),
-                (a, b) => {
-                    format!("; commanded {commanded} it comes to rest at {b}, the first at {a}")
+                (a, b) if a == b => {
+                    Some(format!("; commanded {commanded} both come to rest at {a}"))
                 }
+                (a, b) => sure.then(|| {
+                    format!("; commanded {commanded} it comes to rest at {b}, the first at {a}")
+                }),
             }
         })
+}
+
+/// Of two rests of two recordings, whose sensors may have other zeros and scales.
+fn half_width_of_difference(a: Interval, b: Interval, options: &ComparisonOptions) -> Option<f64> {
+    let half = |of: Interval| Some((of.upper? - of.lower?) / 2.0);
+    let of_zero = pointwise_critical(options.identification.level) * options.zero_sd;
+    let of_scale = options.scale_error() * b.value?;
+    Some(half(a)?.hypot(half(b)?).hypot(of_zero).hypot(of_scale))
 }
 
 /// "+4.981" of 4.980556789934776: pulses are whole microseconds, and degrees by a calibration are not.
 fn signed(command: f64) -> String {
     format!("{:+}", four_digits(command))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_rests_differ_where_that_is_sure() {
+        let of = |rest: f64, half_width: f64| Levels {
+            command_plus: 10.0,
+            plus: Interval {
+                value: Some(rest),
+                lower: Some(rest - half_width),
+                upper: Some(rest + half_width),
+            },
+            command_minus: -10.0,
+            minus: Interval::default(),
+        };
+        let said = |half_width: f64, zero_sd: f64| {
+            let levels = Sides {
+                a: of(4.30, half_width),
+                b: of(4.31, half_width),
+            };
+            let options = ComparisonOptions {
+                zero_sd,
+                ..ComparisonOptions::default()
+            };
+            rest(&levels, &options)
+        };
+        let sure = said(0.005, 0.0).unwrap();
+        assert_eq!(
+            sure,
+            "; commanded +10 it comes to rest at 4.31, the first at 4.30"
+        );
+        assert_eq!(said(0.02, 0.0), None);
+        // The sensor's zero may have moved between the two.
+        assert_eq!(said(0.005, 0.01), None);
+    }
 }

@@ -6,9 +6,11 @@ use crate::data::dataset::DatasetOptions;
 use crate::data::model_metadata::ModelMetadata;
 use crate::data::{fingerprint, input_file};
 use serde::{Deserialize, Serialize, Serializer};
-use serde_json::Value;
+use serde_json::{Map, Value};
 use servoid_identification::Record;
+use servoid_identification::diagnostics::Explanation;
 use servoid_identification::flight_model::FlightModel;
+use servoid_identification::nonlinear::Limits;
 use servoid_identification::results::{MODEL_SCHEMA, Model};
 use servoid_identification::servo_model::ServoModel;
 use std::path::{Path, PathBuf};
@@ -123,6 +125,8 @@ pub struct ModelFile {
     pub read_as: DatasetOptions,
     flight_model: Value,
     servo_model: Value,
+    /// What was found beside the models, and what was said of it.
+    said: Map<String, Value>,
     path: PathBuf,
 }
 
@@ -177,6 +181,7 @@ impl ModelFile {
             read_as: beside.read_as,
             flight_model: document.get("flight_model").cloned().unwrap_or_default(),
             servo_model: document.get("servo_model").cloned().unwrap_or_default(),
+            said: said(&document),
             path: path.to_owned(),
         })
     }
@@ -223,6 +228,53 @@ impl ModelFile {
             })),
             false => Err(ModelFileError::InconsistentServoModel(self.path.clone())),
         }
+    }
+}
+
+/// The fields with what was found beside the models.
+const SAID: [&str; 5] = [
+    "explanation",
+    "no_servo_model",
+    "no_flight_model",
+    "limits",
+    "directions",
+];
+
+fn said(document: &Value) -> Map<String, Value> {
+    let field = |name: &str| Some((name.to_owned(), document.get(name)?.clone()));
+    SAID.into_iter().filter_map(field).collect()
+}
+
+/// What is said beside the models is left out where it cannot be read: nothing is computed of it.
+impl ModelFile {
+    /// The choice of the structure, where the file has it.
+    #[must_use]
+    pub fn explanation(&self) -> Option<Explanation> {
+        Explanation::deserialize(self.said.get("explanation")?).ok()
+    }
+
+    /// Motion that is not linear, where it was looked for.
+    #[must_use]
+    pub fn limits(&self) -> Option<Limits> {
+        Limits::deserialize(self.said.get("limits")?).ok()
+    }
+
+    /// Whether limits were looked for in a record with strokes in both directions.
+    #[must_use]
+    pub fn compares_strokes(&self) -> bool {
+        self.said.contains_key("directions")
+    }
+
+    /// How up and down strokes compare, in words; older files do not say it.
+    #[must_use]
+    pub fn strokes_in_words(&self) -> Option<&str> {
+        self.said.get("directions")?.get("statement")?.as_str()
+    }
+
+    /// A field that is a text.
+    #[must_use]
+    pub fn text(&self, field: &str) -> Option<&str> {
+        self.said.get(field)?.as_str()
     }
 }
 

@@ -72,23 +72,19 @@ pub fn of_flight_model(flight: &FlightModel, linear: bool) -> String {
     text + "  " + &flight.statement + "\n" + &doubt
 }
 
+/// Said where strokes go in one direction.
+pub(crate) const STROKES_OF_ONE_DIRECTION: &str =
+    "Up and down strokes cannot be compared in this recording.";
+
 /// Said of different answers where the speed does not grow with the stroke: the test has one response for strokes of all sizes.
 const SIZES_DIFFER: &str = " The speed does not grow with the stroke here, so strokes up and down of other sizes do that, too: hold the speeds below \
     against each other.";
 
-/// Up and down strokes apart, and the limits of a linear model; `unit` is that of input and output.
+/// How up and down strokes compare; there are no `directions` where the recording has strokes in one alone.
 #[must_use]
-pub fn of_limits(
-    limits: &Limits,
-    directions: Option<&DirectionModel>,
-    unit: Option<&str>,
-) -> String {
-    let units = unit.map_or_else(
-        || "positions in the recording's unit, speeds in that unit per second".to_owned(),
-        |unit| format!("positions in {unit}, speeds in {unit}/s"),
-    );
-    let strokes = directions.map_or_else(
-        || "Up and down strokes cannot be compared in this recording.".to_owned(),
+pub fn of_strokes(limits: &Limits, directions: Option<&DirectionModel>) -> String {
+    directions.map_or_else(
+        || STROKES_OF_ONE_DIRECTION.to_owned(),
         |directions| match &directions.symmetry {
             Bounds::Valid(symmetry) => {
                 let limited = [&limits.rate_up, &limits.rate_down].iter().any(|rate| {
@@ -106,10 +102,19 @@ pub fn of_limits(
                 reason.because()
             ),
         },
+    )
+}
+
+/// What [`of_strokes`] says of up and down strokes, and the limits of a linear model; `unit` is that of input and output.
+#[must_use]
+pub fn of_limits(limits: &Limits, strokes: &str, unit: Option<&str>) -> String {
+    let units = unit.map_or_else(
+        || "positions in the recording's unit, speeds in that unit per second".to_owned(),
+        |unit| format!("positions in {unit}, speeds in {unit}/s"),
     );
     format!(
         "\nlimits of a linear model ({units})\n  {}\n{}",
-        wrapped(&strokes, 2),
+        wrapped(strokes, 2),
         findings_on_limits(limits)
     )
 }

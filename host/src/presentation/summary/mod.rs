@@ -24,7 +24,8 @@ mod validation;
 mod what_to_record;
 mod whole_stroke;
 
-pub use beyond_linear::{of_flight_model, of_limits};
+pub(crate) use beyond_linear::STROKES_OF_ONE_DIRECTION;
+pub use beyond_linear::{of_flight_model, of_limits, of_strokes};
 pub use both_models::{answer_of_servo_model, of_both_models};
 pub use comparison::of_comparison;
 pub use linear_model::{Extent, of_model};

@@ -3,6 +3,7 @@
 //! Such a servo delays the command by whole steps of the simulation, limits its rate, and filters it by a Butterworth filter of second
 //! order. The filter is the one that lags as far behind a ramp as the servo does.
 
+use super::difference::Difference;
 use super::emulation::{DelayLine, SecondOrder};
 use super::exported::ExportedServo;
 use super::fixed_step::chosen_step_s;
@@ -12,7 +13,7 @@ use super::smooth_command::SmoothCommand;
 use super::statement::{Comparison, Frame};
 use super::subject::ServoExport;
 use super::terms::Term;
-use super::trial_command::{Difference, Trial};
+use super::trial_command::Trial;
 use super::worst_command::with_worst;
 use crate::presentation::export::error::ExportError;
 use crate::presentation::export::target::Target;

@@ -1,8 +1,9 @@
 //! The result of an export.
 
+use super::difference::Difference;
 use super::subject::ServoExport;
 use super::terms::Term;
-use super::trial_command::{Difference, Trial};
+use super::trial_command::Trial;
 use crate::presentation::export::error::ExportError;
 
 /// A file, and how far it is from the servo model.

@@ -3,6 +3,7 @@
 //! Behind the actuator the filter's lag behind a ramp, c/k times the speed, is the distance at which a servo of full drive begins to
 //! brake. A servo whose speed alone is limited does not brake, and would be late by c/k: its filter comes first.
 
+use super::difference::Difference;
 use super::emulation::{DelayLine, SecondOrder};
 use super::exported::ExportedServo;
 use super::fixed_step::longest_s;
@@ -11,7 +12,7 @@ use super::smooth_command::SmoothCommand;
 use super::statement::{Comparison, Frame};
 use super::subject::{NO_LIMIT, ServoExport};
 use super::terms::Term;
-use super::trial_command::{Difference, Trial};
+use super::trial_command::Trial;
 use super::worst_command::with_worst;
 use crate::presentation::export::error::ExportError;
 use crate::presentation::export::jsbsim::{TIME, before_servo, hold_switch, start};

@@ -1,10 +1,11 @@
 //! The equation as a module, a function or a header: the steps that servoid itself takes, in steps of one length.
 
+use super::difference::Difference;
 use super::exported::ExportedServo;
 use super::fixed_step::{DelayInSteps, respond, step_s};
 use super::statement::{Comparison, Frame};
 use super::subject::{NO_LIMIT, ServoExport};
-use super::trial_command::{Difference, Trial};
+use super::trial_command::Trial;
 use crate::presentation::export::error::ExportError;
 use crate::presentation::export::target::Target;
 use crate::presentation::export::text::{

@@ -6,6 +6,7 @@
 //! leaves out.
 
 mod ardupilot;
+mod difference;
 mod emulation;
 mod exported;
 mod fixed_step;

@@ -3,6 +3,7 @@
 //! The actuator's force kp (ctrl - q) - kv q' within its range is the drive of the equation; the joint has the motor's damping and the
 //! friction. Its inertia is one, since accelerations are known per unit of inertia.
 
+use super::difference::Difference;
 use super::emulation::DelayLine;
 use super::exported::ExportedServo;
 use super::fixed_step::step_s;
@@ -12,7 +13,7 @@ use super::speed_by_drive::{SHARES, closest_drive};
 use super::statement::{Comparison, Frame, line};
 use super::subject::ServoExport;
 use super::terms::Term;
-use super::trial_command::{Difference, Trial, recorded};
+use super::trial_command::{Trial, recorded};
 use super::worst_command::with_worst;
 use crate::presentation::export::error::ExportError;
 use crate::presentation::export::target::Target;

@@ -1,9 +1,10 @@
 //! The comment at the top of every export of a servo model.
 
+use super::difference::Difference;
 use super::exported::ExportedServo;
 use super::rate_limit::FACTOR;
 use super::subject::ServoExport;
-use super::trial_command::{Difference, FINER, Held, REVERSALS, Trial};
+use super::trial_command::{FINER_WHERE_EXACT, Held, REVERSALS, Trial};
 use crate::data::unitless_command::UnitlessCommand;
 use crate::presentation::export::doubts;
 use crate::presentation::export::recorded::{self, beside};
@@ -389,7 +390,7 @@ impl ServoExport<'_> {
             }
         };
         format!(
-            "Largest difference from servoid's own integrator with steps {FINER} times as fine as usual, under the command named below: {}, {}, with steps of {} ms{emulation}; root mean square {} %. {} In strokes that are held or broken off once it is {}.{} The command: {}",
+            "Largest difference from servoid's own integrator with steps {FINER_WHERE_EXACT} times as fine as usual, under the command named below: {}, {}, with steps of {} ms{emulation}; root mean square {} %. {} In strokes that are held or broken off once it is {}.{} The command: {}",
             largest,
             self.strokes(trial),
             four_digits(1e3 * trial.step_s),
@@ -437,7 +438,7 @@ fn searched(trial: &Trial) -> String {
     match trial.worst.is_empty() {
         true => "It is that of repeated reversals, as a loop that swings has them, and of strokes that are held or broken off once; reversals of other periods may show more.".to_owned(),
         false => format!(
-            "A search found the strokes in which it is largest, {}, among reversals and random strokes over the recorded range and a fifth of it, with half-periods from the servo's rise to the time in which its largest stroke settles; other commands may be farther, mostly by no more than a tenth, but long equal reversals of one period were up to 2.7 times as far.",
+            "A search found the strokes in which it is largest, {}, among reversals and random strokes over the recorded range, with half-periods from 1/sqrt(k) to the time in which its largest stroke settles; other commands may be farther, seldom by more than a tenth.",
             reversals(trial)
         ),
     }
@@ -458,9 +459,29 @@ fn reversals(trial: &Trial) -> String {
 
 /// The strokes of the search, in which each number stands.
 fn strokes(trial: &Trial) -> String {
+    if let [first, second, _, ..] = &trial.worst[..]
+        && are_even(&trial.worst)
+    {
+        return format!(
+            "{} and {} in turn, {} strokes of {} steps each",
+            number(first.level),
+            number(second.level),
+            trial.worst.len(),
+            first.steps
+        );
+    }
     let held = |held: &Held| format!("{} for {} steps", number(held.level), held.steps);
     let all: Vec<String> = trial.worst.iter().map(held).collect();
     all.join(", ")
+}
+
+/// Whether strokes go to and fro between two levels, each as long as the others.
+fn are_even(strokes: &[Held]) -> bool {
+    let again = strokes.iter().zip(strokes.iter().skip(2));
+    let both = strokes.iter().zip(strokes.iter().skip(1));
+    let mut even = again.map(|(a, b)| a.level == b.level);
+    let mut alike = both.map(|(a, b)| a.steps == b.steps);
+    even.all(|is| is) && alike.all(|is| is)
 }
 
 /// "2.5 - 45", the numbers of a line that is `at_zero` at 0 and rises by `each`.

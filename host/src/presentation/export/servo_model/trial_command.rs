@@ -32,53 +32,6 @@ pub struct Held {
     pub steps: usize,
 }
 
-/// How far an exported servo is from the servo model.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Difference {
-    /// The command.
-    pub trial: Trial,
-    /// The largest difference of the position \[unit of the position\].
-    pub largest: f64,
-    /// The largest in the staircase alone, likewise.
-    pub largest_in_strokes: f64,
-    /// Its root mean square, likewise.
-    pub root_mean_square: f64,
-    /// The largest from a servo that has the load and the stops that the export has, where it leaves some out, and what these are.
-    pub without_others: Option<(f64, &'static str)>,
-}
-
-impl Difference {
-    /// Of the positions at the beginning of each step that `found` has beside a servo, by a target that has load and stops of `like`.
-    pub fn of(
-        export: &ServoExport<'_>,
-        trial: Trial,
-        found: impl Fn(&ServoParameters) -> Vec<f64>,
-        like: &ServoParameters,
-    ) -> Self {
-        let servo = &export.parameters;
-        let (positions, exact) = (found(servo), trial.exact(servo));
-        let from_like = || trial.largest_difference(&found(like), &trial.exact(like));
-        Self {
-            largest: trial.largest_difference(&positions, &exact),
-            largest_in_strokes: trial
-                .largest_difference(trial.staircase(&positions), trial.staircase(&exact)),
-            root_mean_square: trial.root_mean_square(&positions, &exact),
-            without_others: others(servo, like).map(|others| (from_like(), others)),
-            trial,
-        }
-    }
-}
-
-/// What of load and stops `servo` has and `like` has not.
-fn others(servo: &ServoParameters, like: &ServoParameters) -> Option<&'static str> {
-    match (servo.load != like.load, servo.stops != like.stops) {
-        (false, false) => None,
-        (true, false) => Some("the load that is left out"),
-        (false, true) => Some("the stops that are left out"),
-        (true, true) => Some("the load and the stops that are left out"),
-    }
-}
-
 /// The levels as parts of the amplitude: strokes of a tenth and less, and of twice the amplitude.
 const LEVELS: [f64; 8] = [0.0, 0.1, -0.05, 1.0, -1.0, -0.9, 0.5, 0.0];
 
@@ -109,7 +62,7 @@ const POSSIBLE: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
 const SETTLING: f64 = 5.0;
 
 /// How much finer the motion that counts as exact is computed than servoid does elsewhere.
-pub(super) const FINER: f64 = 10.0;
+pub(super) const FINER_WHERE_EXACT: f64 = 10.0;
 
 impl Trial {
     /// A trial with steps of `step_s` seconds, of commands that are `possible`.
@@ -291,7 +244,7 @@ pub(super) fn largest(a: &[f64], b: &[f64]) -> (f64, usize) {
 /// The position at the beginning of each step of `step_s` with these commands, from rest under the first, by servoid's integrator with steps of a
 /// tenth of its usual ones.
 pub(super) fn exact(servo: &ServoParameters, step_s: f64, command: &[f64]) -> Vec<f64> {
-    finely(servo, step_s, command, FINER)
+    finely(servo, step_s, command, FINER_WHERE_EXACT)
 }
 
 /// The same with steps that are `finer` times as fine as usual.
@@ -362,9 +315,9 @@ fn held(parameters: &ServoParameters) -> f64 {
     parameters.resting_error().unwrap_or(0.0) + parameters.dead_band.unwrap_or(0.0)
 }
 
-/// The time constant of the slower pole: a servo without limits rises in about twice that.
+/// 1/ω of the servo at small signals: one without limits rises in about twice that, and swings with a half-period of three times that.
 fn rise_s(export: &ServoExport<'_>) -> f64 {
-    1.0 / slower_pole(&export.parameters)
+    1.0 / export.parameters.stiffness.sqrt()
 }
 
 /// The real part of the slower pole \[1/s\].
