@@ -149,8 +149,8 @@ fn a_dead_band_is_not_taken_for_friction() {
     for seed in 1..4 {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mut input = vec![0.0; 250];
-        while input.len() < 10_000 {
-            let size = 8.0 * [0.3, 0.6, 1.0][random.random_range(0..3)];
+        while input.len() < 20_000 {
+            let size = 4.0 * [0.3, 0.6, 1.0][random.random_range(0..3)];
             let hold = random.random_range(75..150);
             for level in [size, -size, 0.0, 0.0] {
                 input.extend(std::iter::repeat_n(level, hold));
