@@ -104,12 +104,14 @@ impl Model {
         }
         let (model, metadata) = (&self.file.model, &self.file.metadata);
         let servo = self.file.servo_model().map_err(raised)?;
+        let low_order = self.file.flight_model().map_err(raised)?;
         let extent = ("", false);
         Ok(summary::of_both_models(
             &self.name,
             model,
             metadata,
             servo.as_ref(),
+            low_order.as_ref(),
             extent,
         ))
     }
