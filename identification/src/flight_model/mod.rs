@@ -120,6 +120,7 @@ impl FlightModel {
             && (1..=3).contains(&order)
             // The logarithm of what must be above zero is no number otherwise.
             && is_sized(&parameters, count)
+            && self.band_hz.is_none_or(|ends| is_sized(&ends, 2))
             && bounds
     }
 
@@ -164,7 +165,8 @@ impl FlightModel {
 /// ```
 ///
 /// # Errors
-/// The model has no response or no supported gain, or the record is not the one it was identified from.
+/// The model has no response or no supported gain, or the record is not the one it was identified from; or it has bounds in a band alone, and does not say how they were
+/// estimated.
 pub fn fit(
     record: &Record,
     model: &Model,
@@ -201,7 +203,7 @@ pub fn fit(
 /// ```
 ///
 /// # Errors
-/// The model has no response, no supported gain, or no covariance.
+/// The model has no response, no supported gain, or no covariance; or it has bounds in a band alone.
 pub fn of_model(model: &Model, options: &FlightModelOptions) -> Result<FlightModel, Error> {
     match model.band() {
         Some(_) => Err(Error::OfBandAlone),

@@ -63,7 +63,7 @@ fn of_one(part: &Part<'_>, has_other: bool) -> String {
     let strokes = strokes.map(|strokes| format!(" Its strokes are {strokes}."));
     let by_order = part.low_order;
     let by_order =
-        by_order.and_then(|flight| summary::low_order_sentence(flight, part.subject.units));
+        by_order.and_then(|flight| summary::low_order_sentence(flight, model, part.subject.units));
     let by_order = by_order.map(|sentence| format!(" {sentence}"));
     format!(
         "<p><b>{name}</b>, from {from}{runs}, {seconds:.1} s used. {}{linear}{}{}{}</p>\n",

@@ -89,7 +89,7 @@ pub(crate) fn of_response(
         }
     };
     let entries = OF_A_RESPONSE.into_iter().filter_map(metrics::entry);
-    let by_order = low_order.and_then(|flight| gain_by_order(flight, units));
+    let by_order = low_order.and_then(|flight| by_order(flight, units));
     let is_open =
         |entry: &MetricEntry| entry.is("dc_gain") && model.metrics.dc_gain.value.is_none();
     let shown = |entry: &MetricEntry| match &by_order {
@@ -97,6 +97,16 @@ pub(crate) fn of_response(
         _ => figure(entry),
     };
     entries.map(shown).collect()
+}
+
+/// The gain by a low-order model, in the place of one that is not known by itself.
+fn by_order(flight: &FlightModel, units: Units<'_>) -> Option<KeyFigure> {
+    let (value, below) = gain_by_order(flight, units)?;
+    Some(KeyFigure {
+        label: "gain".to_owned(),
+        value,
+        below,
+    })
 }
 
 fn reason_of_none(metrics: &Metrics) -> &'static str {
@@ -152,7 +162,7 @@ pub(crate) fn of_machine(
     }
     all.truncate(KEY_FIGURES - 1);
     all.push(fit);
-    let by_order = low_order.and_then(|flight| gain_by_order(flight, units));
+    let by_order = low_order.and_then(|flight| by_order(flight, units));
     let is_gain = |found: &Quantity| found.kind() == Some(QuantityKind::Gain);
     let shown = |row: &&(&Quantity, QuantityRow)| match &by_order {
         Some(gain) if is_gain(row.0) => gain.clone(),

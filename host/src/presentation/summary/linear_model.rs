@@ -36,7 +36,7 @@ pub struct Extent<'a> {
 pub fn of_model(source: &str, model: &Model, of: &ModelMetadata, extent: Extent<'_>) -> String {
     let units = of.units();
     let by_order = extent.low_order;
-    let by_order = by_order.and_then(|flight| low_order_sentence(flight, units));
+    let by_order = by_order.and_then(|flight| low_order_sentence(flight, model, units));
     let by_order = by_order.map_or_else(String::new, |sentence| format!(" {sentence}"));
     let sentence = wrapped(&(model_sentence(model, of) + &by_order), 0);
     let (first, advice): (Vec<Advice>, Vec<Advice>) = model

@@ -1,19 +1,24 @@
 //! What the low-order model of a band says, in words.
 
-use super::key_figures::KeyFigure;
+use super::first_finding::first_finding;
 use super::numbers::{digits, digits_beside, percent};
 use crate::data::units::Units;
 use servoid_identification::flight_model::FlightModel;
-use servoid_identification::results::{Interval, with_unit};
+use servoid_identification::results::{Interval, Model, with_unit};
 
 /// The low-order model of a band, where the data do not reject its order: of another order, the gain at rest may be any.
 fn of_its_order(flight: &FlightModel) -> Option<[f64; 2]> {
     flight.band_hz.filter(|_| !flight.approximation)
 }
 
-/// Gain and shape in a sentence, and what they rest on; `None` of a model of more than a band, and of an approximation.
-pub(crate) fn low_order_sentence(flight: &FlightModel, units: Units<'_>) -> Option<String> {
-    let [from, to] = of_its_order(flight)?;
+/// Gain and shape in a sentence, and what they rest on; `None` of a model of more than a band, of an approximation, and where a finding on the `linear` model of the same record
+/// comes first.
+pub(crate) fn low_order_sentence(
+    flight: &FlightModel,
+    linear: &Model,
+    units: Units<'_>,
+) -> Option<String> {
+    let [from, to] = of_its_order(flight).filter(|_| first_finding(linear).is_none())?;
     let gain = units.gain().unwrap_or_default();
     let rows = [
         ("a gain of", &*gain, 1.0, Some(flight.gain)),
@@ -41,16 +46,13 @@ pub(crate) fn low_order_sentence(flight: &FlightModel, units: Units<'_>) -> Opti
     ))
 }
 
-/// The gain of the low-order model, in the place of one that is not known by itself.
-pub(super) fn gain_by_order(flight: &FlightModel, units: Units<'_>) -> Option<KeyFigure> {
+/// The gain of the low-order model with its unit, and its interval and what that rests on.
+pub(super) fn gain_by_order(flight: &FlightModel, units: Units<'_>) -> Option<(String, String)> {
     of_its_order(flight)?;
     let gain = units.gain().unwrap_or_default();
     let (value, interval) = value_and_interval(&flight.gain, 1.0)?;
-    Some(KeyFigure {
-        label: "gain".to_owned(),
-        value: with_unit(&value, &gain),
-        below: format!("{interval}, if it is of order {}", flight.order),
-    })
+    let below = format!("{interval}, if it is of order {}", flight.order);
+    Some((with_unit(&value, &gain), below))
 }
 
 /// "0.950", "0.949 .. 0.951".
