@@ -23,7 +23,8 @@ impl Guess {
     }
 
     /// From the frequency response in a band, whose lowest frequency has nearly the gain: the frequency of an eighth of a turn, which is a fourth of a turn for each
-    /// time to half way, and the bandwidth. `None` where the band begins beyond the former.
+    /// time to half way, and the bandwidth. The gain has the sign with which that frequency is less than a quarter of a turn late; `None` where it would be early instead,
+    /// as it is later than that.
     pub(super) fn in_band(model: &Model) -> Option<Self> {
         let found = model.frequency.clone().freed_of_hold(model.timing());
         let lowest = *found.re.first()?;
@@ -31,7 +32,7 @@ impl Guess {
         let turned = |k: usize| (found.im[k] / gain).atan2(found.re[k] / gain);
         let late = (0..found.re.len()).find(|&k| turned(k).abs() >= FRAC_PI_4);
         let late = found.omega_rad_s[late.unwrap_or(found.re.len() - 1)];
-        (turned(0).abs() < FRAC_PI_4).then(|| Self {
+        (turned(0) < FRAC_PI_4).then(|| Self {
             gain,
             t50_s: FRAC_PI_4 / late,
             // Of a lag, ln 9 time constants.
