@@ -14,27 +14,28 @@ fn main() {
     let first = std::env::args().nth(2).and_then(|text| text.parse().ok());
     let first = first.unwrap_or(0);
     println!(
-        "| input, servo, noise (deg), rows | bounds | band (Hz) | magnitude: mean, worst | phase: mean, worst | median half width (dB) | -90 degrees held |"
+        "| input, servo, noise (deg), rows | bounds | band (Hz) | magnitude: mean, worst | phase: mean, worst | median half width (dB) | -90 degrees held | order rejected | gain held | delay, ω and ζ, or T held | half width of the gain (%) |"
     );
-    println!("|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|---|---|---|");
     for line in smooth_inputs() {
         let found = line.measure(runs, first);
         let claimed = format!("{} of {}", found.claimed, found.runs);
         if found.claimed == 0 {
-            println!("| {} | {claimed} | | | | | |", line.label);
+            println!("| {} | {claimed} | | | | | | | | | |", line.label);
             continue;
         }
         let percent =
             |[mean, worst]: [f64; 2]| format!("{:.1}, {:.0}", 100.0 * mean, 100.0 * worst);
         let [low, high] = found.band_hz;
         println!(
-            "| {} | {claimed} | {low:.2}-{high:.1} | {} | {} | {:.3} | {} of {} |",
+            "| {} | {claimed} | {low:.2}-{high:.1} | {} | {} | {:.3} | {} of {} | {} |",
             line.label,
             percent(found.magnitude),
             percent(found.phase),
             found.half_width_db,
             found.minus_90_held,
-            found.minus_90
+            found.minus_90,
+            found.low_order.cells()
         );
     }
 }

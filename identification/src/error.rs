@@ -231,6 +231,12 @@ pub enum Error {
          reference with steps that are held until the servo rests"
     )]
     Unexcited,
+    /// The response is known in a band alone, and what it was estimated from is not at hand.
+    #[error(
+        "the recording determines the response in a band of frequencies alone, and a model of low order of that is fitted to the samples: identify the recording \
+         again, which fits one or says why there is none"
+    )]
+    OfBandAlone,
     /// More controllers than a servo model can have.
     #[error(
         "the runs have {controllers} controllers, and a servo model takes {most}: fit the runs of fewer at a time"

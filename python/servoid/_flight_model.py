@@ -82,6 +82,12 @@ class FlightModel(dict[str, Any]):
         return interval_or_none(self["lag_s"])
 
     @property
+    def band_hz(self) -> tuple[float, float] | None:
+        """Ends of the band that it was fitted to (Hz), below and above which its order is assumed; ``None`` where all is known."""
+        found = self.get("band_hz")
+        return None if found is None else (float(found[0]), float(found[1]))
+
+    @property
     def level(self) -> float | None:
         """Level of the intervals; ``None`` where bounds are withdrawn."""
         level: float | None = (self["bounds"] or {}).get("level")

@@ -68,7 +68,8 @@ def identify(
         noise bounds are then 1.5 to 4 times narrower, and they hold for such responses.
     explain, flight_model, servo_model, limits : bool
         Also: why this structure, a low-order model, the servo as a machine, and motion that is not linear. The servo model is
-        looked for by itself where the linear model has no bounds, which takes some seconds.
+        looked for by itself where the linear model has no bounds, which takes some seconds, and so is the low-order model
+        where bounds hold in a band of frequencies alone.
     **reading
         Options of :func:`read`, where ``u`` names files.
 

@@ -414,7 +414,10 @@ class Model(Document):
 
     @property
     def flight_model(self) -> FlightModel | None:
-        """The low-order model (``flight_model=True``), with its intervals; its covariance is that of [K, L, ln ω, ln ζ, ln T]."""
+        """The low-order model (``flight_model=True``; of a sweep it is fitted by itself), with its intervals.
+
+        Its covariance is that of [K, L, ln ω, ln ζ, ln T].
+        """
         found: dict[str, Any] | None = self.to_dict().get("flight_model")
         return None if found is None else FlightModel(found, self._core.flight_summary or "")
 

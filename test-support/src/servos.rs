@@ -56,6 +56,24 @@ impl Linear {
         self
     }
 
+    /// Number of poles.
+    pub fn order(&self) -> usize {
+        self.poles.len()
+    }
+
+    /// \[K, L, T\] of one pole, and \[K, L, ω, ζ\] of the first two of more.
+    pub fn parameters(&self) -> Vec<f64> {
+        let shape = match self.poles[..] {
+            [pole] => vec![-pole.re.recip()],
+            [one, other, ..] => {
+                let omega = (one * other).re.sqrt();
+                vec![omega, -(one + other).re / (2.0 * omega)]
+            }
+            [] => Vec::new(),
+        };
+        [vec![self.gain, self.delay_s], shape].concat()
+    }
+
     /// Response to a unit step at time zero, by residues.
     pub fn step(&self, t: f64) -> f64 {
         let t = t - self.delay_s;

@@ -3,7 +3,9 @@
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use servoid_identification::{Options, Record, identify, results::Model};
+use servoid_identification::flight_model::{self, FlightModel, FlightModelOptions};
+use servoid_identification::results::Model;
+use servoid_identification::{Options, Record, identify};
 use std::f64::consts::TAU;
 
 use crate::plants::{normal, random};
@@ -192,6 +194,24 @@ pub struct InBand {
     /// Of the intervals of the frequency of -90 degrees, those that hold the exact one.
     pub minus_90_held: usize,
     pub minus_90: usize,
+    pub low_order: OfLowOrder,
+}
+
+/// How often the intervals of low-order models hold.
+#[derive(Debug, Clone, Default)]
+pub struct OfLowOrder {
+    /// Models.
+    pub fitted: usize,
+    /// Those whose order is rejected, which have no intervals.
+    pub rejected: usize,
+    /// Of the others, those whose gain is held.
+    pub gain_held: usize,
+    /// Of these, those of the servo's own order.
+    pub of_its_order: usize,
+    /// And of those again, the intervals that hold: of the delay, and of natural frequency and damping, or of the lag.
+    pub held: Vec<usize>,
+    /// Half width of the interval of the gain in the mean \[%\].
+    pub half_gain_percent: f64,
 }
 
 /// What one frequency of one recording shows: magnitude and phase held, half width \[dB\].
@@ -201,14 +221,8 @@ impl SmoothInput {
     /// The recordings of `runs` seeds from `first` on.
     #[must_use]
     pub fn measure(&self, runs: usize, first: u64) -> InBand {
-        let all = self.input.samples(self.period_s);
-        let before = self.input.before(self.period_s);
-        let clean = self.servo.respond(&all, self.period_s).split_off(before);
-        let models: Vec<Model> = (first..first + runs as u64)
-            .into_par_iter()
-            .map(|seed| self.model(&all[before..], &clean, seed))
-            .filter(|model| model.level().valid().is_none() && model.band().is_some())
-            .collect();
+        let (models, low_order): (Vec<Model>, Vec<Option<FlightModel>>) =
+            self.identified(runs, first).into_iter().unzip();
         let mut found = InBand {
             claimed: models.len(),
             runs,
@@ -220,10 +234,27 @@ impl SmoothInput {
         if let Some(exact) = self.servo.minus_90() {
             found.judge_minus_90(&models, exact);
         }
+        if let Servo::Linear(servo, share) = &self.servo {
+            let low_order = low_order.iter().flatten();
+            found.low_order = OfLowOrder::of(low_order, servo, *share == 0.0);
+        }
         found
     }
 
-    fn model(&self, input: &[f64], clean: &[f64], seed: u64) -> Model {
+    /// Those of them that have bounds in a band, each with its low-order model.
+    #[must_use]
+    pub fn identified(&self, runs: usize, first: u64) -> Vec<(Model, Option<FlightModel>)> {
+        let all = self.input.samples(self.period_s);
+        let before = self.input.before(self.period_s);
+        let clean = self.servo.respond(&all, self.period_s).split_off(before);
+        (first..first + runs as u64)
+            .into_par_iter()
+            .map(|seed| self.models(&all[before..], &clean, seed))
+            .filter(|(model, _)| model.level().valid().is_none() && model.band().is_some())
+            .collect()
+    }
+
+    fn models(&self, input: &[f64], clean: &[f64], seed: u64) -> (Model, Option<FlightModel>) {
         let noise = self.noise.samples(&mut random(seed), clean.len());
         let output: Vec<f64> = clean.iter().zip(noise).map(|(y, e)| y + e).collect();
         let written = |u: &f64| match self.written > 0.0 {
@@ -232,7 +263,67 @@ impl SmoothInput {
         };
         let input: Vec<f64> = input.iter().map(written).collect();
         let record = Record::of_run(self.period_s, input, output).expect("it is sound");
-        identify(&record, &Options::default()).expect("it can be identified")
+        let model = identify(&record, &Options::default()).expect("it can be identified");
+        let low_order = flight_model::fit(&record, &model, &FlightModelOptions::default()).ok();
+        (model, low_order)
+    }
+}
+
+impl OfLowOrder {
+    /// Of `models` of this servo, or of one that has more than its poles, where `is_whole` is not.
+    fn of<'a>(
+        models: impl Iterator<Item = &'a FlightModel>,
+        servo: &Linear,
+        is_whole: bool,
+    ) -> Self {
+        let exact = servo.parameters();
+        let mut found = Self {
+            held: vec![0; exact.len() - 1],
+            ..Self::default()
+        };
+        for model in models {
+            found.fitted += 1;
+            if model.approximation {
+                found.rejected += 1;
+                continue;
+            }
+            let gain = model.gain;
+            found.gain_held += usize::from(gain.contains(servo.gain));
+            let ends = gain.upper.zip(gain.lower);
+            let half = ends.map_or(f64::INFINITY, |(upper, lower)| (upper - lower) / 2.0);
+            found.half_gain_percent += 100.0 * half / servo.gain;
+            if !is_whole || model.order != servo.order() {
+                continue;
+            }
+            found.of_its_order += 1;
+            let shape = [model.omega_rad_s, model.damping, model.lag_s];
+            let others = std::iter::once(model.delay_s).chain(shape.into_iter().flatten());
+            let judged = others.zip(exact.iter().skip(1));
+            for (held, (interval, exact)) in found.held.iter_mut().zip(judged) {
+                *held += usize::from(interval.contains(*exact));
+            }
+        }
+        found.half_gain_percent /= (found.fitted - found.rejected).max(1) as f64;
+        found
+    }
+
+    /// As cells of the table: rejected; gain held; delay and shape held; half width.
+    #[must_use]
+    pub fn cells(&self) -> String {
+        let known = self.fitted - self.rejected;
+        let rejected = format!("{} of {}", self.rejected, self.fitted);
+        if known == 0 {
+            return format!("{rejected} | | |");
+        }
+        let held: Vec<String> = self.held.iter().map(usize::to_string).collect();
+        let others = match self.of_its_order {
+            0 => String::new(),
+            of => format!("{} of {of}", held.join(", ")),
+        };
+        format!(
+            "{rejected} | {} of {known} | {others} | {:.3}",
+            self.gain_held, self.half_gain_percent
+        )
     }
 }
 

@@ -1,7 +1,7 @@
 //! One identification with all that may follow it: servo model, low-order model, limits.
 
 use super::model_text::ModelText;
-use super::{identified, load_at_rest, servo_fit};
+use super::{identified, load_at_rest, low_order, servo_fit};
 use crate::data::HeldOutPrediction;
 use crate::data::dataset::{Dataset, DatasetOptions};
 use crate::data::model_file::{ModelDocument, ServoModelDocument};
@@ -10,9 +10,9 @@ use crate::presentation::{scope, summary};
 use anyhow::Result;
 use serde::Serialize;
 use servoid_identification::diagnostics::{Explanation, PriorOutcome};
-use servoid_identification::flight_model::{self, FlightModel, FlightModelOptions};
+use servoid_identification::flight_model::FlightModel;
 use servoid_identification::nonlinear::{DirectionModel, Limits, split_by_direction};
-use servoid_identification::results::{Advice, Model, Reason, StepResponse};
+use servoid_identification::results::{Advice, Model, StepResponse};
 use servoid_identification::servo_model::Watch;
 use servoid_identification::{Identification, Options};
 
@@ -23,7 +23,7 @@ pub struct IdentifyRequest {
     pub options: Options,
     /// Whether the choice of the structure is explained.
     pub explain: bool,
-    /// Whether a low-order model is fitted.
+    /// Whether a low-order model is fitted where the linear model has bounds of more than a band, or none, too.
     pub flight_model: bool,
     /// Whether a servo model is looked for where the linear model has bounds, too.
     pub servo_model: bool,
@@ -40,7 +40,7 @@ pub struct Identified {
     pub model: Model,
     /// The choice of its structure.
     pub explanation: Explanation,
-    /// The low-order model or the reason why there is none, where one was asked for.
+    /// The low-order model or the reason why there is none, where one was wanted.
     pub flight_model: Option<Result<FlightModel, String>>,
     /// The servo model or the reason why there is none, where one was looked for.
     pub servo_model: Option<Result<ServoModelDocument, String>>,
@@ -67,9 +67,7 @@ impl Identified {
     ) -> Result<Self> {
         let options = &request.options;
         let mut found = identified(data, name, options)?;
-        let flight_model = request
-            .flight_model
-            .then(|| fit_flight_model(data, &found.model).map_err(|error| error.to_string()));
+        let flight_model = low_order(request.flight_model, data, &found);
         let servo = servo_fit::is_wanted(request.servo_model, &found.model)
             .then(|| servo_fit::find(data, &mut found, options, request.held_out, &watch()));
         let Identification {
@@ -189,23 +187,6 @@ fn parts<T>(found: &Option<Result<T, String>>) -> (Option<&T>, Option<&String>) 
         Some(Err(reason)) => (None, Some(reason)),
         None => (None, None),
     }
-}
-
-/// The low-order model.
-fn fit_flight_model(
-    data: &Dataset,
-    model: &Model,
-) -> Result<FlightModel, servoid_identification::Error> {
-    let options = FlightModelOptions {
-        frame_period_s: ModelMetadata::from(&data.about).pulse_frame_s,
-        ..FlightModelOptions::default()
-    };
-    // Its waits for pulses are in the response, and no delay with poles is like them: how far off its figures are, noise does not say.
-    let waits = model.advice.iter().any(Advice::is_of_waits);
-    let withdrawn = waits.then(|| model.clone().withdrawn_for(Reason::CommandsWait));
-    let model = withdrawn.as_ref().unwrap_or(model);
-    let fitted = flight_model::fit(&data.record, model, &options)?;
-    Ok(fitted.with_delay_error(data.about.sensor_delay_uncertainty_s))
 }
 
 /// The model as `--json` prints it and `-o` writes it, with the further results that were asked for.

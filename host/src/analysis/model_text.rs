@@ -32,7 +32,14 @@ impl ModelText<'_> {
         let (servo_model, no_servo_model) = self.servo_model;
         let (flight_model, no_flight_model) = self.flight_model;
         let extent = (picture, self.explanation.is_some());
-        let mut text = summary::of_both_models(name, model, self.metadata, servo_model, extent);
+        let mut text = summary::of_both_models(
+            name,
+            model,
+            self.metadata,
+            servo_model,
+            flight_model,
+            extent,
+        );
         text.extend(no_servo_model.map(|reason| {
             let line = format!("no servo model: {reason}");
             format!("\n{}\n", summary::wrapped(&line, 0))

@@ -4,7 +4,9 @@ use super::compare::warn_of_small_margin;
 use super::input::{SecondSideArgs, TableArgs, name_of};
 use super::output::{Output, Talk, sides_are_open, stem, wrong_usage};
 use super::servo_search::ServoSearch;
-use crate::analysis::{compared, compared_models, compared_servos, identified, servo_fit};
+use crate::analysis::{
+    compared, compared_models, compared_servos, identified, low_order, servo_fit,
+};
 use crate::data::dataset::{Dataset, DatasetOptions, listed};
 use crate::data::model_file::{ModelFile, is_model};
 use crate::presentation::report::{self, Page, Servo};
@@ -118,11 +120,13 @@ impl Report {
     fn servo(&self, files: &[PathBuf], data: Dataset<'static>) -> Result<Servo> {
         let (options, talk) = (Options::default(), self.output.talk);
         let mut found = identified(&data, &listed(files), &options)?;
+        let low_order = low_order(false, &data, &found).and_then(Result::ok);
         let machine = servo_fit::is_wanted(self.servo_model, &found.model).then(|| {
             let search = ServoSearch::begin("the servo as a machine", talk);
             servo_fit::find(&data, &mut found, &options, true, &search)
         });
         let mut servo = Servo::of_data(name_of(&data, files), data, found);
+        servo.low_order = low_order;
         match machine.map(|found| (found.model, found.held_out)) {
             Some((Ok(model), held_out)) => {
                 (servo.servo_model, servo.held_out) = (Some(model), held_out);

@@ -43,6 +43,7 @@ mod sessions;
 mod sides;
 mod strokes;
 mod support;
+mod sweeps;
 #[cfg(target_os = "linux")]
 mod terminal;
 mod trains;

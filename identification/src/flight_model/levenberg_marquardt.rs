@@ -14,6 +14,9 @@ const CONVERGED: f64 = 1e-10;
 pub(crate) struct Minimum {
     pub(crate) parameters: Vec<f64>,
     pub(crate) sum_of_squares: f64,
+    pub(crate) residuals: Vec<f64>,
+    /// J.
+    pub(crate) jacobian: Mat<f64>,
     /// (J'J)^-1.
     pub(crate) covariance: Mat<f64>,
 }
@@ -68,6 +71,8 @@ fn minimise(
     Some(Minimum {
         parameters: x,
         sum_of_squares: best,
+        residuals: r,
+        jacobian,
         covariance: inverse_of_square(&lower),
     })
 }

@@ -100,6 +100,12 @@ impl LowOrder {
             .fold(0.0, f64::max)
     }
 
+    /// The distance of the slowest pole from the imaginary axis \[1/s\].
+    pub(super) fn slowest_pole(&self) -> f64 {
+        let rates = self.poles().into_iter().map(|pole| -pole.re);
+        rates.fold(f64::INFINITY, f64::min)
+    }
+
     /// The response to a unit step, `t_s` seconds after it, by residues.
     ///
     /// ```

@@ -15,13 +15,19 @@
 //! The delay counts from the edge of the command as applied. A pulse width is applied at frame edges: a
 //! simulation is [sample and hold at the frame period] -> [this model]. Without the hold it needs another
 //! half frame of delay, and it lacks the jitter of up to a frame.
+//!
+//! Where the input excites a band alone, θ are the directions of all lags that the record determines [`in_band`]. Below and above the band, the order is assumed. An order
+//! that is rejected has no intervals there.
 
 mod discrete;
+mod identified_response;
+mod in_band;
 mod levenberg_marquardt;
 mod low_order;
 mod options;
 mod order;
 mod projection;
+mod slow_end;
 mod starting_points;
 
 use serde::{Deserialize, Serialize};
@@ -29,11 +35,11 @@ use serde::{Deserialize, Serialize};
 use crate::data::{Record, Timing};
 use crate::error::Error;
 use crate::options::LEVELS;
-use crate::results::{Bounds, Interval, Model, ParameterBounds, is_sized};
+use crate::results::{Bounds, Interval, Model, ParameterBounds, Reason, is_sized};
 use crate::thresholds::ORDER_REJECTED;
 use levenberg_marquardt::{Minimum, best_minimum};
 use order::{Estimates, simplest};
-use projection::Projection;
+use projection::{LENGTH, Projection};
 use starting_points::Guess;
 
 pub use discrete::Discrete;
@@ -69,8 +75,13 @@ pub struct FlightModel {
     pub approximation: bool,
     /// χ²/dof by which the covariance was multiplied; 1 when the order is not rejected. What the bounds of the step response have beside even noise is in it, too.
     pub inflation: f64,
-    /// Largest difference of the step response from the identified one \[% of the step\]; no error from the servo itself.
+    /// Largest difference of the step response from the identified one \[% of the step\], or of the frequency response in a band \[% of that at its lowest
+    /// frequency\]; no error from the servo itself.
     pub largest_error_percent: f64,
+    /// Ends of the band whose frequency response it was fitted to, where that is all that is known: below and above, the order is assumed, and an order that is rejected has no
+    /// intervals \[Hz\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub band_hz: Option<[f64; 2]>,
     /// Period at which the command is held before it reaches this model \[s\].
     pub hold_period_s: Option<f64>,
     /// The result as a sentence.
@@ -109,6 +120,7 @@ impl FlightModel {
             && (1..=3).contains(&order)
             // The logarithm of what must be above zero is no number otherwise.
             && is_sized(&parameters, count)
+            && self.band_hz.is_none_or(|ends| is_sized(&ends, 2))
             && bounds
     }
 
@@ -153,13 +165,19 @@ impl FlightModel {
 /// ```
 ///
 /// # Errors
-/// The model has no response or no supported gain, or the record is not the one it was identified from.
+/// The model has no response or no supported gain, or the record is not the one it was identified from; or it has bounds in a band alone, and does not say how they were
+/// estimated.
 pub fn fit(
     record: &Record,
     model: &Model,
     options: &FlightModelOptions,
 ) -> Result<FlightModel, Error> {
-    choose(Projection::of_record(record, model)?, model, options)
+    let projection = match (model.band(), &model.band_estimate) {
+        (Some(_), Some(estimate)) => in_band::in_band(record, model, estimate),
+        (Some(_), None) => Err(Error::OfBandAlone),
+        (None, _) => Projection::of_record(record, model),
+    };
+    choose(projection?, model, options)
 }
 
 /// [`fit`] without the record, from θ and its covariance alone.
@@ -185,9 +203,12 @@ pub fn fit(
 /// ```
 ///
 /// # Errors
-/// The model has no response, no supported gain, or no covariance.
+/// The model has no response, no supported gain, or no covariance; or it has bounds in a band alone.
 pub fn of_model(model: &Model, options: &FlightModelOptions) -> Result<FlightModel, Error> {
-    choose(Projection::of_model(model)?, model, options)
+    match model.band() {
+        Some(_) => Err(Error::OfBandAlone),
+        None => choose(Projection::of_model(model)?, model, options),
+    }
 }
 
 /// Fits every order and takes the one that the rule above says.
@@ -202,12 +223,18 @@ fn choose(
         projection,
         timing: model.timing(),
     };
-    let is_tested = model.bounds.valid().is_some();
-    // A withheld gain must not return as a parameter.
-    if model.metrics.dc_gain.value.is_none() {
+    let band_hz = model.band_hz();
+    let level = model.frequency.bounds.as_ref().map(|bounds| bounds.level);
+    let is_tested = level.valid().is_some();
+    // A withheld gain must not return as a parameter, but as one that an order in a band makes of it.
+    if band_hz.is_none() && model.metrics.dc_gain.value.is_none() {
         return Err(Error::Unexcited);
     }
-    let guess = Guess::new(model).ok_or(Error::NoResponse)?;
+    let guess = match band_hz {
+        Some(_) => Guess::in_band(model),
+        None => Guess::new(model),
+    };
+    let guess = guess.ok_or(Error::NoResponse)?;
     let mut fits: Vec<FittedOrder> = Vec::new();
     for order in 1..=3 {
         let second = fits
@@ -240,8 +267,8 @@ fn choose(
         .map(|fit| fit.tried)
         .collect();
     let beyond_even_noise = fitter.projection.beyond_even_noise(model);
-    let widened = (model.level(), beyond_even_noise);
-    Ok(chosen.report(tried, widened, options.frame_period_s))
+    let widened = (level, beyond_even_noise);
+    Ok(chosen.report(tried, widened, band_hz, options.frame_period_s))
 }
 
 struct Fitter {
@@ -277,13 +304,37 @@ impl Fitter {
         let minimum = best_minimum(&residuals, starts)?;
         let transfer = LowOrder::from_parameters(order, &minimum.parameters);
         let impulse = self.impulse(&transfer);
-        let error = self.projection.largest_difference(&impulse) / self.projection.gain();
+        let error = self.projection.largest_difference(&impulse);
+        let tried = OrderTried::new(order, &minimum, self.projection.rank(), error)?;
         Some(FittedOrder {
             order,
+            tried: match self.slow_end_p(&transfer, &minimum) {
+                Some(p) => tried.with_second_test(p),
+                None => tried,
+            },
             transfer,
-            tried: OrderTried::new(order, &minimum, self.projection.rank(), error)?,
             minimum,
         })
+    }
+
+    /// The probability that noise alone looks as much like a slow end, where the response is known in a band alone. Elsewhere the estimate is of a response that was found to be over.
+    fn slow_end_p(&self, transfer: &LowOrder, minimum: &Minimum) -> Option<f64> {
+        if !self.projection.is_of_band() {
+            return None;
+        }
+        let longest_s = self
+            .timing
+            .seconds((self.projection.length() / LENGTH) as f64);
+        let ends = slow_end::time_constants(transfer, longest_s).into_iter();
+        let ends = ends.map(|time_constant| {
+            let end = LowOrder {
+                oscillator: None,
+                lag_s: Some(time_constant),
+                ..*transfer
+            };
+            self.projection.projected(&self.impulse(&end))
+        });
+        Some(slow_end::probability(minimum, &ends.collect::<Vec<_>>()))
     }
 }
 
@@ -308,11 +359,17 @@ impl FittedOrder {
         &self,
         tried: Vec<OrderTried>,
         (level, beyond_even_noise): (Bounds<f64>, [f64; 2]),
+        band_hz: Option<[f64; 2]>,
         hold_period_s: Option<f64>,
     ) -> FlightModel {
+        let is_tested = !tried.is_empty();
+        // By how much the gain of an order that is rejected is off, the band does not show: the end of the response is below it.
+        let level = match band_hz {
+            Some(_) if self.tried.is_rejected() => Bounds::Withdrawn(Reason::InputUnexcited),
+            _ => level,
+        };
         let estimates = Estimates::new(&self.minimum, &self.tried, level, beyond_even_noise);
         let oscillates = self.transfer.oscillator.is_some();
-        let is_tested = !tried.is_empty();
         FlightModel {
             transfer: self.transfer,
             gain: estimates.interval(0),
@@ -327,24 +384,36 @@ impl FittedOrder {
             approximation: !is_tested || self.tried.is_rejected(),
             inflation: if is_tested { estimates.inflation } else { 1.0 },
             largest_error_percent: self.tried.largest_error_percent,
+            band_hz,
             hold_period_s,
-            statement: self.statement(is_tested, hold_period_s),
+            statement: self.statement(is_tested, band_hz, hold_period_s),
         }
     }
 
-    fn statement(&self, is_tested: bool, hold_period_s: Option<f64>) -> String {
-        let quality = if !is_tested {
-            format!(
-                "approximation: its step response is at most {:.1} % of the step from the identified one",
-                self.tried.largest_error_percent
-            )
-        } else if self.tried.is_rejected() {
-            format!(
-                "approximation (p < {ORDER_REJECTED}): its step response is at most {:.1} % of the step from the identified one",
-                self.tried.largest_error_percent
-            )
-        } else {
-            format!("no lack of fit (p = {:.2})", self.tried.p)
+    fn statement(
+        &self,
+        is_tested: bool,
+        band_hz: Option<[f64; 2]>,
+        hold_period_s: Option<f64>,
+    ) -> String {
+        let rejected = match is_tested {
+            true => format!(" (p < {ORDER_REJECTED})"),
+            false => String::new(),
+        };
+        let error = self.tried.largest_error_percent;
+        let quality = match (is_tested && !self.tried.is_rejected(), band_hz) {
+            (true, None) => format!("no lack of fit (p = {:.2})", self.tried.p),
+            (true, Some([from, to])) => format!(
+                "no lack of fit from {from:.2} to {to:.1} Hz (p = {:.2}); below and above, the order is assumed, and the gain at rest rests on it",
+                self.tried.p
+            ),
+            (false, None) => format!(
+                "approximation{rejected}: its step response is at most {error:.1} % of the step from the identified one"
+            ),
+            (false, Some([from, to])) => format!(
+                "approximation{rejected}: from {from:.2} to {to:.1} Hz its frequency response is at most {error:.1} % of that at {from:.2} Hz from the identified \
+                 one; below and above, nothing shows how far it is off, the gain at rest included"
+            ),
         };
         let hold = hold_period_s.map_or_else(
             || "the delay counts from the applied edge of the command".to_owned(),

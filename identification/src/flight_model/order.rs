@@ -18,11 +18,12 @@ pub struct OrderTried {
     pub chi_square: f64,
     /// Its degrees of freedom.
     pub degrees_of_freedom: usize,
-    /// Probability of a χ² at least as large if the servo is of this order.
+    /// Probability of a χ² at least as large if the servo is of this order. In a band: that of this, or of errors as much like a slow end.
     pub p: f64,
     /// χ² + parameters · ln(rank).
     pub bic: f64,
-    /// Largest difference of the step response from the identified one \[% of the step\]; no error from the servo itself.
+    /// Largest difference of the step response from the identified one \[% of the step\], or of the frequency response in a band \[% of that at its lowest
+    /// frequency\]; no error from the servo itself.
     pub largest_error_percent: f64,
 }
 
@@ -40,6 +41,12 @@ impl OrderTried {
             bic: minimum.sum_of_squares + count as f64 * (rank as f64).ln(),
             largest_error_percent: 100.0 * error,
         })
+    }
+
+    /// The same, tested in another way with the probability `p`, too.
+    pub(super) fn with_second_test(mut self, p: f64) -> Self {
+        self.p = (2.0 * self.p.min(p)).min(1.0);
+        self
     }
 
     pub(super) fn is_rejected(&self) -> bool {

@@ -12,6 +12,7 @@
 
 use faer::Mat;
 
+use super::identified_response::{IdentifiedResponse, IdentifiedStep};
 use crate::data::{Moments, Record, Run};
 use crate::error::Error;
 use crate::estimation::{Coordinates, RowInformation, filtered_input_moments, noise_filter};
@@ -28,15 +29,11 @@ const ROUNDING: f64 = 1e-10;
 /// An estimate, whitened by its own covariance, and the whitened P.
 pub(crate) struct Projection {
     /// Whitened estimate.
-    estimate: Vec<f64>,
+    pub(super) estimate: Vec<f64>,
     /// Whitened P: rank x length.
-    map: Mat<f64>,
-    /// Step response of the estimate.
-    curve: Vec<f64>,
-    /// Its standard deviations, by the covariance of the whitening.
-    curve_sd: Vec<f64>,
-    /// From h to that step response as the estimator would find it.
-    curve_map: Mat<f64>,
+    pub(super) map: Mat<f64>,
+    /// What was identified by it.
+    pub(super) identified: IdentifiedResponse,
 }
 
 impl Projection {
@@ -55,12 +52,15 @@ impl Projection {
             let products = (0..spread.ncols()).map(|k| spread[(m, k)] * to_curve[(m, k)]);
             products.sum::<f64>().max(0.0).sqrt()
         };
+        let step = IdentifiedStep {
+            sd: (0..curve.len()).map(sd).collect(),
+            curve,
+            map: to_curve * projection,
+        };
         Some(Self {
-            curve_sd: (0..curve.len()).map(sd).collect(),
             estimate: times(&whitening, parameters),
             map: whitening * projection,
-            curve,
-            curve_map: to_curve * projection,
+            identified: IdentifiedResponse::Step(step),
         })
     }
 
@@ -132,37 +132,46 @@ impl Projection {
         self.estimate.len()
     }
 
-    /// The final value of the estimate's step response, without its sign.
-    pub(crate) fn gain(&self) -> f64 {
-        self.curve[self.curve.len() - 1].abs()
-    }
-
     /// By how much the bounds of the step response of `model` are wider than those of even noise: at its end, where the gain is, and where they are most
     /// during the rise, where the other parameters are. Runs that differ, noise that is not even, commands with errors, steps of the sensor and slow ends are
-    /// in those. 1 without bounds.
+    /// in those. 1 without bounds; in a band that is in the whitening.
     pub(crate) fn beyond_even_noise(&self, model: &Model) -> [f64; 2] {
+        let step = match &self.identified {
+            IdentifiedResponse::Step(step) => step,
+            IdentifiedResponse::Band(_) => return [1.0; 2],
+        };
         let Bounds::Valid(bounds) = &model.step.bounds else {
             return [1.0; 2];
         };
         let critical = pointwise_critical(bounds.level);
         // Few runs, and slow noise, have wider bounds for a standard deviation. At its end the response is flat, so no error of a delay is in that.
-        let last = self.curve.len() - 1;
+        let last = step.curve.len() - 1;
         let half = (bounds.pointwise.upper[last] - bounds.pointwise.lower[last]) / 2.0;
         let of_noise = half - bounds.truncation_bias - bounds.rounding_bias;
         let wider = (of_noise / (critical * bounds.sd[last])).max(1.0);
         let ratio = |m: usize| {
             let sd = wider * bounds.sd[m] + bounds.rounding_bias / critical;
-            Some(sd / self.curve_sd[m]).filter(|ratio| ratio.is_finite())
+            Some(sd / step.sd[m]).filter(|ratio| ratio.is_finite())
         };
-        let rises = |m: &usize| (0.05..0.95).contains(&(self.curve[*m] / self.curve[last]));
+        let rises = |m: &usize| (0.05..0.95).contains(&(step.curve[*m] / step.curve[last]));
         let in_rise = (0..last).filter(rises).filter_map(ratio);
         [ratio(last).unwrap_or(1.0), in_rise.fold(1.0, f64::max)]
+    }
+
+    /// Whether it is of the response in a band.
+    pub(super) fn is_of_band(&self) -> bool {
+        matches!(self.identified, IdentifiedResponse::Band(_))
+    }
+
+    /// What a response `impulse` makes of the whitened estimate.
+    pub(super) fn projected(&self, impulse: &[f64]) -> Vec<f64> {
+        times(&self.map, impulse)
     }
 
     /// Differences between the estimate and the projection of a servo with the response `impulse`. They
     /// are independent and of unit variance if that servo is the true one.
     pub(crate) fn residuals(&self, impulse: &[f64]) -> Vec<f64> {
-        let projected = times(&self.map, impulse);
+        let projected = self.projected(impulse);
         self.estimate
             .iter()
             .zip(projected)
@@ -170,14 +179,9 @@ impl Projection {
             .collect()
     }
 
-    /// Largest difference between the two step responses.
+    /// Largest difference between the response that was identified and that of such a servo, as a share of the gain.
     pub(crate) fn largest_difference(&self, impulse: &[f64]) -> f64 {
-        let projected = times(&self.curve_map, impulse);
-        self.curve
-            .iter()
-            .zip(projected)
-            .map(|(a, b)| (a - b).abs())
-            .fold(0.0, f64::max)
+        self.identified.largest_difference(impulse)
     }
 }
 

@@ -1,7 +1,9 @@
 //! Starting points of the search for a flight model.
 
+use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_4};
+
 use super::low_order::{LowOrder, Oscillator};
-use crate::results::Model;
+use crate::results::{FrequencyResponse, Model};
 
 /// Metrics of the response from which starting points follow.
 pub(super) struct Guess {
@@ -17,6 +19,24 @@ impl Guess {
             gain: metrics.dc_gain.value?,
             t50_s: metrics.t50_s.value?,
             rise_s: metrics.rise_time_s.value?.max(model.sample_period_s / 2.0),
+        })
+    }
+
+    /// From the frequency response in a band, whose lowest frequency has nearly the gain: the frequency of an eighth of a turn, which is a fourth of a turn for each
+    /// time to half way, and the bandwidth. The gain has the sign with which that frequency is less than a quarter of a turn late; `None` where it would be early instead,
+    /// as it is later than that.
+    pub(super) fn in_band(model: &Model) -> Option<Self> {
+        let found = model.frequency.clone().freed_of_hold(model.timing());
+        let lowest = *found.re.first()?;
+        let gain = lowest.signum() * lowest.hypot(*found.im.first()?);
+        let turned = |k: usize| (found.im[k] / gain).atan2(found.re[k] / gain);
+        let late = (0..found.re.len()).find(|&k| turned(k).abs() >= FRAC_PI_4);
+        let late = found.omega_rad_s[late.unwrap_or(found.re.len() - 1)];
+        (turned(0) < FRAC_PI_4).then(|| Self {
+            gain,
+            t50_s: FRAC_PI_4 / late,
+            // Of a lag, ln 9 time constants.
+            rise_s: 9f64.ln() / bandwidth(&found, gain),
         })
     }
 
@@ -82,4 +102,18 @@ impl Guess {
                 .collect(),
         }
     }
+}
+
+/// Where the magnitude has fallen by 3 dB, or the end of the band \[rad/s\].
+fn bandwidth(found: &FrequencyResponse, gain: f64) -> f64 {
+    let parts = found.re.iter().zip(&found.im);
+    let fallen = parts
+        .zip(&found.omega_rad_s)
+        .find(|((re, im), _)| re.hypot(**im) < FRAC_1_SQRT_2 * gain.abs());
+    let end = found.omega_rad_s.last();
+    fallen
+        .map(|(_, omega)| omega)
+        .or(end)
+        .copied()
+        .unwrap_or(1.0)
 }

@@ -196,6 +196,7 @@ pub(super) fn model(
             &responses.frequency_values,
             validity.level.map(|_| frequency_bounds),
         ),
+        band_estimate: None,
         fit: figures_of_merit(fitted, task.disturbances.outliers.count()),
         residuals: Residuals::default(),
         iterations: fit.iterations,

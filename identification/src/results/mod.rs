@@ -1,6 +1,7 @@
 //! The results of an identification, as plain data.
 
 mod advice;
+mod band_estimate;
 mod frequency_response;
 mod metrics;
 mod model;
@@ -14,6 +15,7 @@ mod validity;
 pub use crate::estimation::Noise;
 pub use crate::numerics::{pointwise_critical, six_digits, student_critical, with_unit};
 pub use advice::{Advice, Check, Precedence, Setting};
+pub use band_estimate::BandEstimate;
 pub use frequency_response::{FrequencyBounds, FrequencyResponse};
 pub(crate) use frequency_response::{frequency_grid, frequency_map};
 pub(crate) use metrics::in_band::BandPoint;

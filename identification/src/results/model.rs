@@ -13,6 +13,7 @@ use crate::estimation::{FsfBasis, Noise};
 use crate::numerics::causal_filter;
 use crate::options::{LONGEST_SETTLING_BY_HAND, MAX_NOISE_ORDER};
 use crate::results::advice::Advice;
+use crate::results::band_estimate::BandEstimate;
 use crate::results::frequency_response::{FrequencyBounds, FrequencyResponse};
 use crate::results::metrics::measured::Measured;
 use crate::results::metrics::{Metrics, Withheld};
@@ -99,6 +100,9 @@ pub struct Model {
     pub step: StepResponse,
     /// Frequency response.
     pub frequency: FrequencyResponse,
+    /// How it was estimated, where it has bounds [in a band](Model::band) alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub band_estimate: Option<BandEstimate>,
     /// Gain, delay, rise time and the like.
     pub metrics: Metrics,
     /// How well the model reproduces its record.
@@ -156,6 +160,7 @@ impl Model {
             && (0.0..=LARGEST).contains(&self.noise.sigma)
             && self.step.is_consistent(settling)
             && self.frequency.is_consistent()
+            && (self.band_estimate.as_ref()).is_none_or(BandEstimate::is_consistent)
             && self.metrics.is_consistent()
     }
 
@@ -199,6 +204,7 @@ impl Model {
         self.bounds = Bounds::Withdrawn(reason);
         self.step.bounds = Bounds::Withdrawn(reason);
         self.frequency.bounds = Bounds::Withdrawn(reason);
+        self.band_estimate = None;
         self.metrics = self.metrics.withdrawn(reason);
     }
 

@@ -193,7 +193,9 @@ impl ModelFile {
     pub fn flight_model(&self) -> Result<Option<FlightModel>, ModelFileError> {
         let found: Option<FlightModel> = Deserialize::deserialize(&self.flight_model)
             .map_err(|reason| ModelFileError::MalformedFlightModel(self.path.clone(), reason))?;
-        let level = self.model.level().into_valid();
+        // That of a band, where nothing else has bounds.
+        let level = self.model.frequency.bounds.as_ref();
+        let level = level.map(|bounds| bounds.level).into_valid();
         match &found {
             Some(flight)
                 if !flight.is_consistent()

@@ -8,7 +8,7 @@ use super::text::{XML_STYLE, identifier, number};
 use crate::data::units::Units;
 use crate::presentation::summary::four_digits;
 use crate::presentation::template::fill;
-use servoid_identification::flight_model::LowOrder;
+use servoid_identification::flight_model::{FlightModel, LowOrder};
 
 /// To which time command and position belong.
 pub(super) const TIME: &str = "Set a command at the time t, then run a step: it acts from t on. The position that is read behind this step is that at t too, although simulation/sim-time-sec is one step farther by then.";
@@ -32,7 +32,7 @@ pub(super) fn write(export: &Export<'_>) -> Result<String, ExportError> {
     paragraphs.push(format!(
         "Run it at 500 Hz or more: JSBSim replaces poles by Tustin's rule and has delays of whole steps, so that the position is right to half a step of time. At {USUAL_HZ} Hz, the usual rate of JSBSim, that is {} ms, or {} % of a step of the command where the response is steepest. {TIME} Set the step before the aircraft is loaded: delays are counted out then.",
         four_digits(0.5e3 / USUAL_HZ),
-        four_digits(100.0 * 0.5 / USUAL_HZ * steepest(export))
+        four_digits(100.0 * 0.5 / USUAL_HZ * steepest(export, flight))
     ));
     let centre = neutral(export.metadata.units(), export.commands());
     // The gain of the identified response, and not that of the low-order one, which is a little off.
@@ -100,9 +100,20 @@ pub(super) fn hold_switch(id: &str, frame_s: f64) -> String {
     }
 }
 
-/// The largest slope of the step response, as shares of its final value for each second.
-fn steepest(export: &Export<'_>) -> f64 {
-    let response = &export.model.step.value;
+/// The largest slope of the step response, as shares of its final value for each second: of the low-order model where none is identified.
+fn steepest(export: &Export<'_>, flight: &FlightModel) -> f64 {
+    let response = match flight.band_hz {
+        None => export.model.step.value.clone(),
+        Some(_) => {
+            let settling = export
+                .model
+                .band_estimate
+                .as_ref()
+                .map_or(0, |found| found.settling_samples);
+            let discrete = flight.transfer.discrete(export.model.timing());
+            discrete.simulate(&vec![1.0; settling], 0.0)
+        }
+    };
     let last = response.last().copied().unwrap_or(f64::NAN);
     let slope = |(earlier, later): (&f64, &f64)| ((later - earlier) / last).abs();
     let slopes = response.iter().zip(response.iter().skip(1)).map(slope);

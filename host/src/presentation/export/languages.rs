@@ -1,7 +1,7 @@
 //! Scripts and headers: the languages, and the values that their templates share.
 
 use super::model::Export;
-use super::statement::{InFile, parameters_of};
+use super::statement::{InFile, of_error, parameters_of};
 use super::text::{
     C_STYLE, MATLAB_STYLE, PYTHON_STYLE, SCRIPT_STYLE, Style, identifier, number, plain, quoted,
 };
@@ -243,6 +243,7 @@ impl Export<'_> {
             ("delay", number(transfer.delay_s.max(0.0))),
             ("denominator", style.short(&transfer.denominator())),
             ("largest_error", number(self.largest_error_percent(flight))),
+            ("of_error", of_error(flight)),
             ("delay_samples", discrete.delay_samples.to_string()),
             ("a", style.matrix(&discrete.a)),
             ("b", style.short(&discrete.b)),

@@ -80,8 +80,11 @@ impl<'a> Export<'a> {
     }
 
     /// Largest distance of the low-order model's step response from the identified one at any sample
-    /// but the last, which stands for all later ones \[% of the step\]; at least that of its own fit.
+    /// but the last, which stands for all later ones \[% of the step\]; at least that of its own fit, and in a band, where no step response is identified, that alone.
     pub(super) fn largest_error_percent(&self, flight: &FlightModel) -> f64 {
+        if flight.band_hz.is_some() {
+            return flight.largest_error_percent;
+        }
         let step = &self.model.step.value;
         let count = step.len().saturating_sub(1);
         let discrete = flight.transfer.discrete(self.model.timing());

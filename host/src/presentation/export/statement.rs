@@ -73,10 +73,23 @@ impl Export<'_> {
         match &self.low_order {
             Ok(flight) => {
                 let error = self.largest_error_percent(flight);
-                let text = format!(
-                    "the low-order model is an approximation: its step response differs from the identified one by up to {error:.2} % of the step, and both may differ from the servo"
-                );
+                let text = match flight.band_hz {
+                    None => format!(
+                        "the low-order model is an approximation: its step response differs from the identified one by up to {error:.2} % of the step, and both may differ from the servo"
+                    ),
+                    Some([from, to]) => format!(
+                        "the low-order model is an approximation: from {from:.2} to {to:.1} Hz its frequency response differs from the identified one by up to \
+                         {error:.2} % of that at {from:.2} Hz, and by how much it is off below and above, the gain at rest included, nothing shows"
+                    ),
+                };
                 warn(flight.approximation, &text);
+                if let Some([from, to]) = flight.band_hz {
+                    let text = format!(
+                        "the recording determines the response from {from:.2} to {to:.1} Hz alone: what the low-order model has below and above, its gain at rest \
+                         included, rests on its order, and the step response of this file is a picture; simulate with the low-order model"
+                    );
+                    warn(!flight.approximation, &text);
+                }
             }
             Err(reason) => warn(true, &format!("there is no low-order model: {reason}")),
         }
@@ -308,6 +321,17 @@ pub(super) fn low_order_covariance(flight: &FlightModel, style: &Style) -> Optio
     Some(format!("Covariance of {parameters}: [{rows}]"))
 }
 
+/// What the largest error of a low-order model is of.
+pub(super) fn of_error(flight: &FlightModel) -> String {
+    match flight.band_hz {
+        None => "of the step: of its step response from the identified one, which is not the servo"
+            .to_owned(),
+        Some([from, to]) => format!(
+            "of the response at {from:.2} Hz: of its frequency response from the identified one, from {from:.2} to {to:.1} Hz"
+        ),
+    }
+}
+
 fn low_order(flight: &FlightModel, largest_error_percent: f64) -> String {
     let mut text = format!("Low-order model, continuous: {} with", flight.formula());
     for (name, unit, interval) in [
@@ -341,12 +365,20 @@ fn low_order(flight: &FlightModel, largest_error_percent: f64) -> String {
         Bounds::Valid(bounds) => format!("intervals of {} %", summary::percent(bounds.level)),
         Bounds::Withdrawn(_) => "of which no intervals can be given".to_owned(),
     };
-    let own = match flight.approximation {
+    let own = match flight.approximation && flight.band_hz.is_none() {
         true => " As the fit compares both, by what the recording determines of a response: ",
         false => " ",
     };
+    let largest = match flight.band_hz {
+        None => format!(
+            "Largest difference of its step response from the identified one, at any sample: {largest_error_percent:.3} % of the step"
+        ),
+        Some([from, to]) => format!(
+            "Largest difference of its frequency response from the identified one, from {from:.2} to {to:.1} Hz: {largest_error_percent:.3} % of that at {from:.2} Hz"
+        ),
+    };
     format!(
-        "{text} {intervals}. Largest difference of its step response from the identified one, at any sample: {largest_error_percent:.3} % of the step; how far the identified one is from the servo, its bounds say, where there are any.{own}{}",
+        "{text} {intervals}. {largest}; how far the identified one is from the servo, its bounds say, where there are any.{own}{}",
         flight.statement
     )
 }

@@ -119,12 +119,12 @@ fn verdict(page: &Page<'_>) -> String {
 fn key_figures(page: &Page<'_>) -> Vec<KeyFigure> {
     let (first, units) = (&page.first, page.first.subject.units);
     match (Basis::of(page), &page.second) {
-        (Basis::Machine(model), _) => summary::of_machine(model, units),
+        (Basis::Machine(model), _) => summary::of_machine(model, first.low_order, units),
         (Basis::Machines(models), _) => page
             .servo_models
             .map(|found| summary::of_both_machines(found, models, units))
             .unwrap_or_default(),
-        (Basis::Linear, None) => summary::of_response(first.subject.model, units),
+        (Basis::Linear, None) => summary::of_response(first.subject.model, first.low_order, units),
         (Basis::Linear, Some(second)) => match page.comparison {
             Some(found) if found.bounds.valid().is_some() => {
                 summary::key_figures_of_comparison(second.subject.name, found, units)

@@ -7,6 +7,7 @@ use crate::presentation::paper_values::Fact;
 use crate::presentation::plots::Subject;
 use servoid_identification::comparison::{Comparison, ServoModelComparison};
 use servoid_identification::diagnostics::Explanation;
+use servoid_identification::flight_model::FlightModel;
 use servoid_identification::results::Model;
 
 /// Names and values of what is known of one file.
@@ -23,6 +24,8 @@ pub struct Part<'a> {
     pub runs: &'a [Model],
     /// The servo as a machine, where that was found.
     pub servo_model: Option<&'a ServoModelDocument>,
+    /// The low-order model, where the response is known in a band alone.
+    pub low_order: Option<&'a FlightModel>,
     /// A stretch that the models had not seen, where both were identified without one.
     pub held_out: Option<&'a HeldOutPrediction>,
     /// Whether it was recorded with the paper's reference: servoid's own staircase.

@@ -7,6 +7,7 @@ use crate::data::model_file::{ModelFile, ModelFileError, ServoModelDocument};
 use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::plots::Subject;
 use servoid_identification::diagnostics::Explanation;
+use servoid_identification::flight_model::FlightModel;
 use servoid_identification::results::Model;
 use servoid_identification::{Identification, Options, Record, Run, Settling, identify};
 
@@ -23,6 +24,8 @@ pub struct Servo {
     pub data: Option<Dataset<'static>>,
     /// The servo as a machine, where that was found.
     pub servo_model: Option<ServoModelDocument>,
+    /// The low-order model, where the response is known in a band alone.
+    pub low_order: Option<FlightModel>,
     /// A stretch that the models had not seen, where both were identified without one.
     pub held_out: Option<HeldOutPrediction>,
     /// Units, and the hold of the command.
@@ -40,6 +43,7 @@ impl Servo {
             explanation: None,
             data: None,
             servo_model: None,
+            low_order: None,
             held_out: None,
             metadata,
             runs: Vec::new(),
@@ -49,10 +53,12 @@ impl Servo {
     /// The models of a file.
     ///
     /// # Errors
-    /// The servo model in it cannot be read.
+    /// The servo model or the low-order model in it cannot be read.
     pub fn of_file(name: String, file: &ModelFile) -> Result<Self, ModelFileError> {
+        let in_band = file.model.band().is_some();
         Ok(Self {
             servo_model: file.servo_model()?,
+            low_order: file.flight_model()?.filter(|_| in_band),
             ..Self::of_model(name, file.model.clone(), file.metadata.clone())
         })
     }
@@ -68,6 +74,7 @@ impl Servo {
             metadata: ModelMetadata::from(&data.about),
             data: Some(data),
             servo_model: None,
+            low_order: None,
             held_out: None,
         }
     }
@@ -86,6 +93,7 @@ impl Servo {
             explanation: self.explanation.as_ref(),
             runs: &self.runs,
             servo_model: self.servo_model.as_ref(),
+            low_order: self.low_order.as_ref(),
             held_out: self.held_out.as_ref(),
             staircase: data.is_some_and(|data| data.about.staircase),
             metadata: &self.metadata,

@@ -61,10 +61,15 @@ fn of_one(part: &Part<'_>, has_other: bool) -> String {
     };
     let strokes = summary::of_one_size(model, part.metadata);
     let strokes = strokes.map(|strokes| format!(" Its strokes are {strokes}."));
+    let by_order = part.low_order;
+    let by_order =
+        by_order.and_then(|flight| summary::low_order_sentence(flight, model, part.subject.units));
+    let by_order = by_order.map(|sentence| format!(" {sentence}"));
     format!(
-        "<p><b>{name}</b>, from {from}{runs}, {seconds:.1} s used. {}{linear}{}{}</p>\n",
+        "<p><b>{name}</b>, from {from}{runs}, {seconds:.1} s used. {}{linear}{}{}{}</p>\n",
         as_machine.unwrap_or_default(),
         escape(&summary::model_sentence(model, part.metadata)),
+        escape(&by_order.unwrap_or_default()),
         escape(&strokes.unwrap_or_default())
     )
 }

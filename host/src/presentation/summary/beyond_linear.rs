@@ -1,7 +1,7 @@
 //! Results beyond the linear response, as text for a terminal: low-order models, strokes by direction, limits.
 
 use super::layout::wrapped;
-use super::numbers::{head_of_bounds, probability};
+use super::numbers::{digits, head_of_bounds, probability};
 use servoid_identification::flight_model::FlightModel;
 use servoid_identification::nonlinear::{DirectionModel, Limits, RateVerdict, Symmetry};
 use servoid_identification::results::{Bounds, Interval};
@@ -53,10 +53,14 @@ pub fn of_flight_model(flight: &FlightModel, linear: bool) -> String {
         let line = format!("  {name:22} {:>10} {unit:5} {bounds}{hertz}", number(value));
         text += &format!("{}\n", line.trim_end());
     }
+    let of_error = match flight.band_hz {
+        Some([from, _]) => format!("of the response at {} Hz", digits(from, 2)),
+        None => "of the step".to_owned(),
+    };
     for tried in &flight.tried {
         let chosen = tried.order == flight.order;
         text += &format!(
-            "  order {}: chi2 {:.1} of {} degrees of freedom, lack of fit {}, at most {:.2} % of the step from the identified response{}\n",
+            "  order {}: chi2 {:.1} of {} degrees of freedom, lack of fit {}, at most {:.2} % {of_error} from the identified response{}\n",
             tried.order,
             tried.chi_square,
             tried.degrees_of_freedom,

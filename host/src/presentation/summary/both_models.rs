@@ -8,6 +8,7 @@ use super::servo_sentence::servo_sentence;
 use crate::data::model_file::ServoModelDocument;
 use crate::data::model_metadata::ModelMetadata;
 use crate::data::units::Units;
+use servoid_identification::flight_model::FlightModel;
 use servoid_identification::results::Model;
 
 /// What kind of servo it is as a machine, where that is the answer: a finding that leaves nothing to be said before it stands in the place
@@ -23,13 +24,14 @@ pub fn answer_of_servo_model(
 }
 
 /// The results of one identification: the answer first, which is that of the servo model where there is one. `picture` is one of the step
-/// response, and with `statistics` structure, residuals and widths are printed too.
+/// response, and with `statistics` structure, residuals and widths are printed too. `low_order` completes the sentence on a band.
 #[must_use]
 pub fn of_both_models(
     source: &str,
     model: &Model,
     of: &ModelMetadata,
     servo: Option<&ServoModelDocument>,
+    low_order: Option<&FlightModel>,
     (picture, statistics): (&str, bool),
 ) -> String {
     let units = of.units();
@@ -42,6 +44,7 @@ pub fn of_both_models(
     };
     let extent = Extent {
         of_servo,
+        low_order,
         picture,
         statistics,
     };

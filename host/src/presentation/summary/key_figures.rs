@@ -3,6 +3,7 @@
 use super::comparison::verdict;
 use super::first_finding::first_finding;
 use super::headline::stroke_in_words;
+use super::low_order::gain_by_order;
 use super::measured_limits::{measured_limit, measured_limits};
 use super::metrics::{self, MetricEntry, NONE};
 use super::numbers::{digits, four_digits, percent, with_bounds};
@@ -13,10 +14,12 @@ use super::what_to_record::shown_by;
 use crate::data::pulse_widths::is_pulse;
 use crate::data::units::Units;
 use servoid_identification::comparison::{Comparison, QuantityPair, ServoModelComparison};
+use servoid_identification::flight_model::FlightModel;
 use servoid_identification::results::{Advice, Interval, Metrics, Model};
 use servoid_identification::servo_model::{Quantity, QuantityKind, ServoModel};
 
 /// A number for people.
+#[derive(Clone, Debug)]
 pub(crate) struct KeyFigure {
     /// What it is.
     pub label: String,
@@ -61,8 +64,12 @@ const OF_A_MACHINE: [QuantityKind; 10] = [
     QuantityKind::Offset,
 ];
 
-/// Of a linear model.
-pub(crate) fn of_response(model: &Model, units: Units<'_>) -> Vec<KeyFigure> {
+/// Of a linear model, with the low-order model of a band.
+pub(crate) fn of_response(
+    model: &Model,
+    low_order: Option<&FlightModel>,
+    units: Units<'_>,
+) -> Vec<KeyFigure> {
     let gain = units.gain().unwrap_or_default();
     let times_are_doubtful = first_finding(model).is_some_and(Advice::doubts_times);
     let figure = |entry: &MetricEntry| {
@@ -82,7 +89,24 @@ pub(crate) fn of_response(model: &Model, units: Units<'_>) -> Vec<KeyFigure> {
         }
     };
     let entries = OF_A_RESPONSE.into_iter().filter_map(metrics::entry);
-    entries.map(figure).collect()
+    let by_order = low_order.and_then(|flight| by_order(flight, units));
+    let is_open =
+        |entry: &MetricEntry| entry.is("dc_gain") && model.metrics.dc_gain.value.is_none();
+    let shown = |entry: &MetricEntry| match &by_order {
+        Some(gain) if is_open(entry) => gain.clone(),
+        _ => figure(entry),
+    };
+    entries.map(shown).collect()
+}
+
+/// The gain by a low-order model, in the place of one that is not known by itself.
+fn by_order(flight: &FlightModel, units: Units<'_>) -> Option<KeyFigure> {
+    let (value, below) = gain_by_order(flight, units)?;
+    Some(KeyFigure {
+        label: "gain".to_owned(),
+        value,
+        below,
+    })
 }
 
 fn reason_of_none(metrics: &Metrics) -> &'static str {
@@ -100,8 +124,12 @@ fn with_unit(value: String, unit: &str) -> String {
     }
 }
 
-/// Of a servo as a machine.
-pub(crate) fn of_machine(model: &ServoModel, units: Units<'_>) -> Vec<KeyFigure> {
+/// Of a servo as a machine, with the low-order model of a band.
+pub(crate) fn of_machine(
+    model: &ServoModel,
+    low_order: Option<&FlightModel>,
+    units: Units<'_>,
+) -> Vec<KeyFigure> {
     let rows = quantity_rows(&model.quantities, units);
     let of_kind = |kind: &QuantityKind| rows.iter().find(|(found, _)| found.kind() == Some(*kind));
     let one_speed = has_one_top_speed(model);
@@ -134,7 +162,13 @@ pub(crate) fn of_machine(model: &ServoModel, units: Units<'_>) -> Vec<KeyFigure>
     }
     all.truncate(KEY_FIGURES - 1);
     all.push(fit);
-    all.extend(open.iter().map(figure));
+    let by_order = low_order.and_then(|flight| by_order(flight, units));
+    let is_gain = |found: &Quantity| found.kind() == Some(QuantityKind::Gain);
+    let shown = |row: &&(&Quantity, QuantityRow)| match &by_order {
+        Some(gain) if is_gain(row.0) => gain.clone(),
+        _ => figure(row),
+    };
+    all.extend(open.iter().map(shown));
     all.truncate(KEY_FIGURES);
     all
 }

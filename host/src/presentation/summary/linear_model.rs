@@ -2,10 +2,12 @@
 
 use super::first_finding::{answers_first, first_finding};
 use super::layout::{findings, wrapped};
+use super::low_order::low_order_sentence;
 use super::model_sentence::model_sentence;
 use super::numbers::{decimals, number_with_unit, percent, probability};
 use super::{metrics, strokes};
 use crate::data::model_metadata::ModelMetadata;
+use servoid_identification::flight_model::FlightModel;
 use servoid_identification::results::{Advice, Bounds, Model, Precedence, SelectedBy, six_digits};
 
 /// The level of a model's bounds, as text.
@@ -21,6 +23,8 @@ pub(crate) fn level_text(model: &Model) -> String {
 pub struct Extent<'a> {
     /// A sentence on the servo as a machine, where findings are said before it.
     pub of_servo: &'a str,
+    /// The low-order model, which completes the sentence where the response is known in a band alone.
+    pub low_order: Option<&'a FlightModel>,
     /// A picture of the step response, which comes after the sentence.
     pub picture: &'a str,
     /// Whether structure, residuals and widths are printed too.
@@ -31,7 +35,10 @@ pub struct Extent<'a> {
 #[must_use]
 pub fn of_model(source: &str, model: &Model, of: &ModelMetadata, extent: Extent<'_>) -> String {
     let units = of.units();
-    let sentence = wrapped(&model_sentence(model, of), 0);
+    let by_order = extent.low_order;
+    let by_order = by_order.and_then(|flight| low_order_sentence(flight, model, units));
+    let by_order = by_order.map_or_else(String::new, |sentence| format!(" {sentence}"));
+    let sentence = wrapped(&(model_sentence(model, of) + &by_order), 0);
     let (first, advice): (Vec<Advice>, Vec<Advice>) = model
         .advice
         .iter()

@@ -8,6 +8,7 @@ mod headline;
 mod key_figures;
 mod layout;
 mod linear_model;
+mod low_order;
 mod measured_limits;
 mod metrics;
 mod model_sentence;
@@ -53,6 +54,7 @@ pub(crate) use key_figures::{
     of_machine, of_response,
 };
 pub(crate) use layout::{first_sentence, listed_words, wrapped};
+pub(crate) use low_order::low_order_sentence;
 pub(crate) use metrics::{difference_rows, metric_rows, withheld_line};
 pub(crate) use numbers::{decimals, digits, four_digits, head_of_bounds, percent, probability};
 pub(crate) use quantity_table::{QuantityRow, quantities, quantity_rows};

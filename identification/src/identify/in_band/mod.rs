@@ -27,7 +27,7 @@ use crate::diagnostics::{
 };
 use crate::estimation::{Coordinates, FIRST_ORDER, FsfBasis, GlsFit, GlsOptions, RowInformation};
 use crate::options::{Frequencies, Settling};
-use crate::results::{FrequencyResponse, Metrics, Model, Residuals, SelectedBy};
+use crate::results::{BandEstimate, FrequencyResponse, Metrics, Model, Residuals, SelectedBy};
 use crate::selection::longest_settling;
 use crate::thresholds::{
     MISFIT_SIGNIFICANCE, MOMENT_ACCURACY, RUNS_FOR_MEAN, WHITENING_COST_POINTS,
@@ -40,6 +40,7 @@ const FITS: usize = 3;
 /// What is known of a servo under an input that excites a band.
 pub(super) struct InBand {
     pub(super) frequency: FrequencyResponse,
+    pub(super) estimate: BandEstimate,
     pub(super) metrics: Metrics,
     pub(super) residuals: Residuals,
     pub(super) linearity: Option<Linearity>,
@@ -75,6 +76,13 @@ pub(super) fn of(task: &Task<'_>) -> Option<InBand> {
     let points = Points::in_band(&fitted.estimate, &tails, level, lowest_excited(record)?)?;
     Some(InBand {
         frequency: points.frequency_response(timing, claimed),
+        estimate: BandEstimate {
+            settling_samples: fit.coordinates.basis.settling(),
+            ar: fit.ar.clone(),
+            precision: fit.precision,
+            beyond_even_noise: points.beyond_even_noise(),
+            slopes: task.disturbances.trends.to_vec(),
+        },
         metrics: points.metrics(timing, claimed),
         residuals: tests,
         linearity: fitted.linearity,
@@ -85,6 +93,7 @@ impl InBand {
     /// Into the model that is a picture of the same record, whose errors were not noise for what it left out.
     pub(super) fn carry_into(self, model: &mut Model, explanation: &mut Explanation) {
         model.frequency = self.frequency;
+        model.band_estimate = Some(self.estimate);
         model.metrics = self.metrics;
         model.residuals = self.residuals;
         model.linear = true;

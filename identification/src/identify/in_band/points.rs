@@ -34,6 +34,8 @@ pub(super) struct Points {
     with_rest: Vec<f64>,
     /// Standard deviations of a bound to each side.
     critical: Vec<f64>,
+    /// By how much the bounds of each are wider than those of even noise of a known size.
+    beyond_even_noise: Vec<f64>,
 }
 
 impl Points {
@@ -101,8 +103,12 @@ impl Points {
             of_runs: None,
             sd,
         };
+        let normal = pointwise_critical(level);
+        let critical = spread.critical(normal);
+        let wider = |(less_sure, critical): (&f64, &f64)| less_sure * critical / normal;
         Self {
-            critical: spread.critical(pointwise_critical(level)),
+            beyond_even_noise: less_sure.iter().zip(&critical).map(wider).collect(),
+            critical,
             spread,
             with_rest: (0..values.len()).map(|i| product(i, 0)).collect(),
             omegas,
@@ -163,6 +169,12 @@ impl Points {
         let omegas: Vec<f64> = kept.iter().map(|&k| self.omegas[k]).collect();
         let bounds = level.map(|level| FrequencyBounds::new(&values, &spread, level, Vec::new()));
         FrequencyResponse::new(timing.sample_period_s, &omegas, &values, bounds)
+    }
+
+    /// By how much the bounds are wider than those of even noise of a known size, where they are most so in the band.
+    pub(super) fn beyond_even_noise(&self) -> f64 {
+        let in_band = self.beyond_even_noise.iter().skip(2);
+        in_band.copied().fold(1.0, f64::max)
     }
 
     /// Gain, bandwidth and the frequency of -90 degrees, where the response at rest is known as well as the band.

@@ -2,7 +2,7 @@
 
 #define {{ID}}_ORDER {{order}}
 #define {{ID}}_DELAY_SAMPLES {{delay_samples}}
-#define {{ID}}_LARGEST_ERROR_PERCENT {{largest_error}} /* of the step: of its step response from the identified one, which is not the servo */
+#define {{ID}}_LARGEST_ERROR_PERCENT {{largest_error}} /* {{of_error}} */
 #define {{ID}}_GAIN {{gain}}
 #define {{ID}}_DELAY_S {{delay}}
 {{parameters}}

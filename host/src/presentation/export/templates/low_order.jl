@@ -3,7 +3,7 @@ const ORDER = {{order}}
 const GAIN = {{gain}}
 const DELAY_S = {{delay}}
 const DENOMINATOR = [{{denominator}}] # falling powers of s
-const LARGEST_ERROR_PERCENT = {{largest_error}} # of the step: of its step response from the identified one, which is not the servo
+const LARGEST_ERROR_PERCENT = {{largest_error}} # {{of_error}}
 {{bounds_of_low_order}}
 # The same by samples, exactly: x(k+1) = A x(k) + B u(k-m), y(k) = C x(k) + D u(k-m)
 const A = matrix("""

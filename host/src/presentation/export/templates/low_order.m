@@ -3,7 +3,7 @@
 {{id}}.gain = {{gain}};
 {{id}}.delay_s = {{delay}};
 {{id}}.denominator = [{{denominator}}]; % falling powers of s
-{{id}}.largest_error_percent = {{largest_error}}; % of the step: of its step response from the identified one, which is not the servo
+{{id}}.largest_error_percent = {{largest_error}}; % {{of_error}}
 {{bounds_of_low_order}}
 % The same by samples, exactly: x(k+1) = A x(k) + B u(k-m), y(k) = C x(k) + D u(k-m)
 {{id}}.A = [ ...

@@ -1,0 +1,66 @@
+//! What the low-order model of a band says, in words.
+
+use super::first_finding::first_finding;
+use super::numbers::{digits, digits_beside, percent};
+use crate::data::units::Units;
+use servoid_identification::flight_model::FlightModel;
+use servoid_identification::results::{Interval, Model, with_unit};
+
+/// The low-order model of a band, where the data do not reject its order: of another order, the gain at rest may be any.
+fn of_its_order(flight: &FlightModel) -> Option<[f64; 2]> {
+    flight.band_hz.filter(|_| !flight.approximation)
+}
+
+/// Gain and shape in a sentence, and what they rest on; `None` of a model of more than a band, of an approximation, and where a finding on the `linear` model of the same record
+/// comes first.
+pub(crate) fn low_order_sentence(
+    flight: &FlightModel,
+    linear: &Model,
+    units: Units<'_>,
+) -> Option<String> {
+    let [from, to] = of_its_order(flight).filter(|_| first_finding(linear).is_none())?;
+    let gain = units.gain().unwrap_or_default();
+    let rows = [
+        ("a gain of", &*gain, 1.0, Some(flight.gain)),
+        ("a delay of", "ms", 1e3, Some(flight.delay_s)),
+        ("a natural frequency of", "rad/s", 1.0, flight.omega_rad_s),
+        ("a damping ratio of", "", 1.0, flight.damping),
+        ("a lag of", "ms", 1e3, flight.lag_s),
+    ];
+    let parts = rows
+        .into_iter()
+        .filter_map(|(name, unit, scale, interval)| {
+            let (value, interval) = value_and_interval(&interval?, scale)?;
+            Some(format!("{name} {} ({interval})", with_unit(&value, unit)))
+        });
+    let parts: Vec<String> = parts.collect();
+    let (last, before) = parts.split_last()?;
+    let level = flight.bounds.valid()?.level;
+    Some(format!(
+        "A servo of order {} fits from {} to {} Hz; if it is of that order below and above, too, it has {}, and {last}, with {} % confidence in each.",
+        flight.order,
+        digits(from, 2),
+        digits(to, 3),
+        before.join(", "),
+        percent(level)
+    ))
+}
+
+/// The gain of the low-order model with its unit, and its interval and what that rests on.
+pub(super) fn gain_by_order(flight: &FlightModel, units: Units<'_>) -> Option<(String, String)> {
+    of_its_order(flight)?;
+    let gain = units.gain().unwrap_or_default();
+    let (value, interval) = value_and_interval(&flight.gain, 1.0)?;
+    let below = format!("{interval}, if it is of order {}", flight.order);
+    Some((with_unit(&value, &gain), below))
+}
+
+/// "0.950", "0.949 .. 0.951".
+fn value_and_interval(interval: &Interval, scale: f64) -> Option<(String, String)> {
+    let [value, lower, upper] = [interval.value?, interval.lower?, interval.upper?];
+    let shown = |number: f64| digits_beside(scale * number, 4, Some(scale * (upper - lower)));
+    Some((
+        shown(value),
+        format!("{} .. {}", shown(lower), shown(upper)),
+    ))
+}
