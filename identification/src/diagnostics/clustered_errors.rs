@@ -20,18 +20,22 @@ pub(super) struct Cluster {
     /// Of w².
     pub(super) weight: f64,
     squared_products: f64,
-    fourth_products: f64,
-    squared_weights: f64,
+    pairs_of_products: f64,
+    pairs_of_squared_products: f64,
+    pairs_of_weights: f64,
 }
 
 impl Cluster {
-    /// Adds a member: a row with its w ε and w², or a cluster of rows with the sums of these.
+    /// Adds a member: a row with its w ε and w², or a cluster of rows with the sums of these. Its pairs with those before it are added up as such: a square less the
+    /// squares in it is rounding where a cluster has one member, or one that is far larger than the others.
     pub(super) fn add(&mut self, product: f64, weight: f64) {
+        let squared = product.powi(2);
+        self.pairs_of_products += 2.0 * self.product * product;
+        self.pairs_of_squared_products += 2.0 * self.squared_products * squared;
+        self.pairs_of_weights += 2.0 * self.weight * weight;
         self.product += product;
         self.weight += weight;
-        self.squared_products += product.powi(2);
-        self.fourth_products += product.powi(4);
-        self.squared_weights += weight.powi(2);
+        self.squared_products += squared;
     }
 
     /// The rows of `weights` w and of errors, where both are there.
@@ -62,8 +66,8 @@ impl EffectScatter {
     /// fit has left less than one to show it.
     pub(super) fn of(clusters: &[Cluster], fitted: f64) -> Option<Self> {
         let sum = |of: fn(&Cluster) -> f64| clusters.iter().map(of).sum::<f64>();
-        let pairs = sum(|c| c.product.powi(2) - c.squared_products);
-        let chance = sum(|c| c.squared_products.powi(2) - c.fourth_products);
+        let pairs = sum(|c| c.pairs_of_products);
+        let chance = sum(|c| c.pairs_of_squared_products);
         let count = sum(|c| c.weight).powi(2) / sum(|c| c.weight.powi(2));
         let left = count - fitted;
         let beyond_chance =
@@ -71,7 +75,7 @@ impl EffectScatter {
         if !beyond_chance || left < 1.0 {
             return None;
         }
-        let own = sum(|c| c.weight.powi(2) - c.squared_weights);
+        let own = sum(|c| c.pairs_of_weights);
         Some(Self {
             variance: pairs / own * count / left,
             count,
@@ -110,5 +114,24 @@ pub(super) fn larger_of_cause(shown: f64, degrees: f64, cause: f64) -> f64 {
     match shown > smallest * cause {
         true => shown.max(cause),
         false => shown,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Cluster, EffectScatter};
+
+    /// A command that changes with each sample has holds of one row each, but for where it stood still at first.
+    #[test]
+    fn clusters_without_pairs_show_no_scatter() {
+        for seed in 1..200_u64 {
+            let number = |k: u64| ((k * 7919 + seed * 104_729) % 1009) as f64 / 333.0 - 1.5;
+            let still = Cluster::of_rows(&[0.0; 50], &[0.1; 50]);
+            let clusters: Vec<Cluster> = (0..500)
+                .map(|k| Cluster::of_rows(&[number(3 * k)], &[number(3 * k + 1)]))
+                .chain([still])
+                .collect();
+            assert!(EffectScatter::of(&clusters, 1.0).is_none());
+        }
     }
 }

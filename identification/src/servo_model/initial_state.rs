@@ -63,7 +63,7 @@ fn squares_from_middle(count: usize) -> f64 {
 }
 
 /// Standard deviation of [`rise`] by noise of any colour: of successive ones, the second differences are those of the noise at rest and in even
-/// motion. Their lower quartile is that of the noise where up to three quarters of the leads are in uneven motion.
+/// motion. The tenth that is least is that of the noise where most of the leads are in uneven motion.
 fn noise_of_rise(output: &[f64], lead: usize) -> f64 {
     let rises: Vec<f64> = output.chunks_exact(lead).filter_map(rise).collect();
     let second = |w: &[f64]| (w[2] - 2.0 * w[1] + w[0]).abs();
@@ -72,8 +72,8 @@ fn noise_of_rise(output: &[f64], lead: usize) -> f64 {
         return 0.0;
     }
     differences.sort_by(f64::total_cmp);
-    // The lower quartile of |x| is 0.3186 sd; a second difference of white noise has sqrt(6) times its sd.
-    differences[differences.len() / 4] / 0.3186 / 6f64.sqrt()
+    // A tenth of |x| is below 0.1257 sd; a second difference of white noise has sqrt(6) times its sd.
+    differences[differences.len() / 10] / 0.1257 / 6f64.sqrt()
 }
 
 /// The start that lets the servo follow the first samples best (Gauss-Newton from two guesses of the command before).

@@ -49,12 +49,18 @@ fn hardly_moves(stretches: &[Stretch], found: &Uncertainty) -> bool {
     square_about_mean(&simulated) < MOTION_IN_NOISE * square_about_mean(&measured)
 }
 
-/// Different commands, up to as many as are needed.
+/// Different commands that the servo was sent to, up to as many as are needed: the one that it begins at shows nothing of where it comes to rest.
 fn levels(stretches: &[Stretch]) -> usize {
     let mut found: Vec<f64> = Vec::new();
-    for command in stretches.iter().flat_map(|stretch| &stretch.input) {
-        if !found.contains(command) {
-            found.push(*command);
+    let changes = stretches
+        .iter()
+        .flat_map(|stretch| stretch.input.windows(2));
+    let sent_to = changes
+        .filter(|pair| pair[0] != pair[1])
+        .map(|pair| pair[1]);
+    for command in sent_to {
+        if !found.contains(&command) {
+            found.push(command);
             if found.len() == SERVO_LEVELS {
                 break;
             }

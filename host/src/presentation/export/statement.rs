@@ -34,9 +34,7 @@ impl Export<'_> {
         if let Bounds::Withdrawn(reason) = model.level() {
             let because = reason.because();
             let text = match model.band() {
-                Some(_) => format!(
-                    "no bounds of the step response and the parameters can be given, as {because}"
-                ),
+                Some(_) => format!("no bounds of the step response can be given, as {because}"),
                 None => format!("no bounds can be given, as {because}: this file has none"),
             };
             warn(true, &text);

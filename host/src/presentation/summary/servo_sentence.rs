@@ -103,14 +103,15 @@ fn hysteresis(model: &ServoModel, units: Units<'_>) -> Option<String> {
 }
 
 /// Whether the servo model has more than a linear servo and no linear one does worse: errors of the linear model are noise, its own are not, and
-/// it predicts no better.
+/// it predicts no better. Of a response in a band the linear model is a picture, which predicts little; the errors are those of the band.
 fn is_linear_beside(model: &ServoModel, linear: &Model) -> bool {
     let predicts_better = model.linear_models.as_ref().is_none_or(|found| {
         let mut linear = found.models.iter();
         linear.all(|linear| linear.held_out_percent < found.servo_model_percent)
     });
-    let suffices = linear.linear && linear.bounds.valid().is_some();
-    !model.is_linear() && lacks_something(model) && suffices && !predicts_better
+    let of_all = linear.bounds.valid().is_some() && !predicts_better;
+    let suffices = linear.linear && (of_all || linear.band().is_some());
+    !model.is_linear() && lacks_something(model) && suffices
 }
 
 /// Whether its errors show that the model lacks something of the servo, or would if the steps of the sensor were smaller.

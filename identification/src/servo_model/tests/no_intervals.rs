@@ -3,7 +3,7 @@
 use super::{PERIOD_S, noisy, point, strokes, value};
 use crate::data::Record;
 use crate::results::{Bounds, Interval, Reason};
-use crate::servo_model::coordinates::Terms;
+use crate::servo_model::coordinates::{Coordinate, Terms};
 use crate::servo_model::{Alternative, ServoModel, ServoModelOptions, Spread, fit};
 
 /// A shaft that is held has no gain, and a model of it has errors that are noise.
@@ -12,6 +12,32 @@ fn a_servo_that_does_not_move_has_no_intervals() {
     let servo = point(Terms::default(), value);
     let output = noisy(&servo, &[0.0; 2000], 4);
     let record = Record::of_run(PERIOD_S, strokes(2000), output).unwrap();
+    let found = fit(&record, &ServoModelOptions::default()).unwrap();
+    assert_eq!(found.covariance.withdrawn(), Some(Reason::InputUnexcited));
+}
+
+/// A dead band between two levels is a smaller gain, wherever the servo began.
+#[test]
+fn two_levels_behind_a_third_have_no_intervals() {
+    let terms = Terms {
+        limit: true,
+        dead_band: true,
+        ..Terms::default()
+    };
+    let unlimited = |at: Coordinate| match at {
+        Coordinate::LnDamping => 100f64.ln(),
+        Coordinate::LnTopSpeed => 1e5f64.ln(),
+        Coordinate::DeadBand => 0.4,
+        other => value(other),
+    };
+    let servo = point(terms, unlimited);
+    let level = |k: usize| match (k / 150, k / 150 % 2) {
+        (0, _) => 0.0,
+        (_, 0) => -5.0,
+        _ => 5.0,
+    };
+    let input: Vec<f64> = (0..4000).map(level).collect();
+    let record = Record::of_run(PERIOD_S, &input, noisy(&servo, &input, 5)).unwrap();
     let found = fit(&record, &ServoModelOptions::default()).unwrap();
     assert_eq!(found.covariance.withdrawn(), Some(Reason::InputUnexcited));
 }
