@@ -6,7 +6,7 @@
 
 use super::coordinates::Point;
 use super::stretches::{Stretch, noise_sd};
-use crate::numerics::{backward_solve, cholesky, forward_solve};
+use crate::numerics::{backward_solve, cholesky, forward_solve, square_about_mean};
 use faer::Mat;
 use servoid_dynamics::{Dual, Grid, Scalar, Start, simulate};
 
@@ -16,6 +16,9 @@ const LEAD_S: f64 = 0.01;
 
 /// Standard deviations of the noise that count as motion.
 const MOTION: f64 = 4.0;
+
+/// Leads that show the noise of a rise, at least.
+const FEWEST: usize = 8;
 
 /// Samples from which a start is found, at the most.
 const WINDOW: usize = 200;
@@ -35,10 +38,10 @@ fn in_motion(stretch: &Stretch, period_s: f64) -> bool {
     let Some(first) = stretch.output.get(..lead) else {
         return false;
     };
-    // Stretches of a few samples show white noise alone.
+    // Short holds show white noise alone.
     let white =
         noise_sd(&stretch.output) * (lead as f64 / squares_from_middle(lead).sqrt()).max(1.0);
-    let noise = white.max(noise_of_rise(&stretch.output, lead));
+    let noise = white.max(noise_of_rise(stretch, lead));
     rise(first).is_some_and(|rise| rise.abs() > MOTION * noise)
 }
 
@@ -62,18 +65,16 @@ fn squares_from_middle(count: usize) -> f64 {
     count * (count * count - 1.0) / 12.0
 }
 
-/// Standard deviation of [`rise`] by noise of any colour: of successive ones, the second differences are those of the noise at rest and in even
-/// motion. The tenth that is least is that of the noise where most of the leads are in uneven motion.
-fn noise_of_rise(output: &[f64], lead: usize) -> f64 {
-    let rises: Vec<f64> = output.chunks_exact(lead).filter_map(rise).collect();
-    let second = |w: &[f64]| (w[2] - 2.0 * w[1] + w[0]).abs();
-    let mut differences: Vec<f64> = rises.windows(3).map(second).collect();
-    if differences.is_empty() {
-        return 0.0;
+/// Standard deviation of [`rise`] by noise of any colour, from the later half of the first hold, where the servo has come to rest; 0 where that is short.
+fn noise_of_rise(stretch: &Stretch, lead: usize) -> f64 {
+    let first = stretch.input[0];
+    let held = (stretch.input.iter()).take_while(|u| **u == first).count();
+    let later = &stretch.output[held / 2..held];
+    let rises: Vec<f64> = later.chunks_exact(lead).filter_map(rise).collect();
+    match rises.len() {
+        0..FEWEST => 0.0,
+        count => (square_about_mean(&rises) / (count - 1) as f64).sqrt(),
     }
-    differences.sort_by(f64::total_cmp);
-    // A tenth of |x| is below 0.1257 sd; a second difference of white noise has sqrt(6) times its sd.
-    differences[differences.len() / 10] / 0.1257 / 6f64.sqrt()
 }
 
 /// The start that lets the servo follow the first samples best (Gauss-Newton from two guesses of the command before).
