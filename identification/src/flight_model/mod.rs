@@ -16,7 +16,7 @@
 //! simulation is [sample and hold at the frame period] -> [this model]. Without the hold it needs another
 //! half frame of delay, and it lacks the jitter of up to a frame.
 //!
-//! Where the input excites a band alone, θ are the directions of all lags that the record determines [`in_band`]. Below and above the band, the order is assumed. An order
+//! Where the input excites a band alone, θ are the directions of all lags that the record determines `in_band`. Below and above the band, the order is assumed. An order
 //! that is rejected has no intervals there.
 
 mod discrete;
