@@ -49,20 +49,18 @@ fn hardly_moves(stretches: &[Stretch], found: &Uncertainty) -> bool {
     square_about_mean(&simulated) < MOTION_IN_NOISE * square_about_mean(&measured)
 }
 
-/// Different commands that the servo was sent to, up to as many as are needed: the one that it begins at shows nothing of where it comes to rest.
+/// Different commands that the servo was sent to, up to as many as are needed: one that it begins at shows nothing of where it comes to rest.
 fn levels(stretches: &[Stretch]) -> usize {
     let mut found: Vec<f64> = Vec::new();
-    let changes = stretches
-        .iter()
-        .flat_map(|stretch| stretch.input.windows(2));
-    let sent_to = changes
-        .filter(|pair| pair[0] != pair[1])
-        .map(|pair| pair[1]);
-    for command in sent_to {
-        if !found.contains(&command) {
-            found.push(command);
+    for stretch in stretches {
+        let mut before = stretch.at_rest.or(stretch.input.first().copied());
+        for command in &stretch.input {
+            let is_sent = before.replace(*command) != Some(*command);
+            if is_sent && !found.contains(command) {
+                found.push(*command);
+            }
             if found.len() == SERVO_LEVELS {
-                break;
+                return SERVO_LEVELS;
             }
         }
     }
@@ -90,4 +88,30 @@ fn grows_with_motion(found: &Uncertainty) -> bool {
     // The logarithm of a mean of n squares of Gaussian noise has the variance 2/n.
     let chance = MOTION_NOISE_CHANCE * (2.0 / rest_count + 2.0 / moving_count).sqrt();
     ratio.is_nan() || ratio > MOTION_NOISE_RATIO && ratio.ln() > chance
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::stretches::stretches;
+    use super::levels;
+    use crate::data::{Record, Run};
+
+    /// Runs of one step each, of which the first row has the step already.
+    fn steps(at_rest: Option<f64>) -> usize {
+        let runs = [1.0, 2.0, -3.0].map(|command| {
+            let run = Run::new(vec![command; 20], vec![0.5 * command; 20]).unwrap();
+            match at_rest {
+                Some(rest) => run.with_input_at_rest(rest),
+                None => run,
+            }
+        });
+        let record = Record::new(0.02, runs.into()).unwrap();
+        levels(&stretches(&record, &[]).0)
+    }
+
+    #[test]
+    fn a_command_counts_where_the_servo_was_sent_to_it() {
+        assert_eq!(steps(Some(0.0)), 3);
+        assert_eq!(steps(None), 0);
+    }
 }

@@ -84,10 +84,15 @@ fn response(point: &Point, input: &[f64], longest_step_s: f64) -> Vec<f64> {
 }
 
 fn noisy(point: &Point, input: &[f64], seed: u64) -> Vec<f64> {
+    with_noise(point, input, 0.03, seed)
+}
+
+/// The response in white noise of this standard deviation.
+fn with_noise(point: &Point, input: &[f64], sd: f64, seed: u64) -> Vec<f64> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let noise = |y: f64| -> f64 {
         let v: f64 = StandardNormal.sample(&mut random);
-        y + 0.03 * v
+        y + sd * v
     };
     response(point, input, 1e-4)
         .into_iter()

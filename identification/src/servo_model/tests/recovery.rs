@@ -4,7 +4,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::{PERIOD_S, noisy, point, response, strokes, value};
+use super::{PERIOD_S, noisy, point, response, strokes, value, with_noise};
 use crate::data::Record;
 use crate::servo_model::coordinates::{Coordinate, Terms};
 use crate::servo_model::{QuantityKind, ServoModelOptions, fit, quantities};
@@ -156,14 +156,8 @@ fn a_dead_band_is_not_taken_for_friction() {
                 input.extend(std::iter::repeat_n(level, hold));
             }
         }
-        let output: Vec<f64> = response(&servo, &input, 1e-4)
-            .into_iter()
-            .map(|y| {
-                let v: f64 = StandardNormal.sample(&mut random);
-                y + 0.2 * v
-            })
-            .collect();
-        let record = Record::of_run(PERIOD_S, &input, &output).unwrap();
+        let output = with_noise(&servo, &input, 0.2, seed);
+        let record = Record::of_run(PERIOD_S, &input, output).unwrap();
         let found = fit(&record, &ServoModelOptions::default()).unwrap();
         assert_eq!(found.terms, terms, "seed {seed}");
         for (name, truth) in [("delay", 0.006), ("dead band, to each side", 0.4)] {

@@ -7,6 +7,7 @@ use serde_json::json;
 use servoid::data::Units;
 use servoid::data::model_file::ModelFile;
 use servoid::presentation::summary::of_servo_model;
+use std::path::{Path, PathBuf};
 
 const TARGETS: [&str; 7] = [
     "c",
@@ -247,10 +248,7 @@ fn a_limit_of_a_rate_is_said_beside_the_top_speed() {
 }
 
 /// A model of the aircraft's servo, changed by `change`, in a folder.
-fn changed(
-    folder: &std::path::Path,
-    change: impl Fn(&mut serde_json::Value),
-) -> std::path::PathBuf {
+fn changed(folder: &Path, change: impl Fn(&mut serde_json::Value)) -> PathBuf {
     let mut document = crate::support::json(&AIRCRAFT.file);
     change(&mut document["servo_model"]);
     let file = folder.join("changed.json");
@@ -303,30 +301,39 @@ fn a_rate_is_the_same_whatever_was_reached() {
     );
 }
 
-/// One of large full drive speed and small full drive, which spends a stroke in building speed up and braking.
-#[test]
-fn the_first_strokes_of_a_trial_end() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = changed(folder.path(), |model| {
+/// The file of a servo whose drive is limited and that has nothing else, with these coordinates and commands between these.
+fn of_limited_drive(
+    folder: &Path,
+    values: [(&str, f64); 7],
+    [least, largest]: [f64; 2],
+) -> PathBuf {
+    changed(folder, |model| {
         model["terms"] = json!({
             "limit": true, "two_speeds": false, "dead_band": false, "friction": false,
             "friction_of_gears": false, "load": "none",
         });
-        let values = [
-            ("delay", 0.021),
-            ("ln_stiffness", 6700f64.ln()),
-            ("ln_damping", 128f64.ln()),
-            ("gain", 1.0),
-            ("offset", 0.0),
-            ("ln_top_speed", 740f64.ln()),
-            ("motor_share", 0.074),
-        ];
         let (names, values): (Vec<&str>, Vec<f64>) = values.into_iter().unzip();
         model["coordinates"] = json!(names);
         model["values"] = json!(values);
         model["alternatives"] = json!([]);
-        model["commands"] = json!({ "least": -30.0, "largest": 30.0 });
-    });
+        model["commands"] = json!({ "least": least, "largest": largest });
+    })
+}
+
+/// One of large full drive speed and small full drive, which spends a stroke in building speed up and braking.
+#[test]
+fn the_first_strokes_of_a_trial_end() {
+    let folder = tempfile::tempdir().unwrap();
+    let values = [
+        ("delay", 0.021),
+        ("ln_stiffness", 6700f64.ln()),
+        ("ln_damping", 128f64.ln()),
+        ("gain", 1.0),
+        ("offset", 0.0),
+        ("ln_top_speed", 740f64.ln()),
+        ("motor_share", 0.074),
+    ];
+    let file = of_limited_drive(folder.path(), values, [-30.0, 30.0]);
     let exported = export(&file, 0, "jsbsim", &[]);
     let (steps, searched) = (exported.trial.steps_per_level, &exported.trial.worst);
     let begin = steps + searched.iter().map(|held| held.steps).sum::<usize>();
@@ -344,26 +351,16 @@ fn the_first_strokes_of_a_trial_end() {
 #[test]
 fn the_search_finds_the_half_period_in_which_swings_grow() {
     let folder = tempfile::tempdir().unwrap();
-    let file = changed(folder.path(), |model| {
-        model["terms"] = json!({
-            "limit": true, "two_speeds": false, "dead_band": false, "friction": false,
-            "friction_of_gears": false, "load": "none",
-        });
-        let values = [
-            ("delay", 0.006),
-            ("ln_stiffness", 1195f64.ln()),
-            ("ln_damping", 45.8f64.ln()),
-            ("gain", 0.964),
-            ("offset", 0.48),
-            ("ln_top_speed", 417.5f64.ln()),
-            ("motor_share", 0.1526),
-        ];
-        let (names, values): (Vec<&str>, Vec<f64>) = values.into_iter().unzip();
-        model["coordinates"] = json!(names);
-        model["values"] = json!(values);
-        model["alternatives"] = json!([]);
-        model["commands"] = json!({ "least": -14.77, "largest": 14.9 });
-    });
+    let values = [
+        ("delay", 0.006),
+        ("ln_stiffness", 1195f64.ln()),
+        ("ln_damping", 45.8f64.ln()),
+        ("gain", 0.964),
+        ("offset", 0.48),
+        ("ln_top_speed", 417.5f64.ln()),
+        ("motor_share", 0.1526),
+    ];
+    let file = of_limited_drive(folder.path(), values, [-14.77, 14.9]);
     let exported = export(&file, 0, "mujoco", &["--frame-ms", "0"]);
     assert!(exported.stated > 3.5, "{}", exported.stated);
 }
