@@ -54,6 +54,12 @@ pub enum Error {
         /// The only value the output takes.
         value: f64,
     },
+    /// A variance is not a number, so that nothing is known of the uncertainty.
+    #[error(
+        "how sure the response is cannot be computed from this recording, because a variance is not a number: please report it with the recording; '--noise-order 0' \
+         or another settling time may avoid it"
+    )]
+    NoVariance,
     /// An output of two values under an input of many.
     #[error(
         "the output has only {levels} values, and the input has many: the two columns seem to be swapped; the input is the command, the \

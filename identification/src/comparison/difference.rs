@@ -4,7 +4,7 @@ use faer::Mat;
 
 use crate::error::Error;
 use crate::nonlinear::DirectionModel;
-use crate::numerics::{dot, simultaneous_critical, student_critical, times};
+use crate::numerics::{dot, not_negative, simultaneous_critical, student_critical, times};
 use crate::results::{Bounds, Model, farthest_within};
 
 /// One or more response curves, one after the other.
@@ -92,7 +92,9 @@ impl DifferenceSpread {
         let weighted = covariance * &rows;
         let product = |i: usize, j: usize| dot(weighted.col_as_slice(i), rows.col_as_slice(j));
         Self {
-            variance: (0..map.nrows()).map(|i| product(i, i).max(0.0)).collect(),
+            variance: (0..map.nrows())
+                .map(|i| not_negative(product(i, i)))
+                .collect(),
             neighbour: (1..map.nrows()).map(|i| product(i - 1, i)).collect(),
             degrees_of_freedom,
             bias,

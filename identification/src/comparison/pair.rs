@@ -7,7 +7,7 @@ use crate::error::Error;
 use crate::estimation::FsfBasis;
 use crate::identify::{Identification, identify_runs};
 use crate::nonlinear::{DirectionModel, Limits, split_with};
-use crate::numerics::pointwise_critical;
+use crate::numerics::{not_negative, pointwise_critical};
 use crate::options::{Frequencies, NoiseOrder, Options, Settling};
 use crate::results::{Bounds, Interval, Model, Reason};
 
@@ -136,7 +136,7 @@ impl<'a> Identified<'a> {
                         .zip(rest.lower)
                         .map_or(0.0, |(up, low)| (up - low) / 2.0 / critical)
                 }
-                None => command.abs() * bounds.covariance[0][0].max(0.0).sqrt(),
+                None => command.abs() * not_negative(bounds.covariance[0][0]).sqrt(),
             })
         })
     }

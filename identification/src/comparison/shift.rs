@@ -20,7 +20,7 @@
 //!
 //! to which the bound of the errors that no variance contains is added as if it had the worst sign at every sample.
 
-use crate::numerics::{pointwise_critical, student_critical};
+use crate::numerics::{not_negative, pointwise_critical, student_critical};
 use crate::results::Interval;
 
 use super::difference::Curves;
@@ -65,7 +65,7 @@ pub(super) fn shift(a: &Curves, b: &Curves, which: std::ops::Range<usize>, level
         let variance = a.variance_of(&of_a) + b.variance_of(&of_b);
         let degrees = a.degrees_of_freedom.min(b.degrees_of_freedom);
         let critical = student_critical(pointwise_critical(level), &[degrees])[0];
-        critical * variance.max(0.0).sqrt()
+        critical * not_negative(variance).sqrt()
             + worst(&of_a, a.bias)
             + worst(&of_b, b.bias)
             + pair.interpolation_error(best)

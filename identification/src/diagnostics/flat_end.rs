@@ -46,6 +46,8 @@ pub(crate) struct TravelEnd {
     pub(crate) commands: (f64, f64),
     /// How many commands between the two rest there.
     pub(crate) count: usize,
+    /// Whether these commands show an end: several at one angle, or one that is held at an angle short of the line of the others.
+    pub(crate) is_shown: bool,
 }
 
 impl TravelEnd {
@@ -377,6 +379,7 @@ impl Split {
             rest: outputs / end.len() as f64 + common_offset(&offsets)?,
             commands: (first.command, last.command),
             count: commands.len(),
+            is_shown: true,
         })
     }
 }

@@ -10,6 +10,7 @@
 
 use super::flat_end::TravelEnd;
 use super::simulation_error::{Simulated, one_step_errors, simulated_whole};
+use crate::data::column::span;
 use crate::data::{Moments, Record, sensor_step};
 use crate::estimation::GlsFit;
 use crate::numerics::median;
@@ -29,13 +30,30 @@ impl TravelEnd {
         if !is_linear {
             return [None; 2];
         }
+        let model = Rests {
+            gain: fit.impulse().iter().sum(),
+            offset: fit.solution.offset(),
+            centre: moments.centre,
+            settling: fit.coordinates.basis.settling(),
+        };
         let step = sensor_step(record).unwrap_or_default();
         let runs = simulated_whole(record, moments, fit);
-        let gain: f64 = fit.impulse().iter().sum();
-        let offset = fit.solution.offset();
-        let rest_under = |command: f64| gain * (command - moments.centre.0) + offset;
-        [1.0, -1.0]
-            .map(|sign| Touched::by(&runs, sign, (moments.centre.1, step), &rest_under).end(fit))
+        [1.0, -1.0].map(|sign| Touched::by(&runs, sign, step, &model).end(fit, model.gain))
+    }
+}
+
+/// Where the model rests. Inputs and outputs of it count from `centre`.
+struct Rests {
+    gain: f64,
+    offset: f64,
+    centre: (f64, f64),
+    /// Samples after which it does.
+    settling: usize,
+}
+
+impl Rests {
+    fn under(&self, command: f64) -> f64 {
+        self.gain * (command - self.centre.0) + self.offset
     }
 }
 
@@ -48,81 +66,63 @@ fn offset(run: &Simulated<'_>) -> f64 {
     above.flatten().unwrap_or_default()
 }
 
-/// The stretches in which the output is at its farthest, up or down, while the model goes beyond that.
+/// The strokes in which the output is at its farthest, up or down, while the model goes beyond that.
 struct Touched<'a> {
     runs: &'a [Simulated<'a>],
-    /// Command and output of each.
-    strokes: Vec<(f64, f64)>,
+    strokes: Vec<Stroke>,
     /// How far the model goes beyond there, of each run; 0 elsewhere.
     beyond: Vec<Vec<f64>>,
 }
 
+/// One of the strokes that end there.
+struct Stroke {
+    /// The outermost one before its end.
+    command: f64,
+    /// Mean output.
+    rest: f64,
+    /// How far the model goes beyond the farthest output.
+    short: f64,
+}
+
 impl<'a> Touched<'a> {
-    /// Those up (`sign` 1) or down (-1). Outputs of the model count from `centre`, and the
-    /// sensor has steps of `step`. The model rests at `rest_under` a command: where it only passes there, the servo may pass less.
-    fn by(
-        runs: &'a [Simulated<'a>],
-        sign: f64,
-        (centre, step): (f64, f64),
-        rest_under: &dyn Fn(f64) -> f64,
-    ) -> Self {
+    /// Those up (`sign` 1) or down (-1), of a sensor with steps of `step`.
+    fn by(runs: &'a [Simulated<'a>], sign: f64, step: f64, model: &Rests) -> Self {
         let mut all = Self {
             runs,
             strokes: Vec::new(),
             beyond: Vec::new(),
         };
         for run in runs {
-            let measured = run.run.output();
-            let far = |far: f64, y: &f64| far.max(sign * y);
-            let farthest = measured.iter().fold(f64::NEG_INFINITY, far);
-            let nearest = measured
-                .iter()
-                .fold(f64::INFINITY, |near, y| near.min(sign * y));
-            let notable = (NOTABLE * (farthest - nearest)).max(step);
-            let zero = centre + offset(run);
-            let beyond = |k: usize| {
-                let passes = sign * run.output[k];
-                let rests = sign * rest_under(run.run.input()[k]);
-                passes.min(rests) + sign * zero - farthest
-            };
-            let mut samples: Vec<usize> = (0..measured.len())
-                .filter(|k| beyond(*k) > notable)
-                .collect();
-            // The model of most records goes nowhere beyond their outputs.
-            if !samples.is_empty() {
-                let errors = run.errors.iter().filter(|error| !error.is_nan());
-                let usual = median(errors.map(|error| error.abs()).collect()).unwrap_or_default();
-                samples.retain(|k| sign * measured[*k] > farthest - FARTHEST * usual);
-            }
-            let stretches = samples.chunk_by(|before, after| *after == before + 1);
-            let mut by_sample = vec![0.0; measured.len()];
-            for stretch in stretches.filter(|stretch| stretch.len() >= STOP_SAMPLES) {
-                let rests = stretch.iter().map(|k| measured[*k]).sum::<f64>();
-                let commands = stretch.iter().map(|k| run.run.input()[*k]);
-                let command = commands.reduce(|far, u| if sign * u > sign * far { u } else { far });
-                let rest = rests / stretch.len() as f64;
-                all.strokes.push((command.unwrap_or(f64::NAN), rest));
-                for k in stretch {
-                    by_sample[*k] = sign * beyond(*k);
-                }
+            let side = Side::new(run, sign, model);
+            let touching = side.touching(step);
+            let mut by_sample = vec![0.0; run.output.len()];
+            for k in &touching {
+                by_sample[*k] = sign * side.beyond(*k);
             }
             all.beyond.push(by_sample);
+            // Noise breaks a stroke in pieces; between two strokes the model comes back.
+            let is_beyond = |from: usize, to: usize| (from..to).all(|k| side.beyond(k) > 0.0);
+            let strokes = touching.chunk_by(|before, after| is_beyond(*before, *after));
+            all.strokes
+                .extend(strokes.map(|stroke| side.stroke(stroke)));
         }
         all
     }
 
-    /// The end of the travel there, beyond chance.
-    fn end(mut self, fit: &GlsFit) -> Option<TravelEnd> {
+    /// The end of the travel there, beyond chance, where a stroke of the command is `gain` times as large at rest.
+    fn end(mut self, fit: &GlsFit, gain: f64) -> Option<TravelEnd> {
         if self.strokes.is_empty() || !self.is_beyond_chance(fit) {
             return None;
         }
-        self.strokes.sort_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
+        self.strokes
+            .sort_by(|a, b| a.command.abs().total_cmp(&b.command.abs()));
         let (first, last) = (self.strokes.first()?, self.strokes.last()?);
-        let rests = self.strokes.iter().map(|(_, rest)| rest);
+        let rests = self.strokes.iter().map(|stroke| stroke.rest);
         Some(TravelEnd {
             rest: rests.sum::<f64>() / self.strokes.len() as f64,
-            commands: (first.0, last.0),
+            commands: (first.command, last.command),
             count: self.strokes.len(),
+            is_shown: are_apart(&self.strokes, gain),
         })
     }
 
@@ -145,9 +145,111 @@ impl<'a> Touched<'a> {
     }
 }
 
+/// Whether the commands of strokes to one angle are as far apart as an end asks for, where a stroke of the command is `gain` times as large at rest. A dead band,
+/// or friction, leaves strokes to one command short by as much.
+fn are_apart(strokes: &[Stroke], gain: f64) -> bool {
+    let commands = || strokes.iter().map(|stroke| gain * stroke.command);
+    let short = (strokes.iter()).fold(0.0, |most, stroke| stroke.short.max(most));
+    span(commands()).is_some_and(|apart| apart > APART * short)
+}
+
+/// One side of the motion in one run: outputs up (`sign` 1) or down (-1).
+struct Side<'a> {
+    run: &'a Simulated<'a>,
+    sign: f64,
+    model: &'a Rests,
+    /// What the output of the run counts from.
+    zero: f64,
+    /// The farthest output and the nearest one, times the sign.
+    farthest: f64,
+    nearest: f64,
+}
+
+impl<'a> Side<'a> {
+    fn new(run: &'a Simulated<'a>, sign: f64, model: &'a Rests) -> Self {
+        let outputs = || run.run.output().iter().map(|y| sign * y);
+        Self {
+            run,
+            sign,
+            model,
+            zero: model.centre.1 + offset(run),
+            farthest: outputs().fold(f64::NEG_INFINITY, f64::max),
+            nearest: outputs().fold(f64::INFINITY, f64::min),
+        }
+    }
+
+    /// How far the model goes beyond the farthest output in sample `k`. Where it only passes there and rests elsewhere, the servo may pass less.
+    fn beyond(&self, k: usize) -> f64 {
+        let passes = self.sign * self.run.output[k];
+        let rests = self.sign * self.model.under(self.run.run.input()[k]);
+        passes.min(rests) + self.sign * self.zero - self.farthest
+    }
+
+    /// Samples of stretches in which the output is at its farthest, while the model is beyond it.
+    fn touching(&self, step: f64) -> Vec<usize> {
+        let measured = self.run.run.output();
+        let notable = (NOTABLE * (self.farthest - self.nearest)).max(step);
+        let mut samples: Vec<usize> = (0..measured.len())
+            .filter(|k| self.beyond(*k) > notable)
+            .collect();
+        // The model of most records goes nowhere beyond their outputs.
+        if !samples.is_empty() {
+            let errors = self.run.errors.iter().filter(|error| !error.is_nan());
+            let usual = median(errors.map(|error| error.abs()).collect()).unwrap_or_default();
+            samples.retain(|k| self.sign * measured[*k] > self.farthest - FARTHEST * usual);
+        }
+        let stretches = samples.chunk_by(|before, after| *after == before + 1);
+        let long = stretches.filter(|stretch| stretch.len() >= STOP_SAMPLES);
+        long.flatten().copied().collect()
+    }
+
+    /// The stroke that ends in these samples.
+    fn stroke(&self, samples: &[usize]) -> Stroke {
+        let rests = samples.iter().map(|k| self.run.run.output()[*k]);
+        let towards = self.sign * self.model.gain;
+        let outermost = |far: f64, u: f64| if towards * u > towards * far { u } else { far };
+        // The command goes ahead of the model.
+        let first = samples[0].saturating_sub(self.model.settling);
+        let commands = &self.run.run.input()[first..=samples[samples.len() - 1]];
+        Stroke {
+            command: commands
+                .iter()
+                .copied()
+                .reduce(outermost)
+                .unwrap_or(f64::NAN),
+            rest: rests.sum::<f64>() / samples.len() as f64,
+            short: samples.iter().map(|k| self.beyond(*k)).fold(0.0, f64::max),
+        }
+    }
+}
+
 /// How far the model must go beyond the farthest output, as a part of the range: rounding does so, too.
 const NOTABLE: f64 = 1e-3;
+
+/// The commands of strokes that end at a stop are so many times as far apart as the farthest of them goes beyond, at the least.
+const APART: f64 = 0.5;
 
 /// Median errors within which outputs are at one angle: of Gaussian noise that is 0.67 standard deviations, and some hundred samples lie
 /// within 4 on both sides.
 const FARTHEST: f64 = 12.0;
+
+#[cfg(test)]
+mod tests {
+    use super::{Stroke, are_apart};
+
+    #[test]
+    fn commands_that_differ_show_an_end_and_one_shows_none() {
+        let strokes = |commands: &[f64], end: f64| -> Vec<Stroke> {
+            let stroke = |command: &f64| Stroke {
+                command: *command,
+                rest: end,
+                short: 0.5 * command - end,
+            };
+            commands.iter().map(stroke).collect()
+        };
+        assert!(are_apart(&strokes(&[9.2, 10.0, 9.7], 4.5), 0.5));
+        // A dead band of 0.2 under a sine, as rounded as its command.
+        assert!(!are_apart(&strokes(&[10.0, 9.99, 10.0], 4.9), 0.5));
+        assert!(!are_apart(&strokes(&[10.0], 4.5), 0.5));
+    }
+}

@@ -176,6 +176,14 @@ impl Validity {
         }
     }
 
+    /// The outputs at which the servo stops.
+    pub(crate) fn stops(&self) -> Vec<f64> {
+        let ends = self.travel_ends.iter().flatten();
+        ends.filter(|end| end.is_shown)
+            .map(|end| end.rest)
+            .collect()
+    }
+
     /// `metrics` without those that the evidence does not support.
     pub(crate) fn supported(&self, metrics: Metrics) -> Metrics {
         let gain = match self.gain_is_supported {

@@ -15,7 +15,7 @@ use faer::Mat;
 use crate::estimation::GlsFit;
 use crate::estimation::least_squares::RowInformation;
 use crate::estimation::noise_model::noise_filter;
-use crate::numerics::{add_combination, dot, student_critical};
+use crate::numerics::{add_combination, dot, not_negative, student_critical};
 
 /// Standard deviations of linear functions of the response: points of a step response, or real and
 /// imaginary parts of a frequency response.
@@ -55,7 +55,7 @@ impl CurveVariance {
         let functions = functions.transpose().to_owned();
         let weights = inverse.as_ref().submatrix(0, 0, p + 1, p) * &functions;
         let of_noise: Vec<f64> = (0..f)
-            .map(|i| dot(weights.col_as_slice(i), functions.col_as_slice(i)).max(0.0))
+            .map(|i| not_negative(dot(weights.col_as_slice(i), functions.col_as_slice(i))))
             .collect();
         let gradients = log_variance_gradients(information, fit, &weights, &of_noise);
         let own = 2.0 / fit.degrees_of_freedom() + fit.further.tails;
@@ -67,7 +67,7 @@ impl CurveVariance {
                     .map(|l| gradients[(k, i)] * fit.ar_covariance[(k, l)] * gradients[(l, i)])
                     .sum()
             };
-            (0..order).map(row).sum::<f64>().max(0.0) + own
+            not_negative((0..order).map(row).sum()) + own
         };
         let all = match fit.has_even_noise() {
             true => weights,
@@ -82,7 +82,7 @@ impl CurveVariance {
         let product = |i: usize, k: usize| {
             dot(all.col_as_slice(i), functions.col_as_slice(k)) + slow_end[i] * slow_end[k]
         };
-        let variance: Vec<f64> = (0..f).map(|i| product(i, i).max(0.0)).collect();
+        let variance: Vec<f64> = (0..f).map(|i| not_negative(product(i, i))).collect();
         let sd = |v: f64| (fit.variance * v).sqrt();
         let noise_correlation =
             neighbour_correlation(f, product, |i| (variance[i - 1] * variance[i]).sqrt());
@@ -167,7 +167,9 @@ impl CurveVariance {
         let weighted = covariance * &rows;
         let product = |i: usize, k: usize| dot(weighted.col_as_slice(i), rows.col_as_slice(k));
         let count = map.nrows();
-        let sd: Vec<f64> = (0..count).map(|i| product(i, i).max(0.0).sqrt()).collect();
+        let sd: Vec<f64> = (0..count)
+            .map(|i| not_negative(product(i, i)).sqrt())
+            .collect();
         Self {
             degrees_of_freedom: vec![degrees_of_freedom; count],
             neighbour_correlation: neighbour_correlation(count, product, |i| sd[i - 1] * sd[i]),

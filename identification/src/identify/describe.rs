@@ -201,7 +201,7 @@ pub(super) fn model(
         residuals: Residuals::default(),
         iterations: fit.iterations,
         converged: fit.converged,
-        stops: (validity.travel_ends.iter().flatten().map(|end| end.rest)).collect(),
+        stops: validity.stops(),
         advice: Vec::new(),
     }
 }

@@ -199,6 +199,9 @@ impl<'a> Response<'a> {
         if fitted.add_scatter(task, &described.model, differ) {
             described = Described::new(task, &fitted);
         }
+        if described.model.level().valid().is_some() && !described.responses.have_variances() {
+            return Err(Error::NoVariance);
+        }
         Ok(Self {
             task,
             samples,

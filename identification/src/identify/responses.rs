@@ -32,4 +32,10 @@ impl Responses {
             omegas,
         }
     }
+
+    /// Whether all standard deviations are numbers.
+    pub(super) fn have_variances(&self) -> bool {
+        let all = self.step.sd.iter().chain(&self.frequency.sd);
+        all.copied().all(f64::is_finite)
+    }
 }

@@ -1,4 +1,10 @@
-//! Numbers as people read them.
+//! Numbers as people read them, and without what rounding leaves.
+
+/// `value`, or 0 where rounding made it negative. What is not a number stays so: a maximum with 0 would make it 0, and bounds without width of a variance that
+/// could not be computed.
+pub(crate) fn not_negative(value: f64) -> f64 {
+    if value < 0.0 { 0.0 } else { value }
+}
 
 /// A number with four digits, for sentences: angles come from whole microseconds or counts.
 pub(crate) fn four_digits(number: f64) -> f64 {

@@ -6,6 +6,7 @@ use faer::Mat;
 
 use crate::error::Error;
 use crate::estimation::CurveVariance;
+use crate::numerics::not_negative;
 use crate::results::frequency_response::{FrequencyBounds, FrequencyResponse};
 use crate::results::metrics::frequency_metrics;
 use crate::results::metrics::in_band::folding;
@@ -22,7 +23,7 @@ fn bounds_of(measured: &Measured<'_>, omega_rad_s: &[f64], values: &[f64]) -> Fr
     let map = Mat::from_fn(measured.theta.len(), rows.len(), |k, i| rows[i][k]);
     let covariance = map.transpose() * (&measured.covariance * &map);
     let sd: Vec<f64> = (0..rows.len())
-        .map(|k| covariance[(k, k)].max(0.0).sqrt())
+        .map(|k| not_negative(covariance[(k, k)]).sqrt())
         .collect();
     let correlation = |k: usize| match sd[k] * sd[k + 1] {
         scale if scale > 0.0 => (covariance[(k, k + 1)] / scale).clamp(-1.0, 1.0),

@@ -17,7 +17,7 @@ use super::reached_speeds::ReachedSpeeds;
 use super::run_offsets;
 use super::search_progress::Watch;
 use super::starting_values::Shown;
-use super::stops;
+use super::stops::PossibleStops;
 use super::stretches::{Stretch, stretches};
 use super::validity::against;
 use crate::data::{Quantisation, Record};
@@ -57,7 +57,7 @@ pub struct ServoModelOptions {
     pub radians_per_command: Option<f64>,
     /// What is known to speak against bounds of any model of the record; see [`Reason::is_of_the_record`].
     pub against: Option<Reason>,
-    /// Outputs at which the servo is known to stop \[output\]; those that its rests show are found without.
+    /// Outputs at which the servo is known to stop \[output\]; those that its rests show, or its crests, are found without.
     pub stops_at: Vec<f64>,
 }
 
@@ -124,8 +124,9 @@ pub fn fit_watched(
         search.shown = shown.with_stops(stops);
         search.found_with_runs(parts.clone())
     };
-    let choices = stops::choices(stops::possible(record, &options.stops_at));
-    let found = preferred(choices.into_iter().map(searched).collect());
+    let possible = PossibleStops::of(record, &options.stops_at);
+    let all = possible.choices().into_iter().map(searched).collect();
+    let found = preferred(all, &possible);
     if watch.ends() {
         return Err(Error::SearchEnded);
     }
@@ -133,11 +134,12 @@ pub fn fit_watched(
     Ok(describe(record, options, &shown, &found))
 }
 
-/// Of servos that predict as well as the best, the one with most stops: without a stop the servo has terms in its place, and the rests show it. Of
-/// those with as many, the one that predicts better.
-fn preferred(mut all: Vec<Found>) -> Found {
+/// Of servos that predict as well as the best, the one whose stops are most like those that the record [shows](PossibleStops::against). Of those alike, the one
+/// that predicts better.
+fn preferred(mut all: Vec<Found>, possible: &PossibleStops) -> Found {
+    let against = |found: &Found| possible.against(found.best().stops);
     all.sort_by(|a, b| {
-        let by_stops = b.best().stops.count().cmp(&a.best().stops.count());
+        let by_stops = against(a).cmp(&against(b));
         by_stops.then(a.total().total_cmp(&b.total()))
     });
     let best = (0..all.len()).min_by(|&a, &b| all[a].total().total_cmp(&all[b].total()));

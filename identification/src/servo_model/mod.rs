@@ -24,6 +24,7 @@ mod hysteresis;
 mod initial_state;
 mod lack_of_fit;
 mod ladder;
+mod level_crests;
 mod limit_at_work;
 mod model;
 mod motion;

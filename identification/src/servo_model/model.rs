@@ -13,6 +13,7 @@ use super::stretches::stretches;
 use crate::data::{Record, Run, Timing};
 use crate::error::Error;
 use crate::nonlinear::SpeedLimits;
+use crate::numerics::not_negative;
 use crate::results::{Bounds, Interval, Noise, Reason, Validation, pointwise_critical};
 use crate::thresholds::{LINEAR_MODEL_ADVANTAGE, SERVO_ERROR_BEYOND_RECORD};
 use serde::{Deserialize, Serialize};
@@ -307,7 +308,7 @@ impl ServoModel {
         });
         simulate(&physics, &grid, &start, input, |_, y| {
             value.push(y.value);
-            spread.push(quadratic(covariance, &y.slope).max(0.0).sqrt());
+            spread.push(not_negative(quadratic(covariance, &y.slope)).sqrt());
         });
         (value, spread)
     }

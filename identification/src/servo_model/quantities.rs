@@ -5,7 +5,7 @@ use super::motion::{Fastest, ServoMotion};
 use super::offset::{self, Formula};
 use super::possible_servo::PossibleServo;
 use super::quantity_kind::QuantityKind;
-use crate::numerics::dot;
+use crate::numerics::{dot, not_negative};
 use crate::results::{Bounds, Interval};
 use crate::thresholds::{SERVO_TOP_SPEED_REACHED, UNDETERMINED_RATIO};
 use serde::{Deserialize, Serialize};
@@ -371,14 +371,14 @@ impl Definition {
                 variance += a * servo.covariance[(i, j)] * b;
             }
         }
-        let half = critical * variance.max(0.0).sqrt();
+        let half = critical * not_negative(variance).sqrt();
         let hidden = |change: &Vec<f64>| FARTHEST_OFF * dot(&slopes, change).abs() > half;
         if servo.unseen.iter().any(hidden) {
             return Some(Interval::new(value, f64::NAN, f64::NAN));
         }
         Some(match self.domain {
             Domain::Any => Interval::new(value, value - half, value + half),
-            Domain::NotNegative => Interval::new(value, (value - half).max(0.0), value + half),
+            Domain::NotNegative => Interval::new(value, not_negative(value - half), value + half),
             Domain::OneAndMore => Interval::new(value, (value - half).max(1.0), value + half),
             Domain::Positive => {
                 let factor = (half / value).exp();

@@ -3,39 +3,62 @@
 //! Their angles are not estimated: the shaft rests there. Whether they are stops, prediction decides, as it does for terms: a load that full
 //! drive does not overcome holds the shaft as well.
 
+use super::level_crests::level_crests;
 use crate::data::Record;
 use crate::data::column::mean;
 use crate::diagnostics::stops_of_rests;
 use servoid_dynamics::Stops;
 
-/// The stops to be tried: at the outputs `known`, or else where the rests of the record show them.
-pub(super) fn possible(record: &Record, known: &[f64]) -> Stops {
-    match known {
-        [] => among(record, &stops_of_rests(record)),
-        _ => among(record, known),
-    }
+/// Stops that are tried.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct PossibleStops {
+    /// All of them.
+    pub(super) all: Stops,
+    /// Those among them that the record shows by itself.
+    pub(super) shown: Stops,
 }
 
-/// The stops that are tried together: each is taken or left by its own evidence.
-pub(super) fn choices(found: Stops) -> Vec<Stops> {
-    let (none, lower, upper) = (
-        Stops::default(),
-        Stops {
-            upper: None,
-            ..found
-        },
-        Stops {
-            lower: None,
-            ..found
-        },
-    );
-    let mut all = vec![none];
-    for choice in [lower, upper, found] {
-        if !all.contains(&choice) {
-            all.push(choice);
-        }
+impl PossibleStops {
+    /// Those at the outputs `known`, or else where the rests of the record show them; and where its crests are level.
+    pub(super) fn of(record: &Record, known: &[f64]) -> Self {
+        let shown = match known {
+            [] => among(record, &stops_of_rests(record)),
+            _ => among(record, known),
+        };
+        let level: Vec<f64> = level_crests(record).into_iter().flatten().collect();
+        let level = among(record, &level);
+        let all = Stops {
+            lower: shown.lower.or(level.lower),
+            upper: shown.upper.or(level.upper),
+        };
+        Self { all, shown }
     }
-    all
+
+    /// The choices among them: each is taken or left by its own evidence.
+    pub(super) fn choices(&self) -> Vec<Stops> {
+        let lower = Stops {
+            upper: None,
+            ..self.all
+        };
+        let upper = Stops {
+            lower: None,
+            ..self.all
+        };
+        let mut choices = vec![Stops::default()];
+        for choice in [lower, upper, self.all] {
+            if !choices.contains(&choice) {
+                choices.push(choice);
+            }
+        }
+        choices
+    }
+
+    /// How many of the `chosen` are not shown, and how many that are shown are not among them: of servos that predict alike, the one with fewest is
+    /// taken. Without a stop that is shown the servo has other terms in its place; one that is not shown may stand for them.
+    pub(super) fn against(&self, chosen: Stops) -> usize {
+        let differ = |a: Option<f64>, b: Option<f64>| usize::from(a.is_some() != b.is_some());
+        differ(chosen.lower, self.shown.lower) + differ(chosen.upper, self.shown.upper)
+    }
 }
 
 /// The lower and the upper stop among some outputs: the output is nowhere beyond a stop, so its mean is between them.
@@ -75,20 +98,26 @@ mod tests {
     #[test]
     fn stops_that_are_known_are_taken_and_else_those_of_the_rests() {
         let record = record();
-        let found = possible(&record, &[]);
+        let possible = |known: &[f64]| {
+            let found = PossibleStops::of(&record, known);
+            assert_eq!(found.all, found.shown);
+            found.all
+        };
+        let found = possible(&[]);
         assert_eq!(found.lower, None);
         assert!((found.upper.unwrap() - 6.0).abs() < 0.01, "{found:?}");
-        let known = possible(&record, &[4.0, -8.0]);
+        let known = possible(&[4.0, -8.0]);
         assert_eq!((known.lower, known.upper), (Some(-8.0), Some(4.0)));
-        let lower = possible(&record, &[-8.0]);
+        let lower = possible(&[-8.0]);
         assert_eq!((lower.lower, lower.upper), (Some(-8.0), None));
     }
 
     #[test]
     fn each_stop_is_tried_with_and_without_the_other() {
         let counts = |lower, upper| {
-            let all = choices(Stops { lower, upper });
-            all.iter().map(Stops::count).collect::<Vec<_>>()
+            let all = Stops { lower, upper };
+            let choices = PossibleStops { all, shown: all }.choices();
+            choices.iter().map(Stops::count).collect::<Vec<_>>()
         };
         assert_eq!(counts(None, None), [0]);
         assert_eq!(counts(Some(-1.0), None), [0, 1]);
@@ -109,6 +138,6 @@ mod tests {
             })
             .collect();
         let record = Record::of_run(0.01, run.input().to_vec(), free).unwrap();
-        assert!(possible(&record, &[]).are_none());
+        assert!(PossibleStops::of(&record, &[]).all.are_none());
     }
 }

@@ -1,9 +1,9 @@
 //! Linear models beside the servo model, on parts of the record that each has not seen.
 
 use servoid_identification::nonlinear::split_by_direction;
-use servoid_identification::results::Model;
+use servoid_identification::results::{Model, Reason};
 use servoid_identification::servo_model::{
-    LinearKind, QuantityKind, ServoModel, ServoModelOptions, Terms, fit_beside,
+    LinearKind, QuantityKind, ServoModel, ServoModelOptions, Terms, fit, fit_beside,
 };
 use servoid_identification::{Frequencies, NoiseOrder, Options, Record, Run, Settling, identify};
 use servoid_test_support::servos::{Limit, Linear, PERIOD, limited, measured, sizes};
@@ -219,4 +219,32 @@ fn linear_model_servo_model_and_stop_have_one_common_offset() {
     for (found, zero) in servo.run_offsets.iter().zip([0.4, -0.5, 1.6]) {
         assert!((found - (zero - 0.5)).abs() < 0.05, "{found} {zero}");
     }
+}
+
+/// A motion that never rests: nothing shows the stop but that crests under different commands are level.
+#[test]
+fn a_stop_is_found_where_the_servo_never_rests() {
+    let wave = |t: f64| (9.0 * t).sin() + (13.7 * t + 1.0).sin() + (5.3 * t).sin();
+    let command: Vec<f64> = (0..4000)
+        .map(|k| 3.0 * wave(f64::from(k) * PERIOD))
+        .collect();
+    let found = |stop: f64| {
+        let output = measured(&up_to(stop, &command), 1.0, 7);
+        let run = Run::new(command.clone(), output)
+            .unwrap()
+            .with_input_at_rest(0.0);
+        let record = Record::new(PERIOD, vec![run]).unwrap();
+        fit(&record, &ServoModelOptions::default()).unwrap()
+    };
+    let stopped = found(4.0);
+    assert!(
+        (stopped.stops.upper.unwrap() - 4.0).abs() < 0.02,
+        "{:?}",
+        stopped.stops
+    );
+    assert_eq!(stopped.stops.lower, None);
+    assert_eq!(stopped.covariance.withdrawn(), Some(Reason::TravelEnd));
+    let delay = stopped.quantity(QuantityKind::Delay).unwrap().value;
+    assert!((delay - 0.0213).abs() < 0.002, "{delay}");
+    assert!(found(f64::INFINITY).stops.are_none());
 }

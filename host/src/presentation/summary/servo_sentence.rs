@@ -11,7 +11,7 @@ use servoid_identification::results::{Advice, Bounds, Model, Reason};
 use servoid_identification::servo_model::{
     LinearKind, LoadKind, Quantity, QuantityKind, ServoModel, Spread,
 };
-use servoid_identification::thresholds::POOR_PREDICTION_PERCENT;
+use servoid_identification::thresholds::{POOR_PREDICTION_PERCENT, SERVO_MATERIAL_ADVANTAGE};
 
 /// What kind of servo this is, in a sentence or two; and that the linear model is the one to use, where it predicts better. `linear` is that of
 /// the same recording.
@@ -55,12 +55,9 @@ pub fn servo_sentence(model: &ServoModel, linear: &Model, units: Units<'_>) -> S
         better_linear(model),
     ];
     // What a servo of higher order does looks like a limit or a load to a machine of second order.
-    let (subject, machine) = match is_linear_beside(model, linear) {
-        true => (
-            "A linear servo describes this recording down to its noise, and a model of it as a machine does not. By the latter the servo",
-            "It",
-        ),
-        false => ("This servo", "A model of it as a machine"),
+    let (subject, machine) = match LinearBeside::of(model, linear, units) {
+        Some(found) => (found.in_words(), "It"),
+        None => ("This servo", "A model of it as a machine"),
     };
     format!(
         "{subject} {}. {machine} predicts parts of the recording that it has not seen to {:.1} %.{doubt}{}",
@@ -102,16 +99,49 @@ fn hysteresis(model: &ServoModel, units: Units<'_>) -> Option<String> {
     ))
 }
 
-/// Whether the servo model has more than a linear servo and no linear one does worse: errors of the linear model are noise, its own are not, and
-/// it predicts no better. Of a response in a band the linear model is a picture, which predicts little; the errors are those of the band.
-fn is_linear_beside(model: &ServoModel, linear: &Model) -> bool {
-    let predicts_better = model.linear_models.as_ref().is_none_or(|found| {
-        let mut linear = found.models.iter();
-        linear.all(|linear| linear.held_out_percent < found.servo_model_percent)
-    });
-    let of_all = linear.bounds.valid().is_some() && !predicts_better;
-    let suffices = linear.linear && (of_all || linear.band().is_some());
-    !model.is_linear() && lacks_something(model) && suffices
+/// What a linear model beside a servo model that has more than a linear servo, and no intervals, makes of what that one says.
+enum LinearBeside {
+    /// The errors of the linear model are noise, and those of the servo model are not.
+    Alone,
+    /// The errors of the linear model are noise, and it predicts as well.
+    AsGood,
+    /// Nothing speaks against the linear model, which has no bounds but predicts as well.
+    WithoutBounds,
+}
+
+impl LinearBeside {
+    /// `None` where the servo model is the one to speak of. Of a response in a band the linear model is a picture, which predicts little; the errors
+    /// are those of the band.
+    fn of(model: &ServoModel, linear: &Model, units: Units<'_>) -> Option<Self> {
+        let is_settled = model.is_linear() || model.covariance.valid().is_some();
+        let is_limited = limits_in_words(model, units).is_some();
+        if is_settled || is_limited || !linear.linear {
+            return None;
+        }
+        let (lacks, as_good) = (lacks_something(model), linear_is_as_good(model));
+        match linear.bounds.valid() {
+            Some(_) if as_good && lacks => Some(Self::Alone),
+            Some(_) if as_good => Some(Self::AsGood),
+            None if linear.band().is_some() && lacks => Some(Self::Alone),
+            None if as_good => Some(Self::WithoutBounds),
+            _ => None,
+        }
+    }
+
+    /// The beginning of a sentence that goes on with what the servo model says.
+    fn in_words(&self) -> &'static str {
+        match self {
+            Self::Alone => {
+                "A linear servo describes this recording down to its noise, and a model of it as a machine does not. By the latter the servo"
+            }
+            Self::AsGood => {
+                "A linear servo describes this recording down to its noise. By a model of it as a machine it"
+            }
+            Self::WithoutBounds => {
+                "A linear servo describes this recording as well as a model of it as a machine. By the latter the servo"
+            }
+        }
+    }
 }
 
 /// Whether its errors show that the model lacks something of the servo, or would if the steps of the sensor were smaller.
@@ -120,6 +150,10 @@ fn lacks_something(model: &ServoModel) -> bool {
         model.covariance.withdrawn(),
         Some(Reason::ErrorsNotNoise | Reason::QuantisationAboveNoise)
     )
+}
+
+fn may_lack_a_stop(model: &ServoModel) -> bool {
+    lacks_something(model) && model.terms.is_limited() && !is_nearly_linear(model)
 }
 
 /// What the model says of the servo, where its intervals hold.
@@ -160,7 +194,7 @@ fn what_was_seen(
         Some(speeds) if is_never_reached(model, &speeds) => "shows no top speed".to_owned(),
         Some(_) => "is limited in its speed".to_owned(),
         // A stop in the travel looks like a drive that a load holds.
-        None if lacks_something(model) && model.terms.is_limited() => "is not linear".to_owned(),
+        None if may_lack_a_stop(model) => "is not linear".to_owned(),
         None => kind(model, linear).to_owned(),
     });
     std::iter::once(kind)
@@ -238,6 +272,7 @@ fn limited_to(
 fn kind(model: &ServoModel, linear: &Model) -> &'static str {
     let shown_not_linear = linear.advice.iter().any(Advice::is_of_linearity);
     match model.covariance {
+        Bounds::Withdrawn(_) if is_nearly_linear(model) => "is much like a linear one",
         _ if model.terms.speed_limit && shows_limit(model) => "is limited in its speed",
         _ if model.terms.limit && shows_limit(model) => "is limited in its drive",
         Bounds::Withdrawn(_) if shown_not_linear => "is not linear",
@@ -251,17 +286,28 @@ fn kind(model: &ServoModel, linear: &Model) -> &'static str {
     }
 }
 
-/// Whether the linear model beside it predicts unseen parts as well.
+/// Whether the linear model beside it predicts unseen parts as well, by what terms must take away to be taken.
 fn linear_is_as_good(model: &ServoModel) -> bool {
+    let left = |percent: f64| (100.0 - percent).powi(2);
     let linear = model.linear_models.as_ref();
-    let percent = linear.and_then(|found| {
+    let percents = linear.and_then(|found| {
         Some((
             found.percent_of(LinearKind::Linear)?,
             found.servo_model_percent,
         ))
     });
-    percent.is_some_and(|(linear, servo)| linear >= servo)
+    percents.is_some_and(|(linear, servo)| {
+        left(servo) >= (1.0 - SERVO_MATERIAL_ADVANTAGE) * left(linear)
+    })
 }
+
+/// Whether a linear servo of second order predicts all but a thousandth of parts not seen. Where the noise is as small, what terms take away beyond chance
+/// is of no use to anybody, and may be that of a program that made the recording.
+fn is_nearly_linear(model: &ServoModel) -> bool {
+    model.fit.linear_held_out_percent > NEARLY_ALL_PERCENT
+}
+
+const NEARLY_ALL_PERCENT: f64 = 99.9;
 
 /// Whether the record determines anything that a limit of the drive brings about.
 fn shows_limit(model: &ServoModel) -> bool {

@@ -88,6 +88,19 @@ pub(super) fn travel_end(evidence: &Evidence<'_>, which: usize) -> Option<Advice
     let (from, to) = found.commands;
     let (first, last) = (four_digits(from), evidence.input(four_digits(to)));
     let rest = evidence.output(four_digits(found.rest));
+    if !found.is_shown {
+        return Some(Advice::new(
+            Check::TravelEnd,
+            format!(
+                "The output falls short of the outermost commands of this recording: commanded {last} it ends at {rest}. One command does not show whether that is \
+                 a stop, a load that the drive cannot overcome, or what a dead band or friction leaves; the linear model has none of these.",
+            ),
+            found.rest,
+            from,
+            "Record further commands on both sides of this one, each visited twice and held until the servo rests: at a stop all beyond it end at one angle, and a \
+             dead band leaves all short by as much.",
+        ));
+    }
     if from == to {
         return Some(Advice::new(
             Check::TravelEnd,

@@ -8,7 +8,7 @@ use crate::data::Timing;
 use crate::diagnostics::Tails;
 use crate::estimation::CurveVariance;
 use crate::identify::estimate::Estimate;
-use crate::numerics::{dot, pointwise_critical, times};
+use crate::numerics::{dot, not_negative, pointwise_critical, times};
 use crate::results::{
     BandPoint, Bounds, FrequencyBounds, FrequencyResponse, MetricBounds, Metrics, frequency_map,
 };
@@ -91,7 +91,7 @@ impl Points {
                     * dot(weighted_ends.col_as_slice(i), ends.col_as_slice(k))
         };
         let sd: Vec<f64> = (0..values.len())
-            .map(|i| product(i, i).max(0.0).sqrt())
+            .map(|i| not_negative(product(i, i)).sqrt())
             .collect();
         let correlation = |i: usize| match sd[i - 1] * sd[i] {
             scale if scale > 0.0 => (product(i - 1, i) / scale).clamp(-1.0, 1.0),

@@ -8,7 +8,7 @@ use std::f64::consts::{FRAC_PI_2, PI, SQRT_2};
 use super::aliasing::Folding;
 use super::interval::Interval;
 use super::measured::Measured;
-use crate::numerics::{dot, pointwise_critical, times};
+use crate::numerics::{dot, not_negative, pointwise_critical, times};
 
 /// Points at which a crossing is looked for, evenly over the logarithm of frequency.
 const SCAN: usize = 200;
@@ -150,7 +150,7 @@ impl Falling<'_> {
             .collect();
         weights[0] += constant;
         let variance = dot(&weights, &times(&self.measured.covariance, &weights));
-        (dot(&weights, theta), variance.max(0.0).sqrt())
+        (dot(&weights, theta), not_negative(variance).sqrt())
     }
 
     /// What left-out frequencies, the steps of the sensor and folding may do to the value.

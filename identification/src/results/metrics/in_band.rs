@@ -8,6 +8,7 @@ use std::f64::consts::SQRT_2;
 use super::interval::Interval;
 use super::{MetricBounds, Metrics, Withheld};
 use crate::data::Timing;
+use crate::numerics::not_negative;
 use crate::results::Bounds;
 
 /// The response of the samples at one frequency.
@@ -124,7 +125,7 @@ fn variance(point: &BandPoint, (a, b): (f64, f64)) -> f64 {
 
 impl Falling {
     fn new(point: &BandPoint, value: f64, variance: f64, bias: f64) -> Self {
-        let half = point.critical * variance.max(0.0).sqrt() + bias;
+        let half = point.critical * not_negative(variance).sqrt() + bias;
         Self {
             omega: point.omega_rad_s,
             value,

@@ -12,6 +12,7 @@
 
 use super::interpolation::weights_at;
 use super::sample_uncertainty::{Joint, SampleSpread, Weights};
+use crate::numerics::not_negative;
 use crate::thresholds::{RISING, SURE};
 
 /// A level that a curve passes.
@@ -125,7 +126,7 @@ impl Known<'_> {
         let scale = sd(first)? * sd(second)?;
         let covariance = self.joint.covariance_of(&first.passing, &second.passing)?;
         let correlation = if scale > 0.0 { covariance / scale } else { 0.0 };
-        let reach = |a: f64, b: f64| (a * a + b * b - 2.0 * correlation * a * b).max(0.0).sqrt();
+        let reach = |a: f64, b: f64| not_negative(a * a + b * b - 2.0 * correlation * a * b).sqrt();
         let time = second.value - first.value;
         let below = reach(second.value - second.lower, first.upper - first.value);
         let above = reach(second.upper - second.value, first.value - first.lower);

@@ -6,7 +6,7 @@
 use faer::Mat;
 
 use super::measured::Measured;
-use crate::numerics::{dot, pointwise_critical};
+use crate::numerics::{dot, not_negative, pointwise_critical};
 
 /// Second moments of a step response.
 pub(crate) struct SampleSpread<'a> {
@@ -47,7 +47,7 @@ impl<'a> SampleSpread<'a> {
     /// Standard deviation of sample `m` minus `share` of the final value.
     pub(crate) fn sd_over(&self, m: usize, share: f64) -> f64 {
         let own = self.sd[m].powi(2) + (share * self.sd[self.sd.len() - 1]).powi(2);
-        (own - 2.0 * share * self.with_last[m]).max(0.0).sqrt()
+        not_negative(own - 2.0 * share * self.with_last[m]).sqrt()
     }
 
     /// Covariance of the samples `points`.
@@ -130,7 +130,7 @@ impl Joint {
 
     /// Standard deviation of a weighted sum; `None` when a sample is not among the points.
     pub(crate) fn sd_of(&self, sum: &Weights) -> Option<f64> {
-        Some(self.covariance_of(sum, sum)?.max(0.0).sqrt())
+        Some(not_negative(self.covariance_of(sum, sum)?).sqrt())
     }
 }
 
