@@ -25,6 +25,9 @@ pub(super) struct FittedOrder {
 /// A pole that is so many times as fast as the samples shows in none of them; a fit that would do without it drives it to any size.
 const HIDDEN: f64 = 100.0;
 
+/// Rows by which an output may be early, for columns that were written one after the other.
+const EARLIEST: f64 = 2.0;
+
 impl FittedOrder {
     /// Whether one of its poles does not show in samples that are `period_s` apart.
     pub(super) fn has_hidden_pole(&self, period_s: f64) -> bool {
@@ -44,9 +47,15 @@ impl Fitter {
             .collect()
     }
 
-    /// What such a servo leaves of the whitened estimate.
+    /// What such a servo leaves of the whitened estimate. No end of one that rings faster than samples show, which looks like another that rings slowly, and of one that
+    /// answers before its command: a servo with a zero, which no order has, would look like it.
     pub(super) fn residuals(&self, transfer: &LowOrder) -> Vec<f64> {
-        self.projection.residuals(&self.impulse(transfer))
+        let period_s = self.timing.sample_period_s;
+        let is_early = transfer.delay_s < -EARLIEST * period_s;
+        match is_early || transfer.rings_unseen(period_s) {
+            true => vec![f64::INFINITY; self.projection.rank()],
+            false => self.projection.residuals(&self.impulse(transfer)),
+        }
     }
 
     /// Half steps of derivatives by the parameters of `transfer`.

@@ -177,7 +177,7 @@ fn as_third(servo: &LowOrder) -> (PoleNames, LowOrder) {
                 damping: 1.0,
             };
             let third = LowOrder {
-                delay_s: servo.delay_s - 2.0 * BEGINNING * lag,
+                delay_s: (servo.delay_s - 2.0 * BEGINNING * lag).max(servo.delay_s.min(0.0)),
                 oscillator: Some(pair),
                 ..*servo
             };
@@ -186,7 +186,7 @@ fn as_third(servo: &LowOrder) -> (PoleNames, LowOrder) {
         (Some(pair), _) => {
             let lag = BEGINNING / (pair.omega_rad_s * pair.damping.max(1.0));
             let third = LowOrder {
-                delay_s: servo.delay_s - lag,
+                delay_s: (servo.delay_s - lag).max(servo.delay_s.min(0.0)),
                 lag_s: Some(lag),
                 ..*servo
             };

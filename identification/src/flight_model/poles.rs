@@ -3,7 +3,12 @@
 //! Where two poles are a complex pair, the third is the lag. Three real poles are the same servo whichever of them has the name: there the pair are the two
 //! that are closest to each other, so that a pair that has just become real stays the pair.
 
+use std::f64::consts::PI;
+
 use super::low_order::{LowOrder, Oscillator};
+
+/// Damping below which a servo rings for some periods.
+const RINGING: f64 = 0.2;
 
 impl LowOrder {
     /// The same servo, of three real poles the two that are closest the pair; of others as it is.
@@ -35,6 +40,12 @@ impl LowOrder {
                 ..self
             },
         }
+    }
+
+    /// Whether it goes on ringing at more than half of the rate of samples that are `period_s` apart.
+    pub(super) fn rings_unseen(&self, period_s: f64) -> bool {
+        let unseen = |pair: Oscillator| pair.omega_rad_s * period_s > PI && pair.damping < RINGING;
+        self.oscillator.is_some_and(unseen)
     }
 
     /// Whether it has three poles, all real.
@@ -123,7 +134,7 @@ impl PoleNames {
             }
         };
         let (pair, lag) = shown;
-        (later > 0.5 * VISIBLE * pair.longest_s().min(lag)).then(|| LowOrder {
+        (later > 0.5 * VISIBLE * pair.longest_s().min(lag)).then_some(LowOrder {
             delay_s: servo.delay_s - later,
             oscillator: Some(pair),
             lag_s: Some(lag),
