@@ -110,8 +110,8 @@ class FlightModel(dict[str, Any]):
         """Covariance of :attr:`coordinates`, which is [K, L, ln ω, ln ζ, ln T], as far as the order has them; ``None`` without bounds.
 
         K is in output per input and L in s; the logarithms are of numbers in rad/s, of a ratio, and of numbers in s, so that their
-        standard deviations are relative errors. It is that of the noise, wider by the document's ``inflation``; an uncertain delay of the
-        sensor is in the interval of L alone.
+        standard deviations are relative errors. It is that of the noise for a servo of this order: the intervals hold servos of up to
+        three poles, and are wider. An uncertain delay of the sensor is in the interval of L alone.
         """
         return column_or_none((self["bounds"] or {}).get("covariance"))
 

@@ -98,6 +98,7 @@ fn none_because(reason: Reason) -> String {
         Reason::HeldOutput => "read the sensor with every sample",
         Reason::InputFollowsOutput => "record with a reference that was planned before",
         Reason::EndUnseen => "take holds of different lengths",
+        Reason::OrderRejected => "take a servo model",
         Reason::ResponseNotOver => "take longer holds, and a longer reference",
     };
     let because = reason.because();

@@ -81,7 +81,7 @@ pub(crate) use hum::{HumLine, hum};
 pub(crate) use inexact_commands::{InexactCommands, allow_for_inexact_commands, noise_of_commands};
 pub use initial_rest::Contradicted;
 pub(crate) use initial_rest::contradicted_rest;
-pub(crate) use input_band::lowest_excited;
+pub(crate) use input_band::{comes_back, lowest_excited};
 pub(crate) use input_origin::explained_by_output;
 pub(crate) use level_effects::LevelEffects;
 pub(crate) use linearity::test_linearity;

@@ -8,6 +8,8 @@ use crate::numerics::{backward_solve, cholesky, dot, forward_solve, inverse_of_s
 const STEPS: usize = 60;
 /// Relative decrease of the sum of squares at which the search ends.
 const CONVERGED: f64 = 1e-10;
+/// Share of the largest square of a derivative below which a parameter is damped as if it had that: one that has no effect does not stop the search.
+const FLAT: f64 = 1e-12;
 
 /// A minimum.
 #[derive(Clone)]
@@ -21,13 +23,21 @@ pub(crate) struct Minimum {
     pub(crate) covariance: Mat<f64>,
 }
 
-/// Minimises |residuals(x)|² from `start`. Derivatives are central differences with the half steps
-/// `increments`. `None` when the residuals do not determine the parameters there.
-fn minimise(
+/// Where a search ended.
+pub(crate) struct Descent {
+    pub(crate) parameters: Vec<f64>,
+    pub(crate) sum_of_squares: f64,
+    residuals: Vec<f64>,
+}
+
+/// Goes down |residuals(x)|² from `start` until a step lowers it by less than the share `converged`. Derivatives are central differences with the half steps `increments`.
+/// What the residuals do not depend on stays where it is.
+pub(crate) fn descend(
     residuals: &dyn Fn(&[f64]) -> Vec<f64>,
     start: &[f64],
     increments: &[f64],
-) -> Option<Minimum> {
+    converged: f64,
+) -> Descent {
     let square = |r: &[f64]| dot(r, r);
     let mut x = start.to_vec();
     let mut r = residuals(&x);
@@ -37,12 +47,13 @@ fn minimise(
         let jacobian = jacobian(residuals, &x, increments);
         let gradient = times(&jacobian.transpose().to_owned(), &r);
         let normal = jacobian.transpose() * &jacobian;
+        let largest = (0..x.len()).map(|k| normal[(k, k)]).fold(0.0, f64::max);
         let before = best;
         // Raise the damping until the step descends. After twelve decades the step is negligible.
         for _ in 0..12 {
             let mut damped = normal.clone();
             for k in 0..x.len() {
-                damped[(k, k)] *= 1.0 + damping;
+                damped[(k, k)] += damping * normal[(k, k)].max(FLAT * largest);
             }
             let Some(lower) = cholesky(&damped) else {
                 damping *= 10.0;
@@ -59,19 +70,33 @@ fn minimise(
             }
             damping *= 10.0;
         }
-        if before - best <= CONVERGED * before {
+        if before - best <= converged * before {
             break;
         }
     }
-    if !best.is_finite() {
-        return None;
-    }
-    let jacobian = jacobian(residuals, &x, increments);
-    let lower = cholesky(&(jacobian.transpose() * &jacobian))?;
-    Some(Minimum {
+    Descent {
         parameters: x,
         sum_of_squares: best,
         residuals: r,
+    }
+}
+
+/// Minimises |residuals(x)|² from `start`. `None` when the residuals do not determine the parameters there.
+fn minimise(
+    residuals: &dyn Fn(&[f64]) -> Vec<f64>,
+    start: &[f64],
+    increments: &[f64],
+) -> Option<Minimum> {
+    let found = descend(residuals, start, increments, CONVERGED);
+    if !found.sum_of_squares.is_finite() {
+        return None;
+    }
+    let jacobian = jacobian(residuals, &found.parameters, increments);
+    let lower = cholesky(&(jacobian.transpose() * &jacobian))?;
+    Some(Minimum {
+        parameters: found.parameters,
+        sum_of_squares: found.sum_of_squares,
+        residuals: found.residuals,
         jacobian,
         covariance: inverse_of_square(&lower),
     })

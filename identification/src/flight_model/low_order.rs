@@ -119,28 +119,51 @@ impl LowOrder {
 
     /// [`LowOrder::step`] at many times.
     pub(crate) fn steps(&self, times: impl Iterator<Item = f64>) -> Vec<f64> {
+        let modes = self.modes();
+        let at = |t_s: f64| {
+            let late = t_s - self.delay_s;
+            let parts = modes.iter();
+            let parts = parts.map(|(pole, weight)| (weight * (pole * late).exp()).re);
+            match late > 0.0 {
+                true => self.gain * (1.0 + parts.sum::<f64>()),
+                false => 0.0,
+            }
+        };
+        times.map(at).collect()
+    }
+
+    /// The same from `first_s` on at `count` times that are `period_s` apart: each mode loses the same factor from one to the next.
+    pub(crate) fn steps_every(&self, first_s: f64, period_s: f64, count: usize) -> Vec<f64> {
+        let late = |i: usize| first_s + period_s * i as f64 - self.delay_s;
+        let before = (0..count).find(|&i| late(i) > 0.0).unwrap_or(count);
+        let mut modes: Vec<(c64, c64)> = (self.modes().into_iter())
+            .map(|(pole, weight)| {
+                (
+                    weight * (pole * late(before)).exp(),
+                    (pole * period_s).exp(),
+                )
+            })
+            .collect();
+        let next = |_| {
+            let sum: f64 = modes.iter().map(|(part, _)| part.re).sum();
+            modes.iter_mut().for_each(|(part, kept)| *part *= *kept);
+            self.gain * (1.0 + sum)
+        };
+        let after = (before..count).map(next);
+        std::iter::repeat_n(0.0, before).chain(after).collect()
+    }
+
+    /// Poles with their residues of the step response.
+    fn modes(&self) -> Vec<(c64, c64)> {
         let poles = self.poles();
         let all: c64 = poles.iter().map(|p| -p).product();
-        let modes: Vec<(c64, c64)> = (0..poles.len())
+        (0..poles.len())
             .map(|i| {
                 let others: c64 = (0..poles.len())
                     .filter(|&j| j != i)
                     .map(|j| poles[i] - poles[j])
                     .product();
                 (poles[i], all / (poles[i] * others))
-            })
-            .collect();
-        times
-            .map(|t| {
-                let t = t - self.delay_s;
-                if t <= 0.0 {
-                    return 0.0;
-                }
-                let sum: f64 = modes
-                    .iter()
-                    .map(|(p, weight)| (weight * (p * t).exp()).re)
-                    .sum();
-                self.gain * (1.0 + sum)
             })
             .collect()
     }
@@ -150,6 +173,24 @@ impl LowOrder {
 mod tests {
     use super::*;
     use approx::assert_abs_diff_eq;
+
+    #[test]
+    fn even_times_are_like_others() {
+        let servo = LowOrder {
+            gain: 2.0,
+            delay_s: 0.013,
+            oscillator: Some(Oscillator {
+                omega_rad_s: 40.0,
+                damping: 0.3,
+            }),
+            lag_s: Some(0.02),
+        };
+        let apart = servo.steps((0..300).map(|i| 0.0005 + 0.004 * f64::from(i)));
+        let even = servo.steps_every(0.0005, 0.004, 300);
+        for (apart, even) in apart.iter().zip(even) {
+            assert_abs_diff_eq!(*apart, even, epsilon = 1e-12);
+        }
+    }
 
     #[test]
     fn poles_that_coincide_give_the_limit() {

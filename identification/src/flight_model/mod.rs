@@ -7,39 +7,44 @@
 //! systems", Automatica 2005, but with the projection instead of the plain frequency response, which would
 //! make the delay half a sample too long).
 //!
-//! The order is the lowest whose χ² + dim x · ln(rank) is within 2 of the smallest. If the data reject that
-//! order, as they do for every nonlinear servo, the model is an approximation: intervals are widened by
-//! sqrt(χ²/dof) (Birge 1932), the largest error is stated, and the order is the lowest whose largest error
-//! is within the limit in the options.
+//! The order is the lowest whose χ² + dim x · ln(rank) is within 2 of the smallest. Its [intervals] hold servos of
+//! up to three poles, because an order that is not needed is not known to be wrong. If the data reject the order,
+//! as they do for every nonlinear servo, the model is an approximation without intervals: nothing shows how far its
+//! parameters are from those of the servo. The largest error is stated, and the order is the lowest whose largest
+//! error is within the limit in the options.
 //!
 //! The delay counts from the edge of the command as applied. A pulse width is applied at frame edges: a
 //! simulation is [sample and hold at the frame period] -> [this model]. Without the hold it needs another
 //! half frame of delay, and it lacks the jitter of up to a frame.
 //!
-//! Where the input excites a band alone, θ are the directions of all lags that the record determines `in_band`. Below and above the band, the order is assumed. An order
-//! that is rejected has no intervals there.
+//! Where the input excites a band alone, θ are the directions of all lags that the record determines `in_band`. Below and above the band, the order is assumed.
 
 mod discrete;
+mod fitter;
 mod identified_response;
 mod in_band;
+mod intervals;
 mod levenberg_marquardt;
 mod low_order;
 mod options;
 mod order;
+mod poles;
+mod profile;
 mod projection;
+mod report;
 mod slow_end;
 mod starting_points;
 
 use serde::{Deserialize, Serialize};
 
-use crate::data::{Record, Timing};
+use crate::data::Record;
 use crate::error::Error;
 use crate::options::LEVELS;
-use crate::results::{Bounds, Interval, Model, ParameterBounds, Reason, is_sized};
-use crate::thresholds::ORDER_REJECTED;
-use levenberg_marquardt::{Minimum, best_minimum};
-use order::{Estimates, simplest};
-use projection::{LENGTH, Projection};
+use crate::results::{Bounds, Interval, Model, ParameterBounds, is_sized};
+use fitter::{FittedOrder, Fitter};
+use order::simplest;
+use projection::Projection;
+use report::Circumstances;
 use starting_points::Guess;
 
 pub use discrete::Discrete;
@@ -52,9 +57,9 @@ pub use order::OrderTried;
 pub struct FlightModel {
     /// The transfer function.
     pub transfer: LowOrder,
-    /// K \[output per input\].
+    /// K \[output per input\]. An interval that says nothing of a parameter is none.
     pub gain: Interval,
-    /// L \[s\], from the applied edge of the command.
+    /// L \[s\], from the applied edge of the command. The value is that beside the poles of this order; the interval holds the dead time of servos of up to three poles.
     pub delay_s: Interval,
     /// ω \[rad/s\], orders 2 and 3.
     pub omega_rad_s: Option<Interval>,
@@ -62,8 +67,8 @@ pub struct FlightModel {
     pub damping: Option<Interval>,
     /// T \[s\], orders 1 and 3.
     pub lag_s: Option<Interval>,
-    /// Level of the intervals and covariance of \[K, L, ln ω, ln ζ, ln T\], of those that the order has, widened
-    /// already, where bounds hold.
+    /// Level of the intervals and covariance of \[K, L, ln ω, ln ζ, ln T\], of those that the order has, where bounds hold. The covariance is that of
+    /// a servo of this order; the intervals hold those of up to three poles, and are wider.
     #[serde(flatten)]
     pub bounds: Bounds<ParameterBounds>,
     /// Number of poles.
@@ -73,13 +78,12 @@ pub struct FlightModel {
     pub tried: Vec<OrderTried>,
     /// Whether the data reject the order, so that the model is an approximation.
     pub approximation: bool,
-    /// χ²/dof by which the covariance was multiplied; 1 when the order is not rejected. What the bounds of the step response have beside even noise is in it, too.
+    /// χ²/dof of an order that is rejected, and so by how much more than noise it is off; 1 when it is not.
     pub inflation: f64,
     /// Largest difference of the step response from the identified one \[% of the step\], or of the frequency response in a band \[% of that at its lowest
     /// frequency\]; no error from the servo itself.
     pub largest_error_percent: f64,
-    /// Ends of the band whose frequency response it was fitted to, where that is all that is known: below and above, the order is assumed, and an order that is rejected has no
-    /// intervals \[Hz\].
+    /// Ends of the band whose frequency response it was fitted to, where that is all that is known: below and above, the order is assumed \[Hz\].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub band_hz: Option<[f64; 2]>,
     /// Period at which the command is held before it reaches this model \[s\].
@@ -237,11 +241,10 @@ fn choose(
     let guess = guess.ok_or(Error::NoResponse)?;
     let mut fits: Vec<FittedOrder> = Vec::new();
     for order in 1..=3 {
-        let second = fits
-            .iter()
-            .find(|fit| fit.order == 2)
-            .map(|fit| fit.transfer);
-        fits.extend(fitter.best(order, &guess.starts(order, second)));
+        let found = |order: usize| fits.iter().find(|fit| fit.order == order);
+        let [first, second] = [1, 2].map(|order| found(order).map(|fit| fit.transfer));
+        let best = fitter.best(order, &guess.starts(order, first, second));
+        fits.extend(best);
     }
     let not_rejected = |fit: &&FittedOrder| is_tested && !fit.tried.is_rejected();
     let chosen = match simplest(&fits, |fit| fit.tried).find(not_rejected) {
@@ -261,170 +264,11 @@ fn choose(
             found.ok_or(Error::NoResponse)?
         }
     };
-    let tried: Vec<_> = fits
-        .iter()
-        .filter(|_| is_tested)
-        .map(|fit| fit.tried)
-        .collect();
-    let beyond_even_noise = fitter.projection.beyond_even_noise(model);
-    let widened = (level, beyond_even_noise);
-    Ok(chosen.report(tried, widened, band_hz, options.frame_period_s))
-}
-
-struct Fitter {
-    projection: Projection,
-    timing: Timing,
-}
-
-impl Fitter {
-    /// Increments of the response from sample to sample.
-    fn impulse(&self, transfer: &LowOrder) -> Vec<f64> {
-        let times = (0..self.projection.length()).map(|i| self.timing.seconds(i as f64));
-        let mut before = 0.0;
-        transfer
-            .steps(times)
-            .into_iter()
-            .map(|g| g - std::mem::replace(&mut before, g))
-            .collect()
-    }
-
-    /// The best minimum of one order.
-    fn best(&self, order: usize, starts: &[LowOrder]) -> Option<FittedOrder> {
-        let residuals = |x: &[f64]| {
-            self.projection
-                .residuals(&self.impulse(&LowOrder::from_parameters(order, x)))
-        };
-        let starts = starts.iter().map(|start| {
-            let x = start.parameters();
-            let mut increments = vec![1e-4; x.len()];
-            increments[0] = 1e-4 * start.gain.abs();
-            increments[1] = 1e-2 * self.timing.sample_period_s;
-            (x, increments)
-        });
-        let minimum = best_minimum(&residuals, starts)?;
-        let transfer = LowOrder::from_parameters(order, &minimum.parameters);
-        let impulse = self.impulse(&transfer);
-        let error = self.projection.largest_difference(&impulse);
-        let tried = OrderTried::new(order, &minimum, self.projection.rank(), error)?;
-        Some(FittedOrder {
-            order,
-            tried: match self.slow_end_p(&transfer, &minimum) {
-                Some(p) => tried.with_second_test(p),
-                None => tried,
-            },
-            transfer,
-            minimum,
-        })
-    }
-
-    /// The probability that noise alone looks as much like a slow end, where the response is known in a band alone. Elsewhere the estimate is of a response that was found to be over.
-    fn slow_end_p(&self, transfer: &LowOrder, minimum: &Minimum) -> Option<f64> {
-        if !self.projection.is_of_band() {
-            return None;
-        }
-        let longest_s = self
-            .timing
-            .seconds((self.projection.length() / LENGTH) as f64);
-        let ends = slow_end::time_constants(transfer, longest_s).into_iter();
-        let ends = ends.map(|time_constant| {
-            let end = LowOrder {
-                oscillator: None,
-                lag_s: Some(time_constant),
-                ..*transfer
-            };
-            self.projection.projected(&self.impulse(&end))
-        });
-        Some(slow_end::probability(minimum, &ends.collect::<Vec<_>>()))
-    }
-}
-
-/// A fitted order.
-struct FittedOrder {
-    order: usize,
-    transfer: LowOrder,
-    minimum: Minimum,
-    tried: OrderTried,
-}
-
-/// A pole that is so many times as fast as the samples shows in none of them; a fit that would do without it drives it to any size.
-const HIDDEN: f64 = 100.0;
-
-impl FittedOrder {
-    /// Whether one of its poles does not show in samples that are `period_s` apart.
-    fn has_hidden_pole(&self, period_s: f64) -> bool {
-        self.transfer.fastest_pole() * period_s > HIDDEN
-    }
-
-    fn report(
-        &self,
-        tried: Vec<OrderTried>,
-        (level, beyond_even_noise): (Bounds<f64>, [f64; 2]),
-        band_hz: Option<[f64; 2]>,
-        hold_period_s: Option<f64>,
-    ) -> FlightModel {
-        let is_tested = !tried.is_empty();
-        // By how much the gain of an order that is rejected is off, the band does not show: the end of the response is below it.
-        let level = match band_hz {
-            Some(_) if self.tried.is_rejected() => Bounds::Withdrawn(Reason::InputUnexcited),
-            _ => level,
-        };
-        let estimates = Estimates::new(&self.minimum, &self.tried, level, beyond_even_noise);
-        let oscillates = self.transfer.oscillator.is_some();
-        FlightModel {
-            transfer: self.transfer,
-            gain: estimates.interval(0),
-            delay_s: estimates.interval(1),
-            omega_rad_s: oscillates.then(|| estimates.exponential(2)),
-            damping: oscillates.then(|| estimates.exponential(3)),
-            lag_s: (self.transfer.lag_s)
-                .map(|_| estimates.exponential(self.minimum.parameters.len() - 1)),
-            bounds: estimates.bounds(),
-            order: self.order,
-            tried,
-            approximation: !is_tested || self.tried.is_rejected(),
-            inflation: if is_tested { estimates.inflation } else { 1.0 },
-            largest_error_percent: self.tried.largest_error_percent,
-            band_hz,
-            hold_period_s,
-            statement: self.statement(is_tested, band_hz, hold_period_s),
-        }
-    }
-
-    fn statement(
-        &self,
-        is_tested: bool,
-        band_hz: Option<[f64; 2]>,
-        hold_period_s: Option<f64>,
-    ) -> String {
-        let rejected = match is_tested {
-            true => format!(" (p < {ORDER_REJECTED})"),
-            false => String::new(),
-        };
-        let error = self.tried.largest_error_percent;
-        let quality = match (is_tested && !self.tried.is_rejected(), band_hz) {
-            (true, None) => format!("no lack of fit (p = {:.2})", self.tried.p),
-            (true, Some([from, to])) => format!(
-                "no lack of fit from {from:.2} to {to:.1} Hz (p = {:.2}); below and above, the order is assumed, and the gain at rest rests on it",
-                self.tried.p
-            ),
-            (false, None) => format!(
-                "approximation{rejected}: its step response is at most {error:.1} % of the step from the identified one"
-            ),
-            (false, Some([from, to])) => format!(
-                "approximation{rejected}: from {from:.2} to {to:.1} Hz its frequency response is at most {error:.1} % of that at {from:.2} Hz from the identified \
-                 one; below and above, nothing shows how far it is off, the gain at rest included"
-            ),
-        };
-        let hold = hold_period_s.map_or_else(
-            || "the delay counts from the applied edge of the command".to_owned(),
-            |period| {
-                format!(
-                    "the hold of the command for {:.1} ms comes before it: a sample and hold, or {:.1} ms more of delay",
-                    1e3 * period,
-                    1e3 * period / 2.0
-                )
-            },
-        );
-        format!("Order {}: {quality}; {hold}.", self.order)
-    }
+    let circumstances = Circumstances {
+        level,
+        beyond_even_noise: fitter.projection.beyond_even_noise(model),
+        band_hz,
+        hold_period_s: options.frame_period_s,
+    };
+    Ok(report::of(&fitter, chosen, &fits, &circumstances))
 }

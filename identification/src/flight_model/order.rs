@@ -3,9 +3,10 @@
 use faer::Mat;
 use serde::{Deserialize, Serialize};
 
+use super::intervals::Ends;
 use super::levenberg_marquardt::Minimum;
+use crate::numerics::chi_square_upper_tail;
 use crate::numerics::matrix_rows::to_rows;
-use crate::numerics::{chi_square_upper_tail, pointwise_critical};
 use crate::results::{Bounds, Interval, ParameterBounds};
 use crate::thresholds::{BARE_MENTION, ORDER_REJECTED};
 
@@ -52,6 +53,14 @@ impl OrderTried {
     pub(super) fn is_rejected(&self) -> bool {
         self.p < ORDER_REJECTED
     }
+
+    /// χ² over its degrees of freedom of an order that is rejected; 1 of others.
+    pub(super) fn lack_of_fit(&self) -> f64 {
+        match self.is_rejected() {
+            true => (self.chi_square / self.degrees_of_freedom as f64).max(1.0),
+            false => 1.0,
+        }
+    }
 }
 
 /// The fits, lowest order first, whose criterion is as good as the best one.
@@ -70,43 +79,37 @@ pub(super) fn simplest<T>(
 /// The parameters of the chosen order with their intervals.
 pub(super) struct Estimates<'a> {
     x: &'a [f64],
+    /// Of each parameter, where bounds hold.
+    ends: Bounds<Ends>,
+    level: Bounds<f64>,
     /// Widened already.
     covariance: Mat<f64>,
-    /// χ²/dof of a rejected order, 1 otherwise.
-    pub(super) inflation: f64,
-    level: Bounds<f64>,
 }
 
 impl<'a> Estimates<'a> {
-    /// With standard deviations of the gain, and of all others, that are wider than those of even noise by these factors where no lack of fit widens them more.
+    /// With standard deviations of the gain, and of all others, that are wider than those of even noise by these factors.
     pub(super) fn new(
         minimum: &'a Minimum,
-        tried: &OrderTried,
         level: Bounds<f64>,
+        ends: Bounds<Ends>,
         beyond_even_noise: [f64; 2],
     ) -> Self {
-        let ratio = tried.chi_square / tried.degrees_of_freedom as f64;
-        let inflation = match tried.is_rejected() {
-            true => ratio.max(1.0),
-            false => 1.0,
-        };
-        let of_fit = inflation.sqrt();
-        let factor = |k: usize| beyond_even_noise[k.min(1)].max(of_fit);
+        let factor = |k: usize| beyond_even_noise[k.min(1)];
         let count = minimum.parameters.len();
         let widened = |i: usize, k: usize| factor(i) * factor(k) * minimum.covariance[(i, k)];
         Self {
             x: &minimum.parameters,
-            covariance: Mat::from_fn(count, count, widened),
-            inflation,
+            ends,
             level,
+            covariance: Mat::from_fn(count, count, widened),
         }
     }
 
     /// The interval of parameter `k`.
     pub(super) fn interval(&self, k: usize) -> Interval {
-        let sd = self.covariance[(k, k)].max(0.0).sqrt();
-        let half = self.level.map(|level| pointwise_critical(level) * sd);
-        Interval::around(self.x[k], half.into_valid())
+        let ends = self.ends.valid().and_then(|ends| ends[k]);
+        let [lower, upper] = ends.unwrap_or([f64::NAN; 2]);
+        Interval::new(self.x[k], lower, upper)
     }
 
     /// The interval of the quantity whose logarithm is parameter `k`.

@@ -1,7 +1,8 @@
-//! Whether a servo of low order lacks a slow end.
+//! Whether a servo of low order lacks a slow end, and what one that is not seen may change.
 //!
 //! The end of a response is below the band that a sweep excites, or at its edge. All values of the estimate together show an end late, as it is in few of them; where it
-//! is not seen, it is missing in the gain. So the errors are held against what an end of one time constant and then another would leave in them.
+//! is not seen, it is missing in the gain. So the errors are held against what an end of one time constant and then another would leave in them, and intervals allow for
+//! an end as large as the estimate leaves it room for.
 
 use super::levenberg_marquardt::Minimum;
 use super::low_order::LowOrder;
@@ -21,16 +22,55 @@ pub(super) fn time_constants(servo: &LowOrder, longest_s: f64) -> Vec<f64> {
 /// The probability that errors of noise alone look as much like one of these slow ends: what each leaves in the whitened estimate is in `ends`. With Bonferroni's
 /// correction; 1 where there are none.
 pub(super) fn probability(minimum: &Minimum, ends: &[Vec<f64>]) -> f64 {
-    let transposed = minimum.jacobian.transpose().to_owned();
-    let deviation = |end: &Vec<f64>| {
-        // What the parameters of the order take of it.
-        let along = times(&transposed, end);
-        let taken = dot(&along, &times(&minimum.covariance, &along));
-        let left = dot(end, end) - taken;
-        let is_seen = left > 1e-9 * dot(end, end);
-        is_seen.then(|| dot(end, &minimum.residuals) / left.sqrt())
-    };
-    let deviations = ends.iter().filter_map(deviation);
-    let largest = deviations.map(f64::abs).fold(0.0, f64::max);
+    let seen = ends.iter().filter_map(|end| Seen::of(minimum, end));
+    let largest = seen
+        .map(|seen| (seen.share * seen.left.sqrt()).abs())
+        .fold(0.0, f64::max);
     (2.0 * normal_cdf(-largest) * ends.len() as f64).min(1.0)
+}
+
+/// What slow ends may change of each parameter of `minimum`, the first of which is the gain, as a standard deviation: the mean square of an end of which nothing was known before
+/// the record. Which time constant it has is not seen, and the one counts that changes most. Infinite where one is not seen at all.
+pub(super) fn allowances(minimum: &Minimum, ends: &[Vec<f64>]) -> Vec<f64> {
+    let mut largest = vec![0.0; minimum.parameters.len()];
+    for end in ends {
+        let Some(seen) = Seen::of(minimum, end) else {
+            return vec![f64::INFINITY; largest.len()];
+        };
+        let size = (seen.share.powi(2) + 1.0 / seen.left).sqrt();
+        for (k, (largest, taken)) in largest.iter_mut().zip(&seen.taken).enumerate() {
+            // The end has the gain itself.
+            let own = if k == 0 { minimum.parameters[0] } else { 0.0 };
+            *largest = f64::max(*largest, size * (own - taken).abs());
+        }
+    }
+    largest
+}
+
+/// A slow end beside the parameters of an order.
+struct Seen {
+    /// Its part of the response, as estimated.
+    share: f64,
+    /// The square of what the parameters leave of it: the variance of the share is one over this.
+    left: f64,
+    /// By how much a share of one changes each of them.
+    taken: Vec<f64>,
+}
+
+impl Seen {
+    /// `None` of one of which they leave nothing.
+    fn of(minimum: &Minimum, end: &[f64]) -> Option<Self> {
+        let along = times(&minimum.jacobian.transpose().to_owned(), end);
+        // The Jacobian is that of the errors: an end lowers them.
+        let taken: Vec<f64> = times(&minimum.covariance, &along)
+            .into_iter()
+            .map(|taken| -taken)
+            .collect();
+        let left = dot(end, end) + dot(&along, &taken);
+        (left > 1e-9 * dot(end, end)).then(|| Self {
+            share: dot(end, &minimum.residuals) / left,
+            left,
+            taken,
+        })
+    }
 }

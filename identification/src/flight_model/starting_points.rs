@@ -40,7 +40,13 @@ impl Guess {
         })
     }
 
-    pub(super) fn starts(&self, order: usize, second: Option<LowOrder>) -> Vec<LowOrder> {
+    /// Where the search for an `order` begins, after the fits of `first` and `second` order.
+    pub(super) fn starts(
+        &self,
+        order: usize,
+        first: Option<LowOrder>,
+        second: Option<LowOrder>,
+    ) -> Vec<LowOrder> {
         let plain = LowOrder {
             gain: self.gain,
             delay_s: 0.0,
@@ -86,9 +92,8 @@ impl Guess {
                     }
                 })
                 .collect(),
-            _ => second
-                .into_iter()
-                .flat_map(|start| {
+            _ => {
+                let beside_fast_lag = second.into_iter().flat_map(|start| {
                     let omega = start
                         .oscillator
                         .map_or(1.0 / self.rise_s, |o| o.omega_rad_s);
@@ -98,10 +103,32 @@ impl Guess {
                         lag_s: Some(share / omega),
                         ..start
                     })
-                })
-                .collect(),
+                });
+                let beside_slow_lag = first.into_iter().flat_map(beside_slow_lag);
+                beside_fast_lag.chain(beside_slow_lag).collect()
+            }
         }
     }
+}
+
+/// Pairs of poles that are quicker than the lag of a servo of `first` order, and take its delay for a part of their own.
+fn beside_slow_lag(first: LowOrder) -> Vec<LowOrder> {
+    let lag = first.lag_s.unwrap_or_default();
+    let pairs = [(2.0, 0.7), (2.0, 1.1), (6.0, 0.7)];
+    pairs
+        .into_iter()
+        .map(|(faster, damping)| {
+            let omega_rad_s = faster / lag;
+            LowOrder {
+                delay_s: (first.delay_s - damping / omega_rad_s).max(0.0),
+                oscillator: Some(Oscillator {
+                    omega_rad_s,
+                    damping,
+                }),
+                ..first
+            }
+        })
+        .collect()
 }
 
 /// Where the magnitude has fallen by 3 dB, or the end of the band \[rad/s\].

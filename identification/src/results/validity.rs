@@ -48,6 +48,8 @@ pub enum Reason {
     EndUnseen,
     /// The input was computed from the output, as a controller does.
     InputFollowsOutput,
+    /// No model of low order fits, so that what its parameters would be of is not there.
+    OrderRejected,
 }
 
 impl Reason {
@@ -102,6 +104,7 @@ impl Reason {
             Self::ResponseNotOver => "the response goes on beyond the settling time",
             Self::EndUnseen => "the reference does not show whether the response is over",
             Self::InputFollowsOutput => "the input follows the output, as in a closed loop",
+            Self::OrderRejected => "no servo of up to three poles answers like this one",
         }
     }
 }

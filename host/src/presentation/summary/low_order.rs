@@ -21,27 +21,43 @@ pub(crate) fn low_order_sentence(
     let [from, to] = of_its_order(flight).filter(|_| first_finding(linear).is_none())?;
     let gain = units.gain().unwrap_or_default();
     let rows = [
-        ("a gain of", &*gain, 1.0, Some(flight.gain)),
-        ("a delay of", "ms", 1e3, Some(flight.delay_s)),
-        ("a natural frequency of", "rad/s", 1.0, flight.omega_rad_s),
-        ("a damping ratio of", "", 1.0, flight.damping),
-        ("a lag of", "ms", 1e3, flight.lag_s),
+        ("gain", &*gain, 1.0, Some(flight.gain)),
+        ("delay", "ms", 1e3, Some(flight.delay_s)),
+        ("natural frequency", "rad/s", 1.0, flight.omega_rad_s),
+        ("damping ratio", "", 1.0, flight.damping),
+        ("lag", "ms", 1e3, flight.lag_s),
     ];
-    let parts = rows
-        .into_iter()
-        .filter_map(|(name, unit, scale, interval)| {
-            let (value, interval) = value_and_interval(&interval?, scale)?;
-            Some(format!("{name} {} ({interval})", with_unit(&value, unit)))
-        });
-    let parts: Vec<String> = parts.collect();
-    let (last, before) = parts.split_last()?;
+    let (mut known, mut open) = (Vec::new(), Vec::new());
+    for (name, unit, scale, interval) in rows {
+        let Some(interval) = interval else {
+            continue;
+        };
+        match value_and_interval(&interval, scale) {
+            Some((value, interval)) => {
+                let value = with_unit(&value, unit);
+                known.push(format!("a {name} of {value} ({interval})"));
+            }
+            None => open.push(name),
+        }
+    }
+    let (last, before) = known.split_last()?;
+    let known = match before {
+        [] => last.clone(),
+        _ => format!("{}, and {last}", before.join(", ")),
+    };
+    let open = match open.is_empty() {
+        true => String::new(),
+        false => format!(
+            " The recording does not determine its {}.",
+            open.join(" and ")
+        ),
+    };
     let level = flight.bounds.valid()?.level;
     Some(format!(
-        "A servo of order {} fits from {} to {} Hz; if it is of that order below and above, too, it has {}, and {last}, with {} % confidence in each.",
+        "A servo of order {} fits from {} to {} Hz; if it has at most three poles, and is the same below and above, it has {known}, with {} % confidence in each.{open}",
         flight.order,
         digits(from, 2),
         digits(to, 3),
-        before.join(", "),
         percent(level)
     ))
 }
@@ -51,7 +67,7 @@ pub(super) fn gain_by_order(flight: &FlightModel, units: Units<'_>) -> Option<(S
     of_its_order(flight)?;
     let gain = units.gain().unwrap_or_default();
     let (value, interval) = value_and_interval(&flight.gain, 1.0)?;
-    let below = format!("{interval}, if it is of order {}", flight.order);
+    let below = format!("{interval}, if it has at most three poles");
     Some((with_unit(&value, &gain), below))
 }
 

@@ -22,13 +22,13 @@ use super::responses::Responses;
 use super::task::Task;
 use crate::data::{Moments, Record, Timing};
 use crate::diagnostics::{
-    BothEstimators, Explanation, INPUT_LAGS, Linearity, Tails, lowest_excited, one_step_errors,
-    simulated, simulated_whole, whiteness,
+    BothEstimators, Explanation, INPUT_LAGS, Linearity, Tails, comes_back, lowest_excited,
+    one_step_errors, simulated, simulated_whole, whiteness,
 };
 use crate::estimation::{Coordinates, FIRST_ORDER, FsfBasis, GlsFit, GlsOptions, RowInformation};
 use crate::options::{Frequencies, Settling};
 use crate::results::{BandEstimate, FrequencyResponse, Metrics, Model, Residuals, SelectedBy};
-use crate::selection::longest_settling;
+use crate::selection::{longest_settling, odd_at_most};
 use crate::thresholds::{
     MISFIT_SIGNIFICANCE, MOMENT_ACCURACY, RUNS_FOR_MEAN, WHITENING_COST_POINTS,
 };
@@ -107,10 +107,17 @@ fn prior_sd(fit: &GlsFit) -> f64 {
     (fit.variance / fit.precision).sqrt()
 }
 
-/// All lags up to the longest N under their prior.
+/// The longest N, but of an input that comes back no more than half of the time until then: lines of a sum of sines say nothing of frequencies between them to a longer one.
+fn settling(record: &Record<'_>, cap: Option<usize>) -> Option<usize> {
+    let longest = longest_settling(record, cap).ok()?;
+    let back = comes_back(record, 2 * longest);
+    Some(back.map_or(longest, |back| odd_at_most(back / 2).min(longest)))
+}
+
+/// All lags up to that N under their prior.
 fn fitted(task: &Task<'_>, record: &Record<'_>) -> Option<Fitted> {
     let options = task.options;
-    let settling = longest_settling(record, options.longest_settling).ok()?;
+    let settling = settling(record, options.longest_settling)?;
     let lags = options.noise_order.highest();
     let extended = Moments::of_record(record, settling + lags + INPUT_LAGS, lags + 1);
     let moments = extended.with_fewer_lags(record, settling + lags);

@@ -1,0 +1,156 @@
+//! What a fit says.
+
+use super::fitter::{FittedOrder, Fitter};
+use super::intervals::{self, Widths};
+use super::order::Estimates;
+use super::{FlightModel, OrderTried};
+use crate::numerics::pointwise_critical;
+use crate::results::{Bounds, Interval, Reason};
+use crate::thresholds::ORDER_REJECTED;
+
+/// Poles of the highest order.
+const HIGHEST: usize = 3;
+
+/// What a fit was made under.
+pub(super) struct Circumstances {
+    /// Level of the bounds of the response.
+    pub(super) level: Bounds<f64>,
+    /// By how much the standard deviations of the gain, and of all others, are wider than those of even noise.
+    pub(super) beyond_even_noise: [f64; 2],
+    pub(super) band_hz: Option<[f64; 2]>,
+    pub(super) hold_period_s: Option<f64>,
+}
+
+/// The model of the `chosen` order of `fits`.
+pub(super) fn of(
+    fitter: &Fitter,
+    chosen: &FittedOrder,
+    fits: &[FittedOrder],
+    under: &Circumstances,
+) -> FlightModel {
+    let (transfer, order) = (chosen.transfer, chosen.order);
+    let is_tested = under.level.valid().is_some();
+    let is_rejected = chosen.tried.is_rejected();
+    let level = under
+        .level
+        .unless(is_rejected.then_some(Reason::OrderRejected));
+    let ends = level.map(|level| {
+        let of_even = pointwise_critical(level);
+        let widths = Widths {
+            critical: under.beyond_even_noise.map(|factor| factor * of_even),
+            lowest_hz: under.band_hz.map(|ends| ends[0]),
+        };
+        intervals::of(fitter, chosen, fits, &widths)
+    });
+    let estimates = Estimates::new(&chosen.minimum, level, ends, under.beyond_even_noise);
+    let oscillates = transfer.oscillator.is_some();
+    let last = chosen.minimum.parameters.len() - 1;
+    let found = FlightModel {
+        transfer,
+        gain: estimates.interval(0),
+        delay_s: estimates.interval(1),
+        omega_rad_s: oscillates.then(|| estimates.exponential(2)),
+        damping: oscillates.then(|| estimates.exponential(3)),
+        lag_s: transfer.lag_s.map(|_| estimates.exponential(last)),
+        bounds: estimates.bounds(),
+        order,
+        tried: match is_tested {
+            true => fits.iter().map(|fit| fit.tried).collect(),
+            false => Vec::new(),
+        },
+        approximation: !is_tested || is_rejected,
+        inflation: match is_tested {
+            true => chosen.tried.lack_of_fit(),
+            false => 1.0,
+        },
+        largest_error_percent: chosen.tried.largest_error_percent,
+        band_hz: under.band_hz,
+        hold_period_s: under.hold_period_s,
+        statement: String::new(),
+    };
+    FlightModel {
+        statement: statement(&found, &chosen.tried),
+        ..found
+    }
+}
+
+fn statement(found: &FlightModel, tried: &OrderTried) -> String {
+    let mut text = format!(
+        "Order {}: {}; {}.",
+        found.order,
+        quality(found, tried),
+        hold(found)
+    );
+    if found.bounds.valid().is_some() {
+        text += &of_intervals(found);
+    }
+    if found.transfer.has_real_poles_alone() {
+        text += " Its three poles are real, and which of them is called the lag is a convention: the two that are closest are w and zeta.";
+    }
+    text
+}
+
+fn quality(found: &FlightModel, tried: &OrderTried) -> String {
+    let rejected = match found.tried.is_empty() {
+        false => format!(" (p < {ORDER_REJECTED})"),
+        true => String::new(),
+    };
+    let error = found.largest_error_percent;
+    match (found.approximation, found.band_hz) {
+        (false, None) => format!("no lack of fit (p = {:.2})", tried.p),
+        (false, Some([from, to])) => format!(
+            "no lack of fit from {from:.2} to {to:.1} Hz (p = {:.2}); below and above, the order is assumed, and the gain at rest rests on it",
+            tried.p
+        ),
+        (true, None) => format!(
+            "approximation{rejected}: its step response is at most {error:.1} % of the step from the identified one"
+        ),
+        (true, Some([from, to])) => format!(
+            "approximation{rejected}: from {from:.2} to {to:.1} Hz its frequency response is at most {error:.1} % of that at {from:.2} Hz from the identified \
+             one; below and above, nothing shows how far it is off, the gain at rest included"
+        ),
+    }
+}
+
+fn hold(found: &FlightModel) -> String {
+    found.hold_period_s.map_or_else(
+        || "the delay counts from the applied edge of the command".to_owned(),
+        |period| {
+            format!(
+                "the hold of the command for {:.1} ms comes before it: a sample and hold, or {:.1} ms more of delay",
+                1e3 * period,
+                1e3 * period / 2.0
+            )
+        },
+    )
+}
+
+/// Which servos the intervals hold, and which there are not.
+fn of_intervals(found: &FlightModel) -> String {
+    let mut text = String::new();
+    if found.order < HIGHEST {
+        text += &format!(
+            " The recording does not tell it from a servo of more poles, up to {HIGHEST}: the delay is that beside the poles of this order, and the intervals hold \
+             what each quantity is of with more."
+        );
+    }
+    let all = [
+        ("gain", Some(found.gain)),
+        ("delay", Some(found.delay_s)),
+        ("natural frequency", found.omega_rad_s),
+        ("damping ratio", found.damping),
+        ("lag", found.lag_s),
+    ];
+    let is_open = |interval: &Interval| interval.lower.or(interval.upper).is_none();
+    let open = all
+        .into_iter()
+        .filter(|(_, interval)| interval.as_ref().is_some_and(is_open));
+    let open: Vec<&str> = open.map(|(name, _)| name).collect();
+    if !open.is_empty() {
+        text += &format!(
+            " There is no interval of {}: other servos of up to {HIGHEST} poles fit as well with any.",
+            open.join(", ")
+        );
+    }
+    text
+}
