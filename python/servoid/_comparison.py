@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from . import _servoid
-from ._arrays import number
+from ._arrays import flag, number, unexpected
 from ._difference import (
     Asymmetry,
     DifferenceCurve,
@@ -20,7 +20,7 @@ from ._difference import (
 from ._document import Printed
 from ._interval import Interval
 from ._model import Advice, Model, advice
-from ._recording import as_recording
+from ._recording import READ_OPTIONS, as_recording
 from ._recording import recording as of_arrays
 from ._withdrawn import Withdrawn, withdrawn
 
@@ -158,12 +158,26 @@ class Comparison(Printed):
         return advice(self._fields)
 
     def __repr__(self) -> str:
-        of = "the servos" if self.of == "servos" else "these recordings"
+        of_models = self._fields.get("motions", ()) is None
+        of = "the servos" if self.of == "servos" else "these models" if of_models else "these recordings"
         return f"<Comparison: {self.verdict} (of {of}; margin {self.margin_percent:g} %)>\n{self._fields['summary']}"
 
 
 class Validation(Printed):
     """How well a model predicts data that it was not identified from. :func:`validate` gives it."""
+
+    def __init__(self, document: str, text: str, unit: str | None = None) -> None:
+        super().__init__(document, text)
+        self.__dict__["_unit"] = unit
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (Validation, (self._text, self.summary, self._unit))
+
+    @property
+    def _unit(self) -> str | None:
+        """The unit of the output, where it is known."""
+        unit: str | None = self.__dict__["_unit"]
+        return unit
 
     def _linear(self, field: str) -> float | None:
         found = self._fields.get(field)
@@ -204,9 +218,20 @@ class Validation(Printed):
         return advice(self._fields)
 
     def __repr__(self) -> str:
-        found = self.to_dict()
-        found = found if "fit_percent" in found else found["servo_model"]
-        return f"<Validation: fit {found['fit_percent']:.2f} %, error {found['rmse']:.3g} rms, {found['samples_used']} samples>"
+        advice = "".join(f"\n{item.finding} {item.do}" for item in self.advice)
+        return f"<Validation: {'; '.join(self._lines())}>{advice}"
+
+    def _lines(self) -> list[str]:
+        linear, servo = (self._fields if "fit_percent" in self._fields else None), self._fields.get("servo_model")
+        if servo is None:
+            return [self._line(linear)]
+        named = (("servo model: ", servo), ("linear model: ", linear))
+        return [name + self._line(found) for name, found in named if found is not None]
+
+    def _line(self, found: Any) -> str:
+        unit = f" {self._unit}" if self._unit else ""
+        error, bias = f"{found['rmse']:.3g}{unit}", f"{found['bias']:+.3g}{unit}"
+        return f"fit {found['fit_percent']:.2f} %, error {error} rms, bias {bias}, {found['samples_used']} samples"
 
 
 def compare(
@@ -258,8 +283,11 @@ def compare(
         "margin": number("margin", margin, "a number of percent of the step"),
         "level": number("level", level, "a level such as 0.99"),
         "zero_sd": number("zero_sd", zero_sd),
-        "servo_model": servo_model,
+        "servo_model": flag("servo_model", servo_model),
     }
+    unknown = reading.keys() - set(READ_OPTIONS)
+    if unknown:
+        raise unexpected("compare", unknown)
     if isinstance(a, Model) and isinstance(b, Model):
         return Comparison(*_servoid.compare_models(a._core, b._core, options))
     if isinstance(a, Model) or isinstance(b, Model):
@@ -308,7 +336,7 @@ def validate(model: Model, u: Any, y: Any = None, *, at_rest: float | None = Non
         recording = as_recording(u, options, like=model)
     else:
         if reading:
-            raise TypeError(f"validate() of arrays got unexpected options {', '.join(sorted(reading))}")
+            raise TypeError(f"validate() of arrays has no argument {sorted(reading)[0]}: they are taken at the period and the phase of the model")
         units = model.units
         recording = of_arrays(
             u,
@@ -316,8 +344,11 @@ def validate(model: Model, u: Any, y: Any = None, *, at_rest: float | None = Non
             period=model.sample_period_s,
             phase=model.sample_phase_s,
             at_rest=at_rest,
+            polled=False,
+            exact_command=False,
             controllers=None,
             input_unit=units.get("input"),
             output_unit=units.get("output"),
         )
-    return Validation(*_servoid.validate(model._core, recording._data))
+    unit = recording.output_unit or model.units.get("output")
+    return Validation(*_servoid.validate(model._core, recording._data), unit)

@@ -88,6 +88,11 @@ class FlightModel(dict[str, Any]):
         return None if found is None else (float(found[0]), float(found[1]))
 
     @property
+    def approximation(self) -> bool:
+        """Whether no order fits the identified response within its errors, so that this is the order that is closest to it."""
+        return bool(self["approximation"])
+
+    @property
     def level(self) -> float | None:
         """Level of the intervals; ``None`` where bounds are withdrawn."""
         level: float | None = (self["bounds"] or {}).get("level")

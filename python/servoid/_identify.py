@@ -7,8 +7,8 @@ from typing import Any
 
 from . import _servoid
 from ._model import Model
-from ._arrays import number
-from ._recording import ARRAYS, array_runs, as_recording
+from ._arrays import flag, number, number_or_word, one_of, unexpected
+from ._recording import ARRAYS, READ_OPTIONS, array_runs, as_recording
 
 
 def identify(
@@ -18,6 +18,8 @@ def identify(
     period: float | None = None,
     phase: float = 0.0,
     at_rest: float | Sequence[float | None] | None = None,
+    polled: bool = False,
+    exact_command: bool = False,
     controllers: Sequence[float] | None = None,
     input_unit: str | None = None,
     output_unit: str | None = None,
@@ -38,9 +40,11 @@ def identify(
     Parameters
     ----------
     u, y : array_like, or lists of them
-        Command and measured motion, evenly sampled; NaN or masked where a sample is missing. Several runs of the same servo are
-        lists of arrays; runs are never joined end to end. A moving command in even steps may have been rounded, and the bounds allow
-        for that: give it with all its digits. Without ``y``, ``u`` is a :class:`Recording`, or what :func:`read`
+        Command and measured motion, evenly sampled; NaN or masked where a sample is missing. Each command is taken as held until the
+        next sample, as a servo holds its pulse: of a command that moves between samples, delays are wrong by up to half a period. Several
+        runs of the same servo are lists of arrays; runs are never joined end to end. A moving command in even steps may have been
+        rounded, and the bounds allow for that: give it with all its digits. The values of a pandas Series are taken in their order,
+        whatever its index. Without ``y``, ``u`` is a :class:`Recording`, or what :func:`read`
         takes: a path, a list of paths, or a table of pandas.
     period : float
         Time between samples (s).
@@ -48,6 +52,11 @@ def identify(
         From an edge of the command to the first sample that follows it (s).
     at_rest : float, or one for each run, optional
         The input during at least the settling time before the run. A wrong value is far worse than none.
+    polled : bool
+        Another clock polled the commands, so that each changed up to a period before the sample that has it.
+    exact_command : bool
+        The servo was sent the command as it is given, with its noise and to its last digit; else the bounds allow for commands that
+        may have been rounded or measured.
     controllers : sequence of float, optional
         Name or gain of the controller that drove each run, where several drove the same mechanism.
     input_unit, output_unit : str, optional
@@ -95,30 +104,36 @@ def identify(
     servoid.ServoidError: run 1: the input has 3600 samples and the output 3599: give one input value for each ...
     """
     wanted = {
-        "settling": str(settling),
-        "frequencies": str(frequencies),
-        "noise_order": str(noise_order),
-        "detrend": detrend,
-        "prior": prior,
+        "settling": number_or_word("settling", settling, ("auto",), "a number of samples"),
+        "frequencies": number_or_word("frequencies", frequencies, ("auto", "narrow"), "an odd number"),
+        "noise_order": number_or_word("noise_order", noise_order, ("auto",), "a number"),
+        "detrend": one_of("detrend", detrend, ("auto", "none", "offset", "linear")),
+        "prior": one_of("prior", prior, ("none", "stable")),
         "level": number("level", level, "a level such as 0.99"),
-        "explain": explain,
-        "flight_model": flight_model,
-        "servo_model": servo_model,
-        "limits": limits,
+        "explain": flag("explain", explain),
+        "flight_model": flag("flight_model", flight_model),
+        "servo_model": flag("servo_model", servo_model),
+        "limits": flag("limits", limits),
     }
+    polled, exact_command = flag("polled", polled), flag("exact_command", exact_command)
+    unknown = reading.keys() - set(READ_OPTIONS)
+    if unknown:
+        raise unexpected("identify", unknown)
     if y is None:
         _refuse_options_of_arrays(phase, controllers, input_unit, output_unit)
-        options = {"period": period, "at_rest": at_rest, **reading}
+        options = {"period": period, "at_rest": at_rest, "polled": polled, "exact_command": exact_command, **reading}
         recording = as_recording(u, {name: value for name, value in options.items() if value is not None})
         return Model(_servoid.identify(recording._data, wanted))
     if reading:
-        raise TypeError(f"identify() of arrays got unexpected options {', '.join(sorted(reading))}")
+        raise TypeError(f"{sorted(reading)[0]} is of files and tables, and here are arrays: leave it out")
     runs, of_arrays = array_runs(
         u,
         y,
         period=period,
         phase=phase,
         at_rest=at_rest,
+        polled=polled,
+        exact_command=exact_command,
         controllers=controllers,
         input_unit=input_unit,
         output_unit=output_unit,
@@ -129,5 +144,5 @@ def identify(
 def _refuse_options_of_arrays(phase: float, *others: Any) -> None:
     if phase != 0.0 or any(other is not None for other in others):
         raise _servoid.ServoidError(
-            "phase, controllers and units are of arrays: a recording has its own (files name controllers by a column)"
+            "phase, controllers, input_unit and output_unit are of arrays: a recording has its own, and files name a column with controller="
         )

@@ -12,7 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _servoid
-from ._arrays import is_list_of_runs, samples
+from ._arrays import (
+    command_or_none,
+    flag,
+    is_list_of_runs,
+    number_or_none,
+    path_of,
+    samples,
+    word,
+    word_or_none,
+)
 from ._document import Column, Document, column, column_or_none, write_new
 from ._export import Export, export
 from ._flight_model import FlightModel
@@ -277,7 +286,7 @@ class Model(Document):
         ServoidError
             The file is no model, contradicts itself, or was made by a newer servoid.
         """
-        return cls(_servoid.Model.read(os.fspath(path)))
+        return cls(_servoid.Model.read(path_of("path", path, "the path of a file that model.save() has written")))
 
     @classmethod
     def from_json(cls, text: str) -> Model:
@@ -297,7 +306,7 @@ class Model(Document):
         ServoidError
             As :meth:`load`.
         """
-        return cls(_servoid.Model.parse(text, "the document"))
+        return cls(_servoid.Model.parse(word("text", text, "the JSON of a model as a text"), "the document"))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return (Model.from_json, (self._text,))
@@ -345,8 +354,12 @@ class Model(Document):
 
     @property
     def linear(self) -> bool:
-        """Whether nothing was found that makes the response one of this motion alone."""
-        return bool(self._fields["linear"])
+        """Whether the servo is called linear.
+
+        It is not where something was found that makes the response one of this motion alone (``linear`` of the document), nor where
+        a servo model that is not linear predicts the recording better.
+        """
+        return self._core.linear
 
     @property
     def offset(self) -> float:
@@ -446,6 +459,9 @@ class Model(Document):
     def simulate(self, u: Any, *, at_rest: float | None = None) -> Any:
         """The output that the linear model gives for an input.
 
+        Each command is held until the next sample. Where :attr:`linear` is ``False``, or :attr:`withdrawn` is not ``None``, this is a
+        picture of the recording, and the servo may answer otherwise: take ``servo_model.simulate()`` where there is a servo model.
+
         Parameters
         ----------
         u : array_like, or list of them
@@ -473,7 +489,7 @@ class Model(Document):
         """
         if is_list_of_runs(u):
             return [self.simulate(one, at_rest=at_rest) for one in u]
-        return self._core.simulate(samples("input", u), at_rest)
+        return self._core.simulate(samples("input", u), command_or_none("at_rest", at_rest))
 
     def predict(self, u: Any, y: Any = None, *, at_rest: float | None = None) -> Any:
         """The output predicted one step ahead from the input and the measured output; without ``y``, :meth:`simulate`.
@@ -498,8 +514,10 @@ class Model(Document):
         if y is None:
             return self.simulate(u, at_rest=at_rest)
         if is_list_of_runs(u):
-            return [self.predict(one, other, at_rest=at_rest) for one, other in zip(u, y, strict=True)]
-        return self._core.predict(samples("input", u), samples("output", y), at_rest)
+            if not (is_list_of_runs(y) and len(y) == len(u)):
+                raise _servoid.ServoidError("u has several runs: give y as a list of as many arrays")
+            return [self.predict(one, other, at_rest=at_rest) for one, other in zip(u, y)]
+        return self._core.predict(samples("input", u), samples("output", y), command_or_none("at_rest", at_rest))
 
     def validate(self, *source: Any, **options: Any) -> Validation:
         """Compare the model with data that it was not identified from; see :func:`servoid.validate`."""
@@ -566,7 +584,7 @@ class Model(Document):
         FileExistsError
             The file exists, and ``force`` is not set.
         """
-        write_new(path, self._core.report(self._stem(), title), force)
+        write_new(path, self._core.report(self._stem(), word_or_none("title", title)), force)
 
     def export(
         self,
@@ -626,13 +644,13 @@ class Model(Document):
         found = export(
             self._core,
             {
-                "to": to,
-                "servo_model": servo_model,
-                "controller": controller,
-                "step_ms": step_ms,
-                "full_command": full_command,
-                "frame_ms": frame_ms,
-                "name": self._stem() if name is None else name,
+                "to": word("to", to, 'the name of a program, such as "matlab"'),
+                "servo_model": flag("servo_model", servo_model),
+                "controller": number_or_none("controller", controller),
+                "step_ms": number_or_none("step_ms", step_ms, "a number of milliseconds"),
+                "full_command": number_or_none("full_command", full_command),
+                "frame_ms": number_or_none("frame_ms", frame_ms, "a number of milliseconds"),
+                "name": word_or_none("name", name) or self._stem(),
                 "source": os.path.basename(self._core.name),
             },
         )

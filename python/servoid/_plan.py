@@ -6,6 +6,7 @@ import os
 from typing import Any
 
 from . import _servoid
+from ._arrays import as_given, flag, number, number_or_none, whole, word
 from ._document import Printed
 from ._withdrawn import Withdrawn, withdrawn
 
@@ -106,11 +107,11 @@ def plan(
     options = {
         "model": None if model is None else named("model", model),
         "servo": named("servo", servo),
-        "noise": noise,
-        "band": band,
-        "repeat": repeat,
-        "level": level,
-        "servo_model": servo_model,
+        "noise": number_or_none("noise", noise, "a number of degrees"),
+        "band": number_or_none("band", band, "a number of percent of the step"),
+        "repeat": whole("repeat", repeat, 1, 99),
+        "level": number("level", level, "a level such as 0.99"),
+        "servo_model": flag("servo_model", servo_model),
     }
     run = reference_options(reference, amplitude, hold, length, levels, prbs_seed, frequencies)
     return Plan(*_servoid.plan(run, options))
@@ -121,7 +122,7 @@ def named(argument: str, value: Any) -> str:
     if isinstance(value, (str, os.PathLike)):
         return str(os.fspath(value))
     raise TypeError(
-        f"{argument} is a {type(value).__name__} and must be the path of a file: "
+        f"{argument} is of the type {type(value).__name__} and must be the path of a file: "
         f'save a model with model.save("servo.json") and give {argument}="servo.json"'
     )
 
@@ -137,11 +138,24 @@ def reference_options(
 ) -> dict[str, Any]:
     """The options of a reference, by name."""
     return {
-        "reference": reference,
-        "amplitude": amplitude,
-        "hold": hold,
-        "length": length,
-        "levels": levels,
-        "prbs_seed": prbs_seed,
-        "frequencies": frequencies,
+        "reference": word("reference", os.fspath(reference) if hasattr(reference, "__fspath__") else reference, REFERENCES),
+        "amplitude": number_or_none("amplitude", amplitude, "a number of degrees"),
+        "hold": number_or_none("hold", hold, "a number of seconds"),
+        "length": number_or_none("length", length, "a number of seconds"),
+        "levels": None if levels is None else whole("levels", levels, 2, 16),
+        "prbs_seed": None if prbs_seed is None else whole("prbs_seed", prbs_seed, 1, 2**16 - 1),
+        "frequencies": None if frequencies is None else _two(frequencies),
     }
+
+
+REFERENCES = "staircase, stairs, prbs, sweep, multisine, or the path of a table of steps"
+"""What a reference is."""
+
+
+def _two(frequencies: Any) -> tuple[float, float]:
+    """The lowest and the highest frequency."""
+    what = "the lowest and the highest frequency in Hz, such as (0.2, 15)"
+    if isinstance(frequencies, (str, bytes)) or not hasattr(frequencies, "__len__") or len(frequencies) != 2:
+        raise TypeError(f"frequencies is {as_given(frequencies)}: give {what}")
+    low, high = (number("frequencies", one, "two numbers of Hz") for one in frequencies)
+    return low, high

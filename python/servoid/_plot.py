@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ._arrays import as_given
 from ._servoid import ServoidError
 
 if TYPE_CHECKING:
@@ -33,6 +34,8 @@ def ratio(model: Model) -> str:
 def step(model: Model, ax: Any, label: str) -> Any:
     """The step response with its band."""
     plt = pyplot()
+    if ax is not None and not hasattr(ax, "fill_between"):
+        raise TypeError(f"ax is {as_given(ax)}: give Axes of matplotlib, such as matplotlib.pyplot.gca(), or leave ax out")
     ax = plt.subplots()[1] if ax is None else ax
     response = model.step
     time_s = response.time_s + model.sample_phase_s
@@ -55,6 +58,8 @@ FLOOR_DB = 10.0
 def bode(model: Model, response: FrequencyResponse, shown: slice, axes: Any, label: str) -> Any:
     """Magnitude and phase of a response with their bounds, at these of its frequencies."""
     plt = pyplot()
+    if axes is not None and not (hasattr(axes, "__len__") and len(axes) == 2 and all(hasattr(ax, "fill_between") for ax in axes)):
+        raise TypeError(f"axes is {as_given(axes)}: give two Axes of matplotlib, such as matplotlib.pyplot.subplots(2)[1], or leave axes out")
     magnitude, phase = plt.subplots(2, sharex=True, layout="constrained")[1] if axes is None else axes
     hertz = response.omega_rad_s[shown] / (2 * np.pi)
     panels = [

@@ -6,8 +6,20 @@ import os
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
+
 from . import _servoid
-from ._arrays import is_list_of_runs, number, number_or_none, samples
+from ._arrays import (
+    as_given,
+    command_or_none,
+    flag,
+    is_list_of_runs,
+    number,
+    number_or_none,
+    samples,
+    unexpected,
+    word_or_none,
+)
 from ._document import Column
 
 if TYPE_CHECKING:
@@ -168,19 +180,21 @@ def read(
     >>> servoid.read(table, input="u", output="y")
     <Recording table: 1 run, 4 samples, every 10 ms>
     """
-    options = {
-        "input": input,
-        "output": output,
-        "period": number_or_none("period", period, SECONDS),
-        "time": time,
-        "time_unit": time_unit,
-        "run": run,
-        "controller": controller,
-        "at_rest": number_or_none("at_rest", at_rest),
-        "polled": polled,
-        "exact_command": exact_command,
-        "with_rest": with_rest,
-    }
+    options = checked(
+        {
+            "input": input,
+            "output": output,
+            "period": period,
+            "time": time,
+            "time_unit": time_unit,
+            "run": run,
+            "controller": controller,
+            "at_rest": at_rest,
+            "polled": polled,
+            "exact_command": exact_command,
+            "with_rest": with_rest,
+        }
+    )
     if not paths:
         raise TypeError("no file is named: give the path of a recording, the paths of several runs, or a table of pandas")
     if any(hasattr(path, "to_csv") for path in paths):
@@ -196,6 +210,15 @@ def read(
                 "give several files one behind the other, and make a recording of arrays with servoid.recording(u, y, period=...)"
             )
     return Recording(_servoid.Data.read([os.fspath(path) for path in paths], options))
+
+
+def checked(options: dict[str, Any]) -> dict[str, Any]:
+    """The options of :func:`read`, each of the type that it must have."""
+    found: dict[str, Any] = {name: word_or_none(name, options[name], "the name of a column") for name in COLUMNS}
+    found["time_unit"] = word_or_none("time_unit", options["time_unit"], '"s", "ms", "us" or "ns"')
+    found["period"] = number_or_none("period", options["period"], SECONDS)
+    found["at_rest"] = command_or_none("at_rest", options["at_rest"])
+    return found | {name: flag(name, options[name]) for name in FLAGS}
 
 
 def of_bytes(content: bytes, name: str) -> Recording:
@@ -217,6 +240,8 @@ def recording(
     period: float | None = None,
     phase: float = 0.0,
     at_rest: float | Sequence[float | None] | None = None,
+    polled: bool = False,
+    exact_command: bool = False,
     controllers: Sequence[float] | None = None,
     input_unit: str | None = None,
     output_unit: str | None = None,
@@ -227,7 +252,7 @@ def recording(
     ----------
     u, y : array_like, or lists of them
         Command and measured motion, one array for each run; NaN or masked where a sample is missing.
-    period, phase, at_rest, controllers, input_unit, output_unit
+    period, phase, at_rest, polled, exact_command, controllers, input_unit, output_unit
         As those of :func:`identify`.
 
     Returns
@@ -252,6 +277,8 @@ def recording(
         period=period,
         phase=phase,
         at_rest=at_rest,
+        polled=polled,
+        exact_command=exact_command,
         controllers=controllers,
         input_unit=input_unit,
         output_unit=output_unit,
@@ -273,6 +300,8 @@ def array_runs(
     period: float | None,
     phase: float,
     at_rest: float | Sequence[float | None] | None,
+    polled: bool,
+    exact_command: bool,
     controllers: Sequence[float] | None,
     input_unit: str | None,
     output_unit: str | None,
@@ -296,16 +325,13 @@ def array_runs(
         raise _servoid.ServoidError(
             "there are no samples: u and y are empty, so give the command and the motion that were recorded"
         )
-    if isinstance(at_rest, Sequence) and not isinstance(at_rest, str):
-        each = [number_or_none("at_rest", one) for one in at_rest]
-    else:
-        each = [number_or_none("at_rest", at_rest) for _ in runs]
-    names = [] if controllers is None else [number("controllers", name, "a number for each run") for name in controllers]
+    each = [command_or_none("at_rest", one) for one in _of_each(at_rest, len(runs))]
+    names = _names_of(controllers)
     period, phase = number("period", period, SECONDS), number("phase", phase, SECONDS)
-    if len(each) != len(runs) or (names and len(names) != len(runs)):
-        raise _servoid.ServoidError(
-            f"there are {len(runs)} runs: give one value of at_rest and of controllers for each"
-        )
+    for name, values in (("at_rest", each), ("controllers", names or each)):
+        if len(values) != len(runs):
+            there_are = "there is 1 run" if len(runs) == 1 else f"there are {len(runs)} runs"
+            raise _servoid.ServoidError(f"{there_are}, and {name} has {len(values)} values: give one for each run")
     if not phase >= 0.0 or phase == float("inf"):
         raise _servoid.ServoidError(
             f"a phase of {phase} s is not a time after an edge: it must be 0 or more"
@@ -314,15 +340,38 @@ def array_runs(
         "period": period,
         "phase": phase,
         "at_rest": each,
+        "polled": flag("polled", polled),
+        "exact_command": flag("exact_command", exact_command),
         "controllers": names,
-        "input_unit": input_unit,
-        "output_unit": output_unit,
+        "input_unit": word_or_none("input_unit", input_unit, 'a unit such as "deg"'),
+        "output_unit": word_or_none("output_unit", output_unit, 'a unit such as "deg"'),
     }
     return runs, options
 
 
+def _of_each(at_rest: Any, runs: int) -> list[Any]:
+    """The input before each run: one value for all, or one for each."""
+    several = isinstance(at_rest, (Sequence, np.ndarray)) and not isinstance(at_rest, str)
+    return list(at_rest) if several and np.ndim(at_rest) else [at_rest] * runs
+
+
+def _names_of(controllers: Any) -> list[float]:
+    """The controllers by their numbers; none where none are named."""
+    if controllers is None:
+        return []
+    if isinstance(controllers, str) or not hasattr(controllers, "__iter__"):
+        raise TypeError(f"controllers is {as_given(controllers)}: give a list with a number for each run")
+    names = [number("controllers", name, "a number for each run") for name in controllers]
+    if not all(np.isfinite(names)):
+        raise _servoid.ServoidError("controllers has a value that is no number: give a number for each run")
+    return names
+
+
 def as_recording(source: Any, options: dict[str, Any], like: Model | None = None) -> Recording:
     """A recording: itself, or the files that are named."""
+    unknown = options.keys() - set(READ_OPTIONS)
+    if unknown:
+        raise unexpected("read", unknown)
     if isinstance(source, Recording):
         if any(value not in (None, False) for value in options.values()):
             raise _servoid.ServoidError(
@@ -339,9 +388,7 @@ def as_recording(source: Any, options: dict[str, Any], like: Model | None = None
         )
     if like is None:
         return read(*paths, **options)
-    given = {name: options.get(name) for name in READ_OPTIONS}
-    for flag in FLAGS:
-        given[flag] = bool(given[flag])
+    given = checked({**dict.fromkeys(READ_OPTIONS), **dict.fromkeys(FLAGS, False), **options})
     return Recording(
         _servoid.Data.read_as([os.fspath(path) for path in paths], given, like._core)
     )
@@ -365,4 +412,5 @@ READ_OPTIONS = (
     "exact_command",
     "with_rest",
 )
+COLUMNS = ("input", "output", "time", "run", "controller")
 FLAGS = ("polled", "exact_command", "with_rest")

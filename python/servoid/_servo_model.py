@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from . import _servoid
-from ._arrays import samples
+from ._arrays import command_or_none, number_or_none, samples
 from ._document import Column
 from ._withdrawn import Withdrawn, withdrawn
 
@@ -169,8 +169,9 @@ class ServoModel:
             The input is no column of numbers or lacks a sample; there is no such controller.
         """
         column = samples("input", u)
+        at_rest, controller = command_or_none("at_rest", at_rest), number_or_none("controller", controller)
         if at_rest is not None:
-            column = np.concatenate([[float(at_rest)], column])
+            column = np.concatenate([[at_rest], column])
         value, half_width, reason = self._core.servo_response(column, controller)
         if at_rest is not None:
             value, half_width = value[1:], None if half_width is None else half_width[1:]
@@ -183,7 +184,9 @@ class ServoModel:
 
     def __repr__(self) -> str:
         names = ", ".join(name for name, found in self.quantities.items() if found.determined)
-        return f"<ServoModel: predicts {self.fit['held_out_percent']:.1f} % of what it had not seen; determined: {names}>"
+        reason = self.withdrawn
+        known = f"determined: {names}" if reason is None else f"no intervals, because {reason.because}; values of: {names}"
+        return f"<ServoModel: predicts {self.fit['held_out_percent']:.1f} % of what it had not seen; {known}>"
 
 
 def _of_document(text: str) -> ServoModel:

@@ -6,6 +6,7 @@ import os
 import tempfile
 
 from . import _servoid
+from ._arrays import flag, number_or_none, path_of, whole
 from ._plan import named, reference_options
 from ._recording import Recording, of_bytes, read
 
@@ -40,7 +41,7 @@ def simulate(
     amplitude : float, optional
         Amplitude to each side of neutral (degrees).
     hold, length : float, optional
-        Hold of each level of stairs or each chip of prbs, and length of the reference (s).
+        Hold of each level of stairs or each chip of prbs, and length of the reference (s); the staircase has a length of its own.
     levels, prbs_seed : int, optional
         Number of levels of stairs; start of prbs in its sequence.
     frequencies : (float, float), optional
@@ -65,10 +66,11 @@ def simulate(
     >>> servoid.simulate("aircraft", seed=3, reference="prbs", length=20)
     <Recording aircraft.csv: 1 run, 10000 samples, every 2 ms>
     """
-    servo = named("servo", servo)
+    servo, seed = named("servo", servo), whole("seed", seed, 0, 2**64 - 1)
+    controller, force = number_or_none("controller", controller), flag("force", force)
     run = reference_options(reference, amplitude, hold, length, levels, prbs_seed, frequencies)
     if out is not None:
-        _servoid.simulate(servo, controller, seed, run, os.fspath(out), force)
+        _servoid.simulate(servo, controller, seed, run, path_of("out", out, "the path of the file to write"), force)
         return read(out)
     name = os.path.splitext(os.path.basename(servo.split("?")[0]))[0]
     with tempfile.TemporaryDirectory() as folder:

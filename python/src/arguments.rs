@@ -3,7 +3,7 @@
 use pyo3::prelude::*;
 
 /// Options that are arguments too, and take a value.
-const VALUED: [&str; 19] = [
+const VALUED: [&str; 24] = [
     "input",
     "output",
     "period",
@@ -23,6 +23,11 @@ const VALUED: [&str; 19] = [
     "step-ms",
     "full-command",
     "frame-ms",
+    "reference",
+    "amplitude",
+    "hold",
+    "length",
+    "levels",
 ];
 
 /// Options that are arguments too, and true where they are given.
@@ -37,7 +42,7 @@ const FLAGS: [&str; 7] = [
 ];
 
 /// Values that are words.
-const WORDS: [&str; 11] = [
+const WORDS: [&str; 16] = [
     "s",
     "ms",
     "us",
@@ -49,19 +54,65 @@ const WORDS: [&str; 11] = [
     "narrow",
     "stable",
     "ardupilot",
+    "staircase",
+    "stairs",
+    "prbs",
+    "sweep",
+    "multisine",
 ];
 
 /// Words between two options.
 const JOINING: [&str; 2] = ["and", "or"];
 
-/// The sentence with arguments where it names options. Commands for a shell, which stand between quotes, stay what they are.
+/// What sentences say of commands for a shell, and the same in Python.
+const CALLS: [(&str, &str); 8] = [
+    (
+        "is no model: identify the recording first, with servoid identify RECORDING.csv -o MODEL.json",
+        "is no model: make one of a recording with servoid.identify(), and write it with model.save(path)",
+    ),
+    (
+        "is no model of 'servoid identify'",
+        "is no model as model.save() writes it",
+    ),
+    (
+        "this model file has no servo model: identify it with 'servoid identify RECORDING.csv --servo-model -o MODEL.json'",
+        "this model has no servo model: identify its recording with servo_model=True",
+    ),
+    (
+        "is a model as 'servoid identify -o' writes it, and recordings are needed here: name the CSV file that it comes from",
+        "is a model, and recordings are needed here: read it with servoid.Model.load(path), or give the CSV file that it comes from",
+    ),
+    (
+        "record both at one rate of pulses ('servoid init --pulse-rate'), or",
+        "record both at one rate of pulses, or",
+    ),
+    (
+        "'servoid compare --servo-model', models as 'servoid identify --servo-model' writes them",
+        "servoid.compare() with servo_model=True, models that were identified with servo_model=True",
+    ),
+    (
+        "compare them ('servoid compare')",
+        "compare them with servoid.compare()",
+    ),
+    ("('--servo-model')", "(servo_model=True)"),
+];
+
+/// The sentence with calls and arguments where it names commands and options. Commands for a shell that have no call, which stand between
+/// quotes, stay what they are.
 pub(crate) fn in_python(sentence: &str) -> String {
+    let calls = CALLS.iter();
+    with_options_named(&calls.fold(sentence.to_owned(), |said, (command, call)| {
+        said.replace(command, call)
+    }))
+}
+
+fn with_options_named(sentence: &str) -> String {
     let command = sentence.split_once(SHELL).and_then(|(before, after)| {
         let (command, behind) = after.split_once('\'')?;
         Some(format!(
             "{}{SHELL}{command}'{}",
             with_arguments(before),
-            in_python(behind)
+            with_options_named(behind)
         ))
     });
     command.unwrap_or_else(|| with_arguments(sentence))

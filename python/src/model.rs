@@ -128,6 +128,14 @@ impl Model {
         Ok(answer.map(|answer| in_python(&answer)))
     }
 
+    /// Whether the servo is called linear, by the linear model and by the servo model beside it.
+    #[getter]
+    fn linear(&self) -> PyResult<bool> {
+        let servo = self.file.servo_model().map_err(raised)?;
+        let servo = servo.as_ref().map(|found| &found.model);
+        Ok(summary::is_called_linear(&self.file.model, servo))
+    }
+
     /// The frequency response of the servo alone, as the document has that of the samples, and the first frequency and the one behind
     /// the last that are drawn.
     fn servo_frequency(&self) -> PyResult<(String, (usize, usize))> {

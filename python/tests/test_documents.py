@@ -150,3 +150,19 @@ def test_arrays_are_read_alike_wherever_their_values_lie():
     assert servoid.identify(table[:, 0], table[:, 1], period=0.002).to_dict() == whole.to_dict()
     recorded = servoid.recording(u, y, period=0.002)
     assert servoid.identify(recorded).to_dict() == whole.to_dict()
+
+
+def test_arrays_have_the_options_of_files(tmp_path):
+    # A noisy command: where the servo was sent the noise, the bounds need not allow for it.
+    generator = np.random.default_rng(3)
+    u = np.repeat(generator.uniform(-10, 10, size=60), 20) + 0.3 * generator.normal(size=1200)
+    y = np.convolve(u, np.full(10, 0.1))[: len(u)] + 0.05 * generator.normal(size=len(u))
+    file = tmp_path / "noisy.csv"
+    file.write_text("u,y\n" + "\n".join(f"{a!r},{b!r}" for a, b in zip(u.tolist(), y.tolist())) + "\n")
+    usual = servoid.identify(u, y, period=0.01)
+    for option in ({"exact_command": True}, {"polled": True}):
+        of_file = servoid.identify(file, input="u", output="y", period=0.01, **option).to_dict()
+        of_arrays = servoid.identify(u, y, period=0.01, **option)
+        assert of_arrays.to_dict()["metrics"] == of_file["metrics"]
+        assert of_arrays.metrics.dc_gain != usual.metrics.dc_gain or of_arrays.metrics.delay_s != usual.metrics.delay_s
+        assert servoid.identify(servoid.recording(u, y, period=0.01, **option)).to_dict() == of_arrays.to_dict()

@@ -36,10 +36,19 @@ Y = np.convolve(U, np.full(10, 0.1))[: len(U)] + 1e-3 * RANDOM.normal(size=len(U
         (U, Y, {"level": 1.5}, "confidence level"),
         (U, Y, {"level": np.nan}, "confidence level"),
         (U, Y, {"settling": 2}, "settling time of 2"),
-        (U, Y, {"settling": "long"}, "auto"),
+        (U, Y, {"settling": "long"}, "settling is 'long': give \"auto\" or a number of samples"),
+        (U, Y, {"settling": -4}, "settling is -4"),
+        (U, Y, {"frequencies": "wide"}, "frequencies is 'wide': give \"auto\", \"narrow\" or an odd number"),
+        (U, Y, {"noise_order": -1}, "noise_order is -1"),
+        (U, Y, {"detrend": "quadratic"}, "detrend is 'quadratic': give \"auto\", \"none\", \"offset\" or \"linear\""),
+        (U, Y, {"prior": "flat"}, "prior is 'flat': give \"none\" or \"stable\""),
+        (U, Y, {"at_rest": np.nan}, "at_rest is nan: give the command before the run, or leave at_rest out"),
+        (U, Y, {"controllers": [np.nan]}, "a number for each run"),
+        (U[:, None], Y[:, None], {}, "a column with the shape"),
+        (3.0, 4.0, {}, "is one value: give an array"),
         (U, Y, {"frequencies": 4, "settling": 9}, "odd"),
         (U, Y, {"noise_order": 99}, "noise order"),
-        (U, Y, {"at_rest": [0.0, 0.0]}, "each"),
+        (U, Y, {"at_rest": [0.0, 0.0]}, "there is 1 run, and at_rest has 2 values: give one for each run"),
         (U, Y, {"controllers": [1.0, 2.0]}, "each"),
         (U[:40], Y[:40], {}, "samples"),
     ],
@@ -101,6 +110,28 @@ def test_wrong_types_are_type_errors():
         (lambda: servoid.recording(U, Y, period="0.01"), "period is '0.01'"),
         (lambda: servoid.read("a.csv", input="u", output="y", period="0.01"), "period is '0.01'"),
         (lambda: servoid.compare("a.csv", "b.csv", margin="5"), "margin is '5'"),
+        (lambda: servoid.identify(U, Y, period=0.01, prior=None), 'prior is None: give "none" or "stable"'),
+        (lambda: servoid.identify(U, Y, period=0.01, explain="yes"), "explain is 'yes': give True or False"),
+        (lambda: servoid.identify(U, Y, period=0.01, settling=1.5), "settling is 1.5"),
+        (lambda: servoid.identify(U, Y, period=True), "period is True: give a number of seconds"),
+        (lambda: servoid.identify(U, Y, period=[0.01]), r"period is \[0.01\]: give a number of seconds"),
+        (lambda: servoid.identify(U, Y, period=0.01, controllers=5), "controllers is 5: give a list"),
+        (lambda: servoid.identify(U, Y, period=0.01, input_unit=5), 'input_unit is 5: give a unit such as "deg"'),
+        (lambda: servoid.identify(U, Y, dt=0.01), r"identify\(\) has no argument dt: .* as period="),
+        (lambda: servoid.identify(U, Y, fs=100), r"identify\(\) has no argument fs: .* 1 / rate, as period="),
+        (lambda: servoid.identify("a.csv", dt=0.01), r"has no argument dt: .* as period="),
+        (lambda: servoid.identify(U, Y, period=0.01, colour="red"), r"has no argument colour: help\(servoid.identify\)"),
+        (lambda: servoid.identify(U, Y, period=0.01, input="u"), "input is of files and tables"),
+        (lambda: servoid.read("a.csv", input=3), "input is 3: give the name of a column"),
+        (lambda: servoid.read("a.csv", polled="yes"), "polled is 'yes': give True or False"),
+        (lambda: servoid.compare("a.csv", "b.csv", dt=1), r"compare\(\) has no argument dt"),
+        (lambda: servoid.simulate(seed=1.5), "seed is 1.5: give a whole number from 0 to"),
+        (lambda: servoid.simulate(length="3"), "length is '3': give a number of seconds"),
+        (lambda: servoid.simulate(reference="stairs", levels=2.5), "levels is 2.5: give a whole number from 2 to 16"),
+        (lambda: servoid.simulate(reference="sweep", frequencies=3), "frequencies is 3: give the lowest and the highest frequency"),
+        (lambda: servoid.plan(noise="x"), "noise is 'x': give a number of degrees"),
+        (lambda: servoid.Model.load(3), r"path is 3: give the path of a file that model.save\(\) has written"),
+        (lambda: servoid.Model.from_json({}), "text is {}: give the JSON of a model"),
         (lambda: servoid.plan(model=servoid.identify(U, Y, period=0.01)), r'save a model with model\.save\("servo\.json"\)'),
         (lambda: servoid.simulate(servoid.identify(U, Y, period=0.01)), r'give servo="servo\.json"'),
         (lambda: servoid.validate("a.json", U, Y), r"servoid\.Model\.load\(path\)"),
@@ -109,6 +140,43 @@ def test_wrong_types_are_type_errors():
 def test_wrong_types_are_answered_by_what_to_give(call, sentence):
     with pytest.raises(TypeError, match=sentence):
         call()
+
+
+@pytest.mark.parametrize(
+    ("call", "sentence"),
+    [
+        (lambda model: servoid.simulate(seed=-1), "seed is -1: give a whole number from 0 to"),
+        (lambda model: servoid.simulate(length=5), "^length is not for the reference staircase"),
+        (lambda model: servoid.simulate(hold=5), "^hold is not for the reference staircase"),
+        (lambda model: servoid.plan(repeat=0), "repeat is 0: give a whole number from 1 to 99"),
+        (lambda model: model.export("mujoco"), "identify its recording with servo_model=True"),
+        (lambda model: servoid.Model.from_json("nothing"), r"write it with model.save\(path\)"),
+        (lambda model: servoid.Model.from_json("{}"), r"is no model as model.save\(\) writes it"),
+        (lambda model: model.simulate(U, at_rest=np.nan), "at_rest is nan"),
+        (lambda model: model.predict([U, U], [Y]), "as many arrays"),
+        (lambda model: servoid.compare(servoid.recording(U, Y, period=0.01), servoid.recording(U, Y, period=0.02)), "servo_model=True"),
+    ],
+)
+def test_sentences_name_what_python_has(call, sentence):
+    with pytest.raises(servoid.ServoidError, match=sentence) as raised:
+        call(servoid.identify(U, Y, period=0.01))
+    assert "'servoid " not in str(raised.value) and "--" not in str(raised.value)
+
+
+def test_a_model_is_no_recording(tmp_path):
+    model = servoid.identify(U, Y, period=0.01)
+    model.save(tmp_path / "model.json")
+    with pytest.raises(servoid.ServoidError, match=r"read it with servoid.Model.load\(path\)"):
+        servoid.compare(tmp_path / "model.json", tmp_path / "model.json")
+
+
+def test_only_axes_are_drawn_on(needed):
+    needed("matplotlib").use("Agg")
+    model = servoid.identify(U, Y, period=0.01)
+    with pytest.raises(TypeError, match="ax is 3: give Axes of matplotlib"):
+        model.plot(3)
+    with pytest.raises(TypeError, match="axes is 3: give two Axes of matplotlib"):
+        model.plot_bode(3)
 
 
 @pytest.mark.parametrize("nothing", [[], np.array([])])

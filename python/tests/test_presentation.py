@@ -86,7 +86,7 @@ def test_sentences_have_arguments_where_the_program_has_options(machine):
     found = servoid.identify(*halves, period=0.002, controllers=[1.0, 2.0])
     (written,) = (item["do"] for item in found.to_dict()["advice"] if "--" in item["do"])
     said = [item.do for item in found.advice]
-    assert "--servo-model" in written and written.replace("--servo-model", "servo_model=True") in said
+    assert "--servo-model" in written and written.replace("'--servo-model'", "servo_model=True") in said
     linear = machine.export("c")
     assert any("--servo-model" in warning for warning in linear.document["warnings"])
     assert any("servo_model=True" in warning for warning in linear.warnings) and not any("--" in warning for warning in linear.warnings)
@@ -272,3 +272,46 @@ def test_prediction_is_closer_than_simulation():
     simulated, predicted = model.simulate(u), model.predict(u, y)
     known = ~np.isnan(simulated) & ~np.isnan(predicted)
     assert np.std((y - predicted)[known]) < np.std((y - simulated)[known])
+
+
+def telegraph(seed):
+    """A servo of 280 a second at the most, between two levels: command and motion."""
+    random = np.random.default_rng(seed)
+    u = np.repeat(np.where(random.random(100) < 0.5, -60.0, 60.0), 30)
+    at, y = 0.0, np.empty(len(u))
+    for k, command in enumerate(u):
+        y[k] = at
+        at += np.clip(0.3 * (command - at), -2.8, 2.8)
+    return u, y + 0.2 * random.normal(size=len(u))
+
+
+def test_a_servo_without_intervals_is_not_called_determined():
+    u, y = telegraph(8)
+    model = servoid.identify(u, y, period=0.01, servo_model=True)
+    servo = model.servo_model
+    assert servo.withdrawn.reason == "few_levels", "the case no longer has what it is for"
+    assert "determined" not in repr(servo) and servo.withdrawn.because in repr(servo)
+    assert not model.linear
+    # The gain of the linear model is not that of the servo, and is not said to be.
+    said = repr(model)
+    assert "the servo passes" not in said and "the servo ends" not in said
+    assert "does not excite" not in said and "fewer than three levels" in said
+    # No speed is beyond the limit for the noise of the sensor.
+    assert "is limited to 280 units/s" in said and "moved at up to" not in said
+
+
+def test_a_validation_has_units_and_what_to_do():
+    model = servoid.identify(servoid.simulate("linear"))
+    assert " deg rms, bias " in repr(model.validate(servoid.simulate("linear", seed=5)))
+    again = model.validate(servoid.simulate("linear"))
+    assert all(item.do in repr(again) for item in again.advice) and again.advice
+    assert repr(pickle.loads(pickle.dumps(again))) == repr(again)
+
+
+def test_models_are_compared_as_models():
+    models = [servoid.identify(servoid.simulate("linear", seed=seed)) for seed in (1, 2)]
+    assert "of these models" in repr(servoid.compare(*models))
+
+
+def test_a_low_order_model_says_whether_it_is_an_approximation(model):
+    assert model.flight_model.approximation is model.to_dict()["flight_model"]["approximation"]

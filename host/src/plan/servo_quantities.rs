@@ -112,10 +112,13 @@ fn remedies(
         left_open.any(|kind| kinds.contains(&kind))
     };
     let by_reason = match level.withdrawn() {
-        Some(Reason::InputUnexcited) => Some(
+        Some(Reason::FewLevels) => Some(
             "take a reference with more than two levels, such as stairs or a table of random steps: two positions of rest do not \
              distinguish friction, dead band and load from gain and offset",
         ),
+        Some(Reason::FrictionUnseen | Reason::MotionInNoise) => {
+            Some("take larger strokes: the servo hardly moves, and its friction does not show")
+        }
         // No reference that goes beyond the stop serves for anything else, either.
         Some(Reason::TravelEnd) => return vec![WITHIN_THE_STOPS],
         Some(_) if is_of_equation => Some(

@@ -80,6 +80,8 @@ pub fn of_plan(plan: &Plan) -> String {
 fn none_because(reason: Reason) -> String {
     let remedy = match reason {
         Reason::InputUnexcited => "take a reference with sharp edges",
+        Reason::FewLevels => "take a reference with three levels or more",
+        Reason::FrictionUnseen | Reason::MotionInNoise => "take larger strokes",
         Reason::FrequenciesLeftOut => "identify the model again with more frequencies",
         Reason::ErrorsNotNoise | Reason::NeverAtRest => {
             "take holds in which the servo comes to rest"

@@ -10,6 +10,7 @@ mod demo;
 mod doubts;
 mod errors;
 mod export;
+mod few_levels;
 mod files;
 mod finite;
 mod flash;

@@ -288,7 +288,7 @@ fn servo_models_are_compared_where_both_have_one() {
     let found = run(&["compare", arg(&early), arg(&withdrawn), "--json"]);
     let found: Value = serde_json::from_str(&found).unwrap();
     let servos = &found["servo_model"];
-    assert_eq!(servos["withdrawn"]["reason"], "input_unexcited");
+    assert_eq!(servos["withdrawn"]["reason"], "few_levels");
     assert!(servos["bounds"].is_null() && servos["quantities"][0]["b"].is_f64());
     let text = run(&["compare", arg(&early), arg(&withdrawn)]);
     assert!(text.contains("no statement about the difference"), "{text}");

@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 const PERIOD_S: f64 = 0.01;
 
 /// A sweep of 24 s from 0.2 to 8 Hz, ±10 degrees, behind a lag of 40 ms; this share of the answer is behind one of .4 s. The table is written into `folder`.
-fn sweep(folder: &Path, slow_share: f64) -> PathBuf {
-    let mut random = random(5);
+fn sweep(folder: &Path, slow_share: f64, seed: u64) -> PathBuf {
+    let mut random = random(seed);
     let (mut fast, mut slow) = (0.0, 0.0);
     let mut text = "t_s,u_deg,y_deg\n".to_owned();
     for k in 0..2400 {
@@ -23,14 +23,14 @@ fn sweep(folder: &Path, slow_share: f64) -> PathBuf {
         fast += (1.0 - (-PERIOD_S / 0.04).exp()) * (command - fast);
         slow += (1.0 - (-PERIOD_S / 0.4).exp()) * (command - slow);
     }
-    let file = folder.join("sweep.csv");
+    let file = folder.join(format!("sweep{seed}.csv"));
     std::fs::write(&file, text).unwrap();
     file
 }
 
 /// What `identify` prints of it, and the model file.
 fn identified(folder: &Path, slow_share: f64) -> (String, PathBuf) {
-    let (table, model) = (sweep(folder, slow_share), folder.join("sweep.json"));
+    let (table, model) = (sweep(folder, slow_share, 5), folder.join("sweep.json"));
     let columns = ["--input", "u", "--output", "y"];
     let text = run(&[&["identify", arg(&table), "-o", arg(&model)], &columns[..]].concat());
     // A line ends anywhere in a sentence.
@@ -73,7 +73,28 @@ fn a_sweep_has_a_low_order_model_wherever_its_result_is_shown() {
         let text = std::fs::read_to_string(file).unwrap();
         assert!(text.contains(with), "{target}: {text}");
         assert!(!text.contains("approximation"), "{target}");
+        let called = text.contains("This response is a picture of the recording");
+        assert_eq!(called, target != "jsbsim", "{target}: {text}");
     }
+}
+
+/// The reason is the number of runs, and not errors that are no noise.
+#[test]
+fn three_runs_of_a_sweep_are_to_be_identified_one_by_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let runs = [5, 6, 7].map(|seed| sweep(folder.path(), 0.0, seed));
+    let columns = ["--input", "u", "--output", "y"];
+    let text = run(&[
+        &["identify"],
+        &runs.each_ref().map(|run| arg(run))[..],
+        &columns[..],
+    ]
+    .concat());
+    let words: Vec<&str> = text.split_whitespace().collect();
+    let text = words.join(" ");
+    assert!(text.contains("identify each run by itself"), "{text}");
+    assert!(!text.contains("Nor are the errors noise"), "{text}");
+    assert!(!text.contains("because the errors are not noise"), "{text}");
 }
 
 #[test]

@@ -127,7 +127,7 @@ impl Motion {
             return strokes_differ([self, other].map(Self::ends_in_words), unit);
         }
         let (a, b) = (self.in_words(unit), other.in_words(unit));
-        format!("the references differ, {a}, against {b}")
+        format!("the references differ (the first has {a}; the second has {b})")
     }
 
     /// "±5", or "-3 to +5".
@@ -210,7 +210,8 @@ mod tests {
         );
         let longer = small.difference_in_words(&square(5.0, 40), "");
         assert!(
-            longer.starts_with("the references differ, 2 levels"),
+            longer.starts_with("the references differ (the first has 2 levels")
+                && longer.contains("; the second has 2 levels"),
             "{longer}"
         );
         assert!(!small.is_like(&square(5.0, 40)));

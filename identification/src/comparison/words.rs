@@ -138,7 +138,7 @@ fn subject(found: &Comparison) -> &'static str {
 }
 
 fn feel(found: &Comparison, options: &ComparisonOptions) -> String {
-    let time = behind(found, options);
+    let time = behind(found);
     let rest = found
         .levels
         .as_ref()
@@ -160,11 +160,12 @@ fn feel(found: &Comparison, options: &ComparisonOptions) -> String {
             "what differs from run to run, or between up and down strokes, is not included, which takes recordings"
         }
     };
-    format!("{time}{rest}{scale}; {runs}.")
+    let all_of_it = by_time_alone(&found.curves, options);
+    format!("{time}{rest}{scale}; {runs}.{all_of_it}")
 }
 
 /// That a logger makes such a difference, too, where the times are all of it.
-fn by_a_clock(curves: &[DifferenceCurve], options: &ComparisonOptions) -> &'static str {
+fn by_time_alone(curves: &[DifferenceCurve], options: &ComparisonOptions) -> &'static str {
     let is_all = |curve: &DifferenceCurve| {
         let shift = curve.delay_shift_s.value.unwrap_or_default();
         let left = curve.shift_leaves_percent.unwrap_or(f64::INFINITY);
@@ -172,14 +173,15 @@ fn by_a_clock(curves: &[DifferenceCurve], options: &ComparisonOptions) -> &'stat
     };
     match curves.iter().all(is_all) {
         true => {
-            ", and without that they would count as the same: a servo that is a little slower does that, and so does a file whose rows were written by another clock than its commands"
+            " That shift in time is all that they differ by. A servo that answers later makes one, and so does a recording in which commands and positions have \
+             the times of two different clocks."
         }
         false => "",
     }
 }
 
 /// Whether the second is behind the first in time, stroke by stroke where they differ.
-fn behind(found: &Comparison, options: &ComparisonOptions) -> String {
+fn behind(found: &Comparison) -> String {
     let timing = |curve: &DifferenceCurve| {
         let shift = &curve.delay_shift_s;
         let Some(seconds) = shift.value else {
@@ -206,7 +208,7 @@ fn behind(found: &Comparison, options: &ComparisonOptions) -> String {
         ),
         curves => {
             let timing: String = curves.iter().map(timing).collect();
-            format!("The second {timing}{}", by_a_clock(curves, options))
+            format!("The second {timing}")
         }
     }
 }

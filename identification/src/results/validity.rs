@@ -32,6 +32,12 @@ pub enum Reason {
     GainDrift,
     /// The input lacks the frequencies that part of the response consists of.
     InputUnexcited,
+    /// Of a servo model: the command goes to fewer levels than distinguish gain and offset from friction, a dead band and a load.
+    FewLevels,
+    /// Of a servo model: it has friction, and the record does not show how much.
+    FrictionUnseen,
+    /// Of a servo model: the motion is lost in the noise.
+    MotionInNoise,
     /// The number of frequencies that was asked for leaves out more than can be bounded, though the input has it.
     FrequenciesLeftOut,
     /// The errors follow the motion, or generalised least squares fits worse for taking them for noise.
@@ -94,6 +100,11 @@ impl Reason {
             Self::LoadHoldsDrive => "a load holds the servo short of some commands",
             Self::GainDrift => "the servo's gain changes along the recording",
             Self::InputUnexcited => "the reference does not excite all of the response",
+            Self::FewLevels => {
+                "the command goes to fewer than three levels, which leaves open what is friction, a dead band or a load, and what is gain"
+            }
+            Self::FrictionUnseen => "the recording does not show how much friction the servo has",
+            Self::MotionInNoise => "the motion is lost in the noise",
             Self::FrequenciesLeftOut => {
                 "part of the response lies at frequencies that were left out"
             }

@@ -15,9 +15,14 @@ use crate::thresholds::{MOTION_IN_NOISE, MOTION_NOISE_CHANCE, MOTION_NOISE_RATIO
 
 /// What speaks against intervals of `point`.
 pub(super) fn against(stretches: &[Stretch], point: &Point, found: &Uncertainty) -> Option<Reason> {
-    let shows_little = hides_friction(point, found) || hardly_moves(stretches, found);
-    if levels(stretches) < SERVO_LEVELS || shows_little {
-        return Some(Reason::InputUnexcited);
+    if hardly_moves(stretches, found) {
+        return Some(Reason::MotionInNoise);
+    }
+    if levels(stretches) < SERVO_LEVELS {
+        return Some(Reason::FewLevels);
+    }
+    if hides_friction(point, found) {
+        return Some(Reason::FrictionUnseen);
     }
     let follow = lack_of_fit::follows_command(stretches, point, found)
         || lack_of_fit::has_play(point, found)

@@ -18,6 +18,11 @@ pub struct Arrays<'a> {
     pub phase_s: f64,
     /// The runs.
     pub runs: Vec<ArrayRun<'a>>,
+    /// Whether another clock polled the input, so that a change that is seen in a sample came up to one period before: half of that is added
+    /// to the phase.
+    pub polled: bool,
+    /// Whether the servo was sent the input to its last digit, so that steps and noise of it are meant.
+    pub exact_command: bool,
     /// The name or gain of the controller that drove each run, where several did; else empty.
     pub controllers: Vec<f64>,
     /// The unit of the input, where it is known.
@@ -74,14 +79,23 @@ impl<'a> Arrays<'a> {
                 None => arrays.output,
             };
             let next = run(arrays.input, output, arrays.at_rest);
-            runs.push(next.map_err(|error| DatasetError::Data(place, error))?);
+            let next = next.map_err(|error| DatasetError::Data(place, error))?;
+            runs.push(match self.exact_command {
+                true => next.with_exact_input(),
+                false => next,
+            });
         }
+        let late_s = match self.polled {
+            true => 0.5 * self.period_s,
+            false => 0.0,
+        };
+        about.sensor_delay_uncertainty_s = late_s;
         Ok(Loaded {
             runs,
             controllers: self.controllers,
             rest: Vec::new(),
             period_s: self.period_s,
-            phase_s: self.phase_s,
+            phase_s: self.phase_s + late_s,
             about,
         })
     }

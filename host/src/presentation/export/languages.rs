@@ -4,6 +4,7 @@ use super::model::Export;
 use super::statement::{InFile, of_error, parameters_of};
 use super::text::{
     C_STYLE, MATLAB_STYLE, PYTHON_STYLE, SCRIPT_STYLE, Style, identifier, number, plain, quoted,
+    wrapped,
 };
 use crate::presentation::template::fill;
 use servoid_identification::flight_model::FlightModel;
@@ -49,6 +50,7 @@ pub(super) fn c(export: &Export<'_>) -> String {
         ("name", quoted(export.name, &['"', '?'])),
         ("bounds_hold", holds.to_string()),
         ("theta_count", export.model.theta.len().to_string()),
+        ("of_response", export.about_response("\n * ")),
     ];
     let parameters = vec![("parameters", c_parameters(export))];
     export.in_language(&language!(C_STYLE, "h"), values, parameters)
@@ -81,6 +83,7 @@ pub(super) fn julia(export: &Export<'_>) -> String {
         // A dollar would put the value of an expression in.
         ("name", quoted(export.name, &['"', '$'])),
         ("bounds_hold", holds.to_string()),
+        ("of_response", export.about_response("\n")),
     ];
     // Short vectors are literals, and have commas.
     let literals = export.low_order.as_ref().map(|flight| {
@@ -119,6 +122,7 @@ pub(super) fn matlab(export: &Export<'_>) -> String {
         ("name", plain(export.name).replace('\'', "''")),
         ("bounds_hold", holds.to_string()),
         ("warning", warning.to_owned()),
+        ("of_response", export.about_response("\n% ")),
     ];
     export.in_language(&language!(MATLAB_STYLE, "m"), values, Vec::new())
 }
@@ -133,6 +137,7 @@ pub(super) fn python(export: &Export<'_>) -> String {
     let values = vec![
         ("name", quoted(export.name, &['"'])),
         ("bounds_hold", holds.to_owned()),
+        ("of_response", export.about_response("\n    ")),
     ];
     export.in_language(&language!(style, "py"), values, Vec::new())
 }
@@ -146,6 +151,16 @@ impl Export<'_> {
         values.push(("low_order", self.low_order_part(language, of_low_order)));
         values.extend(self.sections_of_bounds(language));
         fill(language.file, &values)
+    }
+
+    /// What a reader must know of the response where it is called, on lines that begin with `line`; empty where there is nothing.
+    fn about_response(&self, line: &str) -> String {
+        let said = self.of_response();
+        wrapped(said.split_whitespace(), " ", "", "")
+            .iter()
+            .filter(|text| !text.is_empty())
+            .map(|text| format!("{line}{text}"))
+            .collect()
     }
 
     /// A template with these values and the names.

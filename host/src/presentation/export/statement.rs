@@ -113,13 +113,35 @@ impl Export<'_> {
         let servo = self.servo_model.filter(|servo| servo.predicts())?;
         let found = servo.linear_models.as_ref()?;
         let linear = found.percent_of(LinearKind::Linear)?;
-        (found.servo_model_percent > linear + LINEAR_MODEL_ADVANTAGE).then(|| {
-            format!(
+        let is_better = found.servo_model_percent > linear + LINEAR_MODEL_ADVANTAGE;
+        // The percents are those of the response, which a band has as a picture of the recording; the low-order model is none.
+        is_better.then(|| match self.model.band() {
+            Some(_) => format!(
+                "this file is not that of the servo model, which predicts parts of the recording that it has not seen to {:.1} %, and which \
+                 --servo-model exports; how well the low-order model predicts them was not tested",
+                found.servo_model_percent
+            ),
+            None => format!(
                 "this is the linear model, which predicts parts of the recording that it has not seen to {linear:.1} %; the servo model in \
                  the same file predicts them to {:.1} %, and --servo-model exports it",
                 found.servo_model_percent
-            )
+            ),
         })
+    }
+
+    /// What a reader must know of a response of this file where it is simulated; empty of a linear servo with bounds.
+    pub(super) fn of_response(&self) -> String {
+        match (self.model.level(), self.model.linear) {
+            (Bounds::Withdrawn(reason), _) => format!(
+                "This response is a picture of the recording, without bounds, because {}: the servo may answer otherwise.",
+                reason.because()
+            ),
+            (Bounds::Valid(_), false) => {
+                "The servo is not linear, and this response describes the recorded motion: the servo may answer another command otherwise."
+                    .to_owned()
+            }
+            (Bounds::Valid(_), true) => String::new(),
+        }
     }
 
     /// Which of two models of the file this is, and why, where no warning says it.

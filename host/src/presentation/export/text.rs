@@ -142,7 +142,7 @@ pub(super) fn number(value: f64) -> String {
 }
 
 /// Words in lines of [`WIDTH`] columns at most.
-fn wrapped<'a>(
+pub(super) fn wrapped<'a>(
     words: impl Iterator<Item = &'a str>,
     between: &str,
     broken: &str,

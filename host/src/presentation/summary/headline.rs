@@ -3,7 +3,9 @@
 use super::comparison::subject_in_words;
 use super::first_finding::{answers_first, first_finding, said_before};
 use super::layout::first_sentence;
-use super::model_sentence::{certainty, half_way_and_settled, has_likely_times, hides_step};
+use super::model_sentence::{
+    certainty, half_way_and_settled, has_likely_times, hides_step, is_picture, what_answers,
+};
 use super::numbers::percent;
 use super::servo_sentence::servo_sentence;
 use super::strokes::which_step;
@@ -32,9 +34,11 @@ pub(crate) fn headline_of_model(model: &Model, of: &ModelMetadata) -> String {
     let motion = match parts.is_empty() {
         true => String::new(),
         false => format!(
-            "After a step{} the servo {}. ",
+            "After a step{} {} {}.{} ",
             which_step(of),
-            parts.join(" and ")
+            what_answers(model),
+            parts.join(" and "),
+            is_picture(model)
         ),
     };
     let before = said_before(model).map_or_else(String::new, |item| format!("{} ", item.finding));

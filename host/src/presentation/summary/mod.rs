@@ -37,8 +37,8 @@ pub(crate) use servo_comparison::{how_servo_models_are_compared, servo_model_row
 pub use servo_comparison::{of_servo_models, sentence_on_servo_models};
 pub use servo_model::of_servo_model;
 pub(crate) use servo_sentence::LOOKS_LIKE_A_LOAD;
-pub use servo_sentence::servo_sentence;
 pub(crate) use servo_sentence::unlikely_speed;
+pub use servo_sentence::{is_called_linear, servo_sentence};
 pub(crate) use sixty_degrees::sixty_degrees;
 pub(crate) use strokes::{of_one_size, stroke_in_words};
 pub use validation::of_validation;

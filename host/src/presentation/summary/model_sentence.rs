@@ -61,11 +61,34 @@ fn motion(model: &Model, of: &ModelMetadata) -> String {
                 false => format!("{}, and {last}", parts.join(", ")),
             };
             format!(
-                "After a step of the command{} the servo {all}.",
-                which_step(of)
+                "After a step of the command{} {} {all}.{}",
+                which_step(of),
+                what_answers(model),
+                is_picture(model)
             )
         }
     }
+}
+
+/// Whose figures those of a step response are: gain and times of a linear model are not those of a servo that is not linear.
+pub(super) fn what_answers(model: &Model) -> &'static str {
+    match model.linear && !lacks_something(model) {
+        true => "the servo",
+        false => "the linear model",
+    }
+}
+
+/// Said behind such figures where no bounds say what they are worth; of a servo that is not linear, bounds come with a sentence of their own.
+pub(super) fn is_picture(model: &Model) -> &'static str {
+    match lacks_something(model) {
+        true => " That is a picture of this recording, and the servo itself may do otherwise.",
+        false => "",
+    }
+}
+
+/// Whether the model lacks something that its errors show.
+fn lacks_something(model: &Model) -> bool {
+    model.step.bounds.withdrawn() == Some(Reason::ErrorsNotNoise)
 }
 
 /// Whether the response takes times that a servo can take, which a finding says where it does not.

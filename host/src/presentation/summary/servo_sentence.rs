@@ -4,7 +4,9 @@ use super::layout::listed_words;
 use super::measured_limits::limits_in_words;
 use super::numbers::{digits, four_digits};
 use super::sixty_degrees::turn_time_s;
-use super::speed_words::{assumed_units, speed_in_words, upwards};
+use super::speed_words::{
+    RAISED_BY_NOISE, assumed_units, measured_speed, noise_of_speed, speed_in_words, upwards,
+};
 use super::top_speeds::{determined, is_never_reached, top_speeds};
 use crate::data::units::Units;
 use servoid_identification::results::{Advice, Bounds, Model, Reason};
@@ -144,6 +146,18 @@ impl LinearBeside {
     }
 }
 
+/// Whether the servo is called linear: by its linear model, and by the servo model beside it where that is to be relied on.
+#[must_use]
+pub fn is_called_linear(linear: &Model, servo: Option<&ServoModel>) -> bool {
+    let is_machine = |servo: &ServoModel| {
+        servo.predicts()
+            && !servo.is_linear()
+            && !is_linear_beside(servo, linear)
+            && !linear_is_as_good(servo)
+    };
+    linear.linear && !servo.is_some_and(is_machine)
+}
+
 /// Whether its errors show that the model lacks something of the servo, or would if the steps of the sensor were smaller.
 fn lacks_something(model: &ServoModel) -> bool {
     matches!(
@@ -197,9 +211,10 @@ fn what_was_seen(
         None if may_lack_a_stop(model) => "is not linear".to_owned(),
         None => kind(model, linear).to_owned(),
     });
-    std::iter::once(kind)
-        .chain(moved_at(model, units))
-        .collect()
+    // A limit that was reached says how fast the servo moved.
+    let at_limit = agreed.is_some_and(|speeds| !is_never_reached(model, &speeds));
+    let moved = moved_at(model, units).filter(|_| !at_limit);
+    std::iter::once(kind).chain(moved).collect()
 }
 
 /// How fast the servo moved in the recording.
@@ -212,7 +227,7 @@ fn moved_at(model: &ServoModel, units: Units<'_>) -> Option<String> {
     // A recording may have no stroke in one direction.
     let moved = directions.iter().filter(|(speed, _)| *speed > 0.0);
     let each = moved.map(|(speed, direction)| {
-        let speed = speed_in_words(model, (*speed, digits(*speed, 2)), units);
+        let speed = speed_in_words(model, measured_speed(model, *speed), units);
         format!("{speed} {direction}")
     });
     let each: Vec<String> = each.collect();
@@ -229,8 +244,8 @@ fn below_any_limit(model: &ServoModel, units: Units<'_>) -> Option<String> {
 /// servos are compared.
 const SAME_SPEED: f64 = 0.05;
 
-/// Top speeds without intervals on which all fits agree, and which the servo has not exceeded: a limit that was exceeded is none. Where
-/// errors show that the model lacks something, speeds may stand for that.
+/// Top speeds without intervals on which all fits agree, and which the servo has not exceeded by more than noise: a limit that was exceeded is
+/// none. Where errors show that the model lacks something, speeds may stand for that.
 fn agreed<'q>(model: &ServoModel, speeds: [&'q Quantity; 2]) -> Option<[&'q Quantity; 2]> {
     let reason = model.covariance.withdrawn();
     if matches!(
@@ -240,10 +255,11 @@ fn agreed<'q>(model: &ServoModel, speeds: [&'q Quantity; 2]) -> Option<[&'q Quan
         return None;
     }
     let reached = model.reached?;
+    let by_noise = RAISED_BY_NOISE * noise_of_speed(model);
     let of = |(found, reached): (&Quantity, f64)| {
         let fits = found.other_fits;
         let same = |fits: Spread| fits.most - fits.least <= SAME_SPEED * found.value;
-        found.value >= reached && fits.is_some_and(same)
+        found.value + by_noise >= reached && fits.is_some_and(same)
     };
     let all = speeds.into_iter().zip([reached.upwards, reached.downwards]);
     all.into_iter().all(of).then_some(speeds)

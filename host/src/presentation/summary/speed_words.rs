@@ -1,5 +1,6 @@
 //! Speeds of a servo in words: with the time for 60 degrees, and the direction.
 
+use super::numbers::digits;
 use super::sixty_degrees::seconds_per_60_degrees;
 use crate::data::units::Units;
 use servoid_identification::servo_model::ServoModel;
@@ -20,6 +21,27 @@ pub(super) fn speed_in_words(
 ) -> String {
     let unit = units.output.unwrap_or("units");
     format!("{figure} {unit}/s{}", turn(model, speed, units))
+}
+
+/// Time over which a measured speed is a mean \[s\], where samples are not farther apart.
+const MEAN_OVER_S: f64 = 0.02;
+
+/// The standard deviation of a measured speed by the noise of two readings.
+pub(super) fn noise_of_speed(model: &ServoModel) -> f64 {
+    std::f64::consts::SQRT_2 * model.noise.sigma / model.sample_period_s.max(MEAN_OVER_S)
+}
+
+/// By so many standard deviations noise may raise the largest of many measured speeds.
+pub(super) const RAISED_BY_NOISE: f64 = 4.0;
+
+/// A measured speed and its figure, without the digits that the noise may have raised.
+pub(super) fn measured_speed(model: &ServoModel, speed: f64) -> (f64, String) {
+    let step = 10f64.powf((RAISED_BY_NOISE * noise_of_speed(model)).log10().floor());
+    let rounded = match step > 0.0 && step < speed {
+        true => (speed / step).floor() * step,
+        false => speed,
+    };
+    (rounded, digits(rounded, 2))
 }
 
 /// " (0.181 s/60°)", or what that is if the output is in degrees.

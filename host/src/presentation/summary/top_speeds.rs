@@ -1,7 +1,7 @@
 //! The top speeds that a recording determines, and whether the servo reached them.
 
 use super::measured_limits::measured_limit;
-use super::numbers::digits;
+use super::speed_words::measured_speed;
 use crate::data::units::Units;
 use servoid_identification::servo_model::{Quantity, QuantityKind, ServoModel};
 
@@ -52,7 +52,7 @@ pub(super) fn one_unreached(model: &ServoModel, units: Units<'_>) -> Option<Stri
     };
     Some(format!(
         "The top speed {which} was not reached in this recording, in which the servo moved at up to {} {}/s {which}: it is extrapolated.",
-        digits(reached, 2),
+        measured_speed(model, reached).1,
         units.output.unwrap_or("units")
     ))
 }

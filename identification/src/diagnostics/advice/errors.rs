@@ -18,15 +18,22 @@ pub(super) fn model_error(evidence: &Evidence<'_>) -> Option<Advice> {
         0 => "plain",
         _ => "generalised",
     };
-    // With a smooth input, the effect of the left-out frequencies on the others looks the same.
-    let smooth = match misfit.unexcited_above_hz {
-        Some(_) => " The input is too smooth to show whether the servo or the input is the cause.",
-        None => "",
+    // With a smooth input, the effect of the left-out frequencies on the others looks like an error of the servo. That the reference lacks
+    // power has been said, and is reason enough.
+    let (smooth, lacking) = (
+        misfit.unexcited_above_hz,
+        evidence.validity.unexcited_above_hz,
+    );
+    let what = match (smooth, lacking) {
+        (Some(_), Some(_)) => "This reference is too smooth to show whether the errors are noise",
+        (None, Some(_)) => "Nor are the errors noise",
+        _ => "No bounds can be given, because the errors are not noise",
     };
-    // That the reference lacks power has been said, and is reason enough.
-    let what = match evidence.validity.unexcited_above_hz {
-        Some(_) => "Nor are the errors noise",
-        None => "No bounds can be given, because the errors are not noise",
+    let smooth = match (smooth, lacking) {
+        (Some(_), None) => {
+            " The input is too smooth to show whether the servo or the input is the cause."
+        }
+        _ => "",
     };
     let (chosen_by, use_of_model) = match misfit.candidates.first() {
         Some(best) => (

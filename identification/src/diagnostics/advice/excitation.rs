@@ -4,9 +4,12 @@ use super::evidence::{Evidence, two_digits};
 use crate::diagnostics::held_output::input_held_for;
 use crate::diagnostics::inexact_commands::Inexact;
 use crate::diagnostics::output_lead::output_lead;
+use crate::estimation::Excitation;
+use crate::numerics::four_digits;
 use crate::results::{Advice, Check, Withheld};
 use crate::thresholds::{
     AGAINST_MOTION, ALL_AT_ONCE, DISAGREEMENT, FEEDBACK_SIGNIFICANCE, INPUT_EXPLAINED,
+    RUNS_FOR_MEAN,
 };
 
 /// The remedy where the reference lacks power.
@@ -56,16 +59,34 @@ pub(super) fn excitation(evidence: &Evidence<'_>) -> Option<Advice> {
         ));
     }
     let (frequencies, remedy) = lacking(unexcited, highest);
+    let (of_runs, each_run) = match is_smooth_in_runs(evidence) {
+        true => (RUNS_WITHOUT_BAND, EACH_RUN),
+        false => ("", ""),
+    };
     Some(Advice::new(
         Check::Excitation,
         format!(
             "No bounds can be given, because the reference has too little power {frequencies} to \
-             determine the response there, where much of the detail of a step is. Metrics that depend on it are left out."
+             determine the response there, where much of the detail of a step is. Metrics that depend on it are left out.{of_runs}"
         ),
         unexcited,
         highest,
-        remedy,
+        format!("{each_run}{remedy}"),
     ))
+}
+
+/// Said of runs of a smooth reference, each of which has bounds in its band where its errors are noise.
+const RUNS_WITHOUT_BAND: &str = " Of three and more runs of such a reference together the frequency response has no bounds either: they would have to \
+    contain how the runs differ, which is not computed in a band.";
+
+/// What to do about it.
+const EACH_RUN: &str = "For bounds of the frequency response, identify each run by itself, and look at how far the answers lie apart. ";
+
+/// Whether the record has so many runs of a smooth reference that there are no bounds in its band.
+fn is_smooth_in_runs(evidence: &Evidence<'_>) -> bool {
+    let excitation = evidence.explanation.excitation.as_ref();
+    let runs = evidence.recorded.map_or(0, |record| record.runs().len());
+    excitation.is_some_and(Excitation::is_smooth) && runs >= RUNS_FOR_MEAN
 }
 
 /// That commands with such `errors` may have been without, and then excite nothing of what these do. Of a smooth command that is what is above `power_up_to_hz`.
@@ -78,8 +99,9 @@ fn excited_by_errors(evidence: &Evidence<'_>, errors: Inexact, power_up_to_hz: f
     let (finding, remedy) = match errors {
         Inexact::Rounded(step) => (
             format!(
-                "No bounds{which} can be given, because the commands are in steps of {step:.2}, and what power they have above {power_up_to_hz:.1} Hz may be \
-                 their rounding alone: where the servo got finer commands, it got none of that."
+                "No bounds{which} can be given, because the commands are in steps of {}, and what power they have above {power_up_to_hz:.1} Hz may be \
+                 their rounding alone: where the servo got finer commands, it got none of that.",
+                evidence.input(four_digits(step))
             ),
             format!(
                 "Write the commands as they are sent, with all their digits. {}",

@@ -201,6 +201,14 @@ pub(super) fn gain_drift(evidence: &Evidence<'_>) -> Option<Advice> {
     ))
 }
 
+/// "12 % of its value"; of a value that is next to nothing no share means anything.
+fn share_of_value(share: f64) -> String {
+    match share < 1.0 {
+        true => format!("{:.0} % of its value", 100.0 * share),
+        false => "more than its value".to_owned(),
+    }
+}
+
 /// An integrator, or a record that is too short for its servo.
 pub(super) fn still_rising(evidence: &Evidence<'_>) -> Option<Advice> {
     // A step response that the reference does not determine has no end to speak of.
@@ -210,9 +218,9 @@ pub(super) fn still_rising(evidence: &Evidence<'_>) -> Option<Advice> {
     Some(Advice::new(
         Check::StillRising,
         format!(
-            "The step response has no end: it still rises by {:.0} % of its value in the last quarter of {seconds:.3} s. That happens where the input \
+            "The step response has no end: it still rises by {} in the last quarter of {seconds:.3} s. That happens where the input \
              sets how fast the output turns and not where it stops, and where holds are far too short.",
-            100.0 * rise
+            share_of_value(rise)
         ),
         rise,
         STILL_RISING,
@@ -429,4 +437,15 @@ pub(super) fn truncated(evidence: &Evidence<'_>) -> Option<Advice> {
         threshold,
         remedy,
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::share_of_value;
+
+    #[test]
+    fn a_share_of_next_to_nothing_is_no_percent() {
+        assert_eq!(share_of_value(0.123), "12 % of its value");
+        assert_eq!(share_of_value(30_978.85), "more than its value");
+    }
 }

@@ -13,7 +13,7 @@ fn a_servo_that_does_not_move_has_no_intervals() {
     let output = noisy(&servo, &[0.0; 2000], 4);
     let record = Record::of_run(PERIOD_S, strokes(2000), output).unwrap();
     let found = fit(&record, &ServoModelOptions::default()).unwrap();
-    assert_eq!(found.covariance.withdrawn(), Some(Reason::InputUnexcited));
+    assert_eq!(found.covariance.withdrawn(), Some(Reason::MotionInNoise));
 }
 
 /// A dead band between two levels is a smaller gain, wherever the servo began.
@@ -39,7 +39,7 @@ fn two_levels_behind_a_third_have_no_intervals() {
     let input: Vec<f64> = (0..4000).map(level).collect();
     let record = Record::of_run(PERIOD_S, &input, noisy(&servo, &input, 5)).unwrap();
     let found = fit(&record, &ServoModelOptions::default()).unwrap();
-    assert_eq!(found.covariance.withdrawn(), Some(Reason::InputUnexcited));
+    assert_eq!(found.covariance.withdrawn(), Some(Reason::FewLevels));
 }
 
 /// Two levels of the command leave friction, gain and offset open between them.
@@ -56,7 +56,7 @@ fn two_levels_have_no_intervals() {
         .collect();
     let record = Record::of_run(PERIOD_S, &input, noisy(&servo, &input, 3)).unwrap();
     let found = fit(&record, &ServoModelOptions::default()).unwrap();
-    assert_eq!(found.covariance.withdrawn(), Some(Reason::InputUnexcited));
+    assert_eq!(found.covariance.withdrawn(), Some(Reason::FewLevels));
     for quantity in &found.quantities {
         assert!(quantity.interval.withdrawn().is_some());
         let Spread { least, most } = quantity.other_fits.unwrap();

@@ -66,7 +66,7 @@ static inline void {{id}}_fir_reset({{id}}_fir *servo, {{id}}_real command)
 }
 
 /* Call once each sample period with the command that is applied from now on; returns the position
- * {{ID}}_SAMPLE_PHASE_S later, without the offset. */
+ * {{ID}}_SAMPLE_PHASE_S later, without the offset.{{of_response}} */
 static inline {{id}}_real {{id}}_fir_step({{id}}_fir *servo, {{id}}_real command)
 {
     {{id}}_real position = 0;

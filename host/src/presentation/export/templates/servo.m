@@ -38,7 +38,7 @@
 ];
 {{bounds_of_frequency}}
 % Position for a command u sampled every sample_period_s, without the offset: simulate(u), or simulate(u, before).
-% The servo is at rest at the command before, or 0, until the first sample.
+% The servo is at rest at the command before, or 0, until the first sample.{{of_response}}
 {{id}}.simulate = @(u, varargin) filter({{id}}.impulse, 1, u - sum([varargin{:}])) + ...
     sum([varargin{:}]) * {{id}}.step(end);
 
