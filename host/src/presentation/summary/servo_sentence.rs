@@ -1,7 +1,7 @@
 //! The servo as a machine, in a sentence or two.
 
 use super::layout::listed_words;
-use super::measured_limits::limits_in_words;
+use super::measured_limits::{limits_in_words, measured_limits};
 use super::numbers::{digits, four_digits};
 use super::sixty_degrees::turn_time_s;
 use super::speed_words::{
@@ -57,7 +57,7 @@ pub fn servo_sentence(model: &ServoModel, linear: &Model, units: Units<'_>) -> S
         better_linear(model),
     ];
     // What a servo of higher order does looks like a limit or a load to a machine of second order.
-    let (subject, machine) = match LinearBeside::of(model, linear, units) {
+    let (subject, machine) = match LinearBeside::of(model, linear) {
         Some(found) => (found.in_words(), "It"),
         None => ("This servo", "A model of it as a machine"),
     };
@@ -114,9 +114,9 @@ enum LinearBeside {
 impl LinearBeside {
     /// `None` where the servo model is the one to speak of. Of a response in a band the linear model is a picture, which predicts little; the errors
     /// are those of the band.
-    fn of(model: &ServoModel, linear: &Model, units: Units<'_>) -> Option<Self> {
+    fn of(model: &ServoModel, linear: &Model) -> Option<Self> {
         let is_settled = model.is_linear() || model.covariance.valid().is_some();
-        let is_limited = limits_in_words(model, units).is_some();
+        let is_limited = measured_limits(model).iter().any(Option::is_some);
         if is_settled || is_limited || !linear.linear {
             return None;
         }
@@ -152,7 +152,7 @@ pub fn is_called_linear(linear: &Model, servo: Option<&ServoModel>) -> bool {
     let is_machine = |servo: &ServoModel| {
         servo.predicts()
             && !servo.is_linear()
-            && !is_linear_beside(servo, linear)
+            && LinearBeside::of(servo, linear).is_none()
             && !linear_is_as_good(servo)
     };
     linear.linear && !servo.is_some_and(is_machine)
