@@ -93,7 +93,7 @@ impl<'a> Touched<'a> {
             beyond: Vec::new(),
         };
         for run in runs {
-            let side = Side::new(run, sign, model);
+            let side = OneSide::new(run, sign, model);
             let touching = side.touching(step);
             let mut by_sample = vec![0.0; run.output.len()];
             for k in &touching {
@@ -154,7 +154,7 @@ fn are_apart(strokes: &[Stroke], gain: f64) -> bool {
 }
 
 /// One side of the motion in one run: outputs up (`sign` 1) or down (-1).
-struct Side<'a> {
+struct OneSide<'a> {
     run: &'a Simulated<'a>,
     sign: f64,
     model: &'a Rests,
@@ -165,7 +165,7 @@ struct Side<'a> {
     nearest: f64,
 }
 
-impl<'a> Side<'a> {
+impl<'a> OneSide<'a> {
     fn new(run: &'a Simulated<'a>, sign: f64, model: &'a Rests) -> Self {
         let outputs = || run.run.output().iter().map(|y| sign * y);
         Self {

@@ -1,4 +1,4 @@
-//! The intervals of the parameters of an order, over all orders that the data do not tell from it.
+//! The intervals of the parameters of an order, over all orders that the data do not distinguish from it.
 //!
 //! An order is taken where a higher one is not needed, and not where it is known to be that of the servo. A servo with one pole more that does not show has another delay:
 //! a lag of T that no test sees looks like a delay that is longer by T, with intervals of the lower order that do not hold it. So the interval of a parameter is what

@@ -1,9 +1,10 @@
 //! What a fit says.
 
+use super::estimates::Estimates;
 use super::fitter::{FittedOrder, Fitter};
 use super::intervals::{self, Widths};
-use super::order::Estimates;
-use super::{FlightModel, OrderTried};
+use super::model::FlightModel;
+use super::order::OrderTried;
 use crate::numerics::pointwise_critical;
 use crate::results::{Bounds, Interval, Reason};
 use crate::thresholds::ORDER_REJECTED;
@@ -130,7 +131,7 @@ fn of_intervals(found: &FlightModel) -> String {
     let mut text = String::new();
     if found.order < HIGHEST {
         text += &format!(
-            " The recording does not tell it from a servo of more poles, up to {HIGHEST}: the delay is that beside the poles of this order, and the intervals hold \
+            " The recording does not distinguish it from a servo of more poles, up to {HIGHEST}: the delay is that beside the poles of this order, and the intervals hold \
              what each quantity is of with more."
         );
     }

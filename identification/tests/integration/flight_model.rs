@@ -170,7 +170,7 @@ fn intervals_hold_a_servo_whose_last_pole_does_not_show() {
         assert!(
             found
                 .statement
-                .contains("does not tell it from a servo of more poles")
+                .contains("does not distinguish it from a servo of more poles")
         );
     }
     let missed = |found: &&FlightModel| {

@@ -112,7 +112,7 @@ fn a_sweep_that_was_rounded_has_no_level_as_one_that_was_not() {
     let model = model(vec![run(&sent, rounded(&sent), NOISE, 1)]);
     let said = model.advice.iter().find(|of| of.check == Check::Excitation);
     let said = said.unwrap();
-    assert!(said.finding.contains("in steps of 0.30"), "{said:?}");
+    assert!(said.finding.contains("in steps of 0.3,"), "{said:?}");
     assert!(said.remedy.contains("all their digits"), "{said:?}");
 }
 

@@ -131,16 +131,16 @@ impl Export<'_> {
 
     /// What a reader must know of a response of this file where it is simulated; empty of a linear servo with bounds.
     pub(super) fn of_response(&self) -> String {
-        match (self.model.level(), self.model.linear) {
-            (Bounds::Withdrawn(reason), _) => format!(
+        match self.model.level().withdrawn() {
+            Some(reason) => format!(
                 "This response is a picture of the recording, without bounds, because {}: the servo may answer otherwise.",
                 reason.because()
             ),
-            (Bounds::Valid(_), false) => {
+            None if !self.model.linear => {
                 "The servo is not linear, and this response describes the recorded motion: the servo may answer another command otherwise."
                     .to_owned()
             }
-            (Bounds::Valid(_), true) => String::new(),
+            None => String::new(),
         }
     }
 

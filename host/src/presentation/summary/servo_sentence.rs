@@ -56,17 +56,26 @@ pub fn servo_sentence(model: &ServoModel, linear: &Model, units: Units<'_>) -> S
         hidden_by_noise(model),
         better_linear(model),
     ];
-    // What a servo of higher order does looks like a limit or a load to a machine of second order.
-    let (subject, machine) = match LinearBeside::of(model, linear) {
-        Some(found) => (found.in_words(), "It"),
-        None => ("This servo", "A model of it as a machine"),
-    };
-    format!(
-        "{subject} {}. {machine} predicts parts of the recording that it has not seen to {:.1} %.{doubt}{}",
-        listed_words(&what),
+    let predicts = format!(
+        "predicts parts of the recording that it has not seen to {:.1} %.{doubt}{}",
         model.prediction_percent(),
         doubts.into_iter().flatten().collect::<String>()
-    )
+    );
+    // What a servo of higher order does looks like a limit or a load to a machine of second order.
+    match LinearBeside::of(model, linear) {
+        Some(found) => {
+            let moved = moved_at(model, units).map(|moved| format!(" The servo {moved}."));
+            let moved = moved.unwrap_or_default();
+            format!(
+                "{}{moved} The model as a machine {predicts}",
+                found.in_words()
+            )
+        }
+        None => format!(
+            "This servo {}. A model of it as a machine {predicts}",
+            listed_words(&what)
+        ),
+    }
 }
 
 /// " Its strokes get slower ...".
@@ -130,17 +139,17 @@ impl LinearBeside {
         }
     }
 
-    /// The beginning of a sentence that goes on with what the servo model says.
+    /// A sentence.
     fn in_words(&self) -> &'static str {
         match self {
             Self::Alone => {
-                "A linear servo describes this recording down to its noise, and a model of it as a machine does not. By the latter the servo"
+                "A linear servo describes this recording down to its noise, and a model of it as a machine does not."
             }
             Self::AsGood => {
-                "A linear servo describes this recording down to its noise. By a model of it as a machine it"
+                "A linear servo describes this recording down to its noise, as well as a model of it as a machine."
             }
             Self::WithoutBounds => {
-                "A linear servo describes this recording as well as a model of it as a machine. By the latter the servo"
+                "A linear servo describes this recording as well as a model of it as a machine."
             }
         }
     }
