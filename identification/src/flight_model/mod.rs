@@ -7,7 +7,7 @@
 //! systems", Automatica 2005, but with the projection instead of the plain frequency response, which would
 //! make the delay half a sample too long).
 //!
-//! The order is the lowest whose χ² + dim x · ln(rank) is within 2 of the smallest. Its [intervals] hold servos of
+//! The order is the lowest whose χ² + dim x · ln(rank) is within 2 of the smallest. Its intervals hold servos of
 //! up to three poles, because an order that is not needed is not known to be wrong. If the data reject the order,
 //! as they do for every nonlinear servo, the model is an approximation without intervals: nothing shows how far its
 //! parameters are from those of the servo. The largest error is stated, and the order is the lowest whose largest
