@@ -24,7 +24,7 @@ use crate::data::{Quantisation, Record};
 use crate::error::Error;
 use crate::nonlinear::SpeedLimits;
 use crate::results::{Bounds, Noise, Reason, fit_percent, pointwise_critical};
-use crate::thresholds::{RUN_OFFSETS_LEAVE, SERVO_MATERIAL_ADVANTAGE};
+use crate::thresholds::RUN_OFFSETS_LEAVE;
 use faer::Mat;
 use servoid_dynamics::{Grid, Stops};
 
@@ -144,16 +144,15 @@ fn preferred(mut all: Vec<Found>, possible: &PossibleStops) -> Found {
     });
     let best = (0..all.len()).min_by(|&a, &b| all[a].total().total_cmp(&all[b].total()));
     let best = &all[best.expect("a servo without stops")];
-    let (least, stops) = (best.total(), best.best().stops);
+    let stops = best.best().stops;
     let as_good = |found: &Found| !misses(found.held_out(), best.held_out());
     let chosen = all
         .iter()
         .position(as_good)
         .expect("the best is as good as itself");
     let mut found = all.swap_remove(chosen);
-    // With other stops it predicts better, by what chance may be and intervals do not contain.
-    let is_open =
-        least < (1.0 - SERVO_MATERIAL_ADVANTAGE) * found.total() && stops != found.best().stops;
+    // With other stops it predicts better, if only by chance: a load stands for a stop down to the noise, with another delay.
+    let is_open = stops != found.best().stops;
     let level = &mut found.candidates.level;
     *level = level.unless(is_open.then_some(Reason::TravelEnd));
     found

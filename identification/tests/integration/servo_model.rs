@@ -228,15 +228,15 @@ fn a_stop_is_found_where_the_servo_never_rests() {
     let command: Vec<f64> = (0..4000)
         .map(|k| 3.0 * wave(f64::from(k) * PERIOD))
         .collect();
-    let found = |stop: f64, noise: f64| {
-        let output = measured(&up_to(stop, &command), noise, 7);
+    let found = |stop: f64| {
+        let output = measured(&up_to(stop, &command), 1.0, 7);
         let run = Run::new(command.clone(), output)
             .unwrap()
             .with_input_at_rest(0.0);
         let record = Record::new(PERIOD, vec![run]).unwrap();
         fit(&record, &ServoModelOptions::default()).unwrap()
     };
-    let stopped = found(4.0, 1.0);
+    let stopped = found(4.0);
     assert!(
         (stopped.stops.upper.unwrap() - 4.0).abs() < 0.02,
         "{:?}",
@@ -246,14 +246,5 @@ fn a_stop_is_found_where_the_servo_never_rests() {
     assert_eq!(stopped.covariance.withdrawn(), Some(Reason::TravelEnd));
     let delay = stopped.quantity(QuantityKind::Delay).unwrap().value;
     assert!((delay - 0.0213).abs() < 0.002, "{delay}");
-    assert!(found(f64::INFINITY, 1.0).stops.are_none());
-    // In noise that may hide it, other terms stand for it, and there are no intervals.
-    for noise in [10.0, 20.0] {
-        let hidden = found(4.0, noise);
-        assert_eq!(
-            hidden.covariance.withdrawn(),
-            Some(Reason::TravelEnd),
-            "{noise}"
-        );
-    }
+    assert!(found(f64::INFINITY).stops.are_none());
 }
