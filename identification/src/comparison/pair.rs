@@ -2,6 +2,7 @@
 
 use super::outcome::{Asymmetry, Levels};
 use crate::data::Record;
+use crate::data::column::extent;
 use crate::diagnostics::TakenOut;
 use crate::error::Error;
 use crate::estimation::FsfBasis;
@@ -204,11 +205,6 @@ pub(super) fn same_period(expected: f64, found: f64) -> Result<(), Error> {
 
 /// Smallest and largest command.
 pub(super) fn ends(record: &Record) -> (f64, f64) {
-    record
-        .runs()
-        .iter()
-        .flat_map(|run| run.input().iter().filter(|u| !u.is_nan()))
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &u| {
-            (low.min(u), high.max(u))
-        })
+    let inputs = record.runs().iter().flat_map(|run| run.input()).copied();
+    extent(inputs).unwrap_or((f64::INFINITY, f64::NEG_INFINITY))
 }

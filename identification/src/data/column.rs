@@ -1,9 +1,10 @@
 //! Figures of a column, whose missing values are NaN.
 //!
 //! ```
-//! use servoid_identification::column::{mean, span};
+//! use servoid_identification::column::{extent, mean, span};
 //! assert_eq!(mean(&[1.0, f64::NAN, 4.0]), Some(2.5));
 //! assert_eq!(mean(&[f64::NAN]), None);
+//! assert_eq!(extent([3.0, f64::NAN, -1.0].into_iter()), Some((-1.0, 3.0)));
 //! assert_eq!(span([3.0, f64::NAN, -1.0].into_iter()), Some(4.0));
 //! assert_eq!(span([2.0, 2.0].into_iter()), None);
 //! ```
@@ -16,13 +17,19 @@ pub fn mean(values: &[f64]) -> Option<f64> {
     (count > 0).then(|| present.sum::<f64>() / count as f64)
 }
 
+/// The lowest and the highest value; `None` where all is missing.
+#[must_use]
+pub fn extent(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
+    let present = values.filter(|value| !value.is_nan());
+    present.fold(None, |extent, value| {
+        let (low, high) = extent.unwrap_or((value, value));
+        Some((low.min(value), high.max(value)))
+    })
+}
+
 /// From the lowest to the highest value; `None` where these are one, or all is missing.
 #[must_use]
 pub fn span(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let (low, high) = values
-        .filter(|value| !value.is_nan())
-        .fold((f64::MAX, f64::MIN), |(low, high), value| {
-            (low.min(value), high.max(value))
-        });
+    let (low, high) = extent(values)?;
     (high > low).then_some(high - low)
 }

@@ -17,6 +17,7 @@ use super::low_order::{LowOrder, Oscillator};
 use super::poles::PoleNames;
 use super::profile::Profile;
 use super::slow_end;
+use crate::numerics::not_negative;
 
 /// Lags that a fit begins with where a lower order was fitted, in its own time constants.
 const BEGINNING: f64 = 0.1;
@@ -57,7 +58,7 @@ pub(super) fn of(
     let farthest = farthest(&chosen.transfer);
     let ends = |k: usize| {
         let critical = widths.critical[k.min(1)];
-        let sd = chosen.minimum.covariance[(k, k)].max(0.0).sqrt();
+        let sd = not_negative(chosen.minimum.covariance[(k, k)]).sqrt();
         let own = match chosen.order {
             3 => [x[k]; 2],
             _ => [x[k] - critical * sd, x[k] + critical * sd],

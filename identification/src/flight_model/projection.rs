@@ -16,7 +16,7 @@ use super::identified_response::{IdentifiedResponse, IdentifiedStep};
 use crate::data::{Moments, Record, Run};
 use crate::error::Error;
 use crate::estimation::{Coordinates, RowInformation, filtered_input_moments, noise_filter};
-use crate::numerics::{dot, pointwise_critical, symmetric_eigen, times};
+use crate::numerics::{dot, not_negative, pointwise_critical, symmetric_eigen, times};
 use crate::results::{Bounds, Model};
 
 /// Length of h in settling times. N leaves a margin over the response; a response that is longer than
@@ -50,7 +50,7 @@ impl Projection {
         let spread = &to_curve * covariance;
         let sd = |m: usize| {
             let products = (0..spread.ncols()).map(|k| spread[(m, k)] * to_curve[(m, k)]);
-            products.sum::<f64>().max(0.0).sqrt()
+            not_negative(products.sum()).sqrt()
         };
         let step = IdentifiedStep {
             sd: (0..curve.len()).map(sd).collect(),

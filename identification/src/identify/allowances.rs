@@ -5,6 +5,7 @@ use super::responses::Responses;
 use super::task::Task;
 use crate::data::Quantisation;
 use crate::estimation::Truncation;
+use crate::numerics::not_negative;
 use crate::results::Biases;
 
 pub(super) struct Allowances {
@@ -55,7 +56,7 @@ fn truncation(fitted: &Fitted, responses: &Responses) -> Option<Truncation> {
     let (plan, estimate) = (&fitted.candidate.plan, &fitted.estimate);
     let (theta, covariance) = (estimate.fit.theta(), estimate.fit.covariance());
     let sd: Vec<f64> = (0..theta.len())
-        .map(|k| covariance[(k, k)].max(0.0).sqrt())
+        .map(|k| not_negative(covariance[(k, k)]).sqrt())
         .collect();
     Truncation::new(
         &estimate.information.moments,

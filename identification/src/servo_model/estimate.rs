@@ -20,6 +20,7 @@ use super::starting_values::Shown;
 use super::stops::PossibleStops;
 use super::stretches::{Stretch, stretches};
 use super::validity::against;
+use crate::data::column::span;
 use crate::data::{Quantisation, Record};
 use crate::error::Error;
 use crate::nonlinear::SpeedLimits;
@@ -124,7 +125,7 @@ pub fn fit_watched(
         search.shown = shown.with_stops(stops);
         search.found_with_runs(parts.clone())
     };
-    let possible = PossibleStops::of(record, &options.stops_at);
+    let possible = PossibleStops::of(record, &options.stops_at, shown.gain);
     let all = possible.choices().into_iter().map(searched).collect();
     let found = preferred(all, &possible);
     if watch.ends() {
@@ -342,15 +343,8 @@ pub(super) fn longest_delay_s(period_s: f64) -> f64 {
 
 /// Radians for each unit of the command, by the range of the command.
 fn radians(record: &Record) -> f64 {
-    let inputs = || {
-        record
-            .runs()
-            .iter()
-            .flat_map(|run| run.input())
-            .filter(|u| !u.is_nan())
-    };
-    let range =
-        inputs().fold(f64::MIN, |a, b| a.max(*b)) - inputs().fold(f64::MAX, |a, b| a.min(*b));
+    let inputs = record.runs().iter().flat_map(|run| run.input()).copied();
+    let range = span(inputs).unwrap_or_default();
     if range > RADIANS_UP_TO {
         1f64.to_radians()
     } else {

@@ -9,6 +9,7 @@ use super::covariance::Uncertainty;
 use super::discrepancy::WINDOWS;
 use super::score_test::score_test;
 use super::stretches::Stretch;
+use crate::data::column::span;
 
 /// Columns: each stretch of time with the change, its size, and its square with the sign.
 const OF_COMMAND: usize = 3 * WINDOWS;
@@ -27,8 +28,8 @@ pub(super) fn follows_command(stretches: &[Stretch], point: &Point, found: &Unce
 
 /// Whether the errors are those of play in the gears, beyond chance.
 pub(super) fn has_play(point: &Point, found: &Uncertainty) -> bool {
-    let outputs = || found.motion.simulated.iter().flatten().copied();
-    let range = outputs().fold(f64::MIN, f64::max) - outputs().fold(f64::MAX, f64::min);
+    let outputs = found.motion.simulated.iter().flatten().copied();
+    let range = span(outputs).unwrap_or_default();
     let columns: Vec<Vec<[f64; 1]>> = found
         .motion
         .simulated

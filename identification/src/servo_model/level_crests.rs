@@ -4,6 +4,7 @@
 
 use std::ops::Range;
 
+use crate::data::column::extent;
 use crate::data::{Record, Run};
 use crate::numerics::median;
 
@@ -19,9 +20,12 @@ const APART: f64 = 0.1;
 /// Share of the way from the middle of the range to its end from which on an output belongs to the top of its crest.
 const TOP: f64 = 0.75;
 
-/// The level of the lower and of the upper crests \[output\], where they have one.
-pub(super) fn level_crests(record: &Record) -> [Option<f64>; 2] {
-    [-1.0, 1.0].map(|sign| level_of(&crests(record, sign), sign, record))
+/// The level of the lower and of the upper crests \[output\], where they have one. The output goes the way of the command, or, of a `gain` below 0, the other way.
+pub(super) fn level_crests(record: &Record, gain: f64) -> [Option<f64>; 2] {
+    [-1.0, 1.0].map(|sign| {
+        let crests = crests(record, sign, sign * gain.signum());
+        level_of(&crests, sign, record)
+    })
 }
 
 /// A stretch of outputs beyond the middle of the range.
@@ -32,14 +36,13 @@ struct Crest {
     top: f64,
 }
 
-/// The crests of one side, -1 the lower and 1 the upper one. A command goes the way of its output: of a gain below 0, the other way.
-fn crests(record: &Record, sign: f64) -> Vec<Crest> {
-    let Some((low, high)) = ends(outputs(record)) else {
+/// The crests of one side, -1 the lower and 1 the upper one, whose commands go `towards` -1 or 1.
+fn crests(record: &Record, sign: f64, towards: f64) -> Vec<Crest> {
+    let Some((low, high)) = extent(outputs(record)) else {
         return Vec::new();
     };
     let middle = 0.5 * sign * (low + high);
     let from = middle + TOP * 0.5 * (high - low);
-    let towards = sign * sense(record);
     let of_run = |run: &Run<'_>| {
         let is_beyond: Vec<bool> = run.output().iter().map(|y| sign * y > middle).collect();
         let is_top = |k: &usize| sign * run.output()[*k] > from;
@@ -64,12 +67,12 @@ fn crests(record: &Record, sign: f64) -> Vec<Crest> {
 
 /// The level at which the farthest crests are.
 fn level_of(crests: &[Crest], sign: f64, record: &Record) -> Option<f64> {
-    let (commands, outputs) = (ends(inputs(record))?, ends(outputs(record))?);
+    let (commands, outputs) = (extent(inputs(record))?, extent(outputs(record))?);
     let farthest = crests.iter().map(|crest| crest.top).reduce(f64::max)?;
     let is_level = |crest: &&Crest| crest.top > farthest - LEVEL * (outputs.1 - outputs.0);
     let mut level: Vec<&Crest> = crests.iter().filter(is_level).collect();
     let theirs = level.iter().map(|crest| crest.command);
-    let (least, most) = ends(theirs)?;
+    let (least, most) = extent(theirs)?;
     let are_apart = most - least > APART * (commands.1 - commands.0);
     if level.len() < FEWEST || !are_apart {
         return None;
@@ -78,18 +81,6 @@ fn level_of(crests: &[Crest], sign: f64, record: &Record) -> Option<f64> {
     level.sort_by(|a, b| b.command.total_cmp(&a.command));
     let under_farther = level[..level.len().div_ceil(2)].iter();
     median(under_farther.map(|crest| crest.top).collect()).map(|top| sign * top)
-}
-
-/// 1 where command and output go the same way, else -1.
-fn sense(record: &Record) -> f64 {
-    let known = || {
-        inputs(record)
-            .zip(outputs(record))
-            .filter(|(u, y)| !(u * y).is_nan())
-    };
-    let middle = known().map(|(u, _)| u).sum::<f64>() / known().count() as f64;
-    let product: f64 = known().map(|(u, y)| (u - middle) * y).sum();
-    product.signum()
 }
 
 /// The places of `true` that follow one another.
@@ -112,15 +103,6 @@ fn outputs(record: &Record) -> impl Iterator<Item = f64> {
     record.runs().iter().flat_map(|run| run.output()).copied()
 }
 
-/// Lowest and highest value, but for missing ones.
-fn ends(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
-    let known = values.filter(|value| !value.is_nan());
-    known.fold(None, |ends, value| {
-        let (low, high) = ends.unwrap_or((value, value));
-        Some((low.min(value), high.max(value)))
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -140,24 +122,24 @@ mod tests {
     #[test]
     fn crests_at_a_stop_are_level() {
         for gain in [1.0, 0.1] {
-            let [lower, upper] = level_crests(&record(6.0, gain));
+            let [lower, upper] = level_crests(&record(6.0, gain), gain);
             assert!((upper.unwrap() - 90.0 - 6.0 * gain).abs() < 1e-9);
             assert_eq!(lower, None);
         }
-        let [lower, upper] = level_crests(&record(6.0, -1.0));
+        let [lower, upper] = level_crests(&record(6.0, -1.0), -1.0);
         assert!((lower.unwrap() - 84.0).abs() < 1e-9);
         assert_eq!(upper, None);
     }
 
     #[test]
     fn crests_of_a_servo_that_is_free_are_not() {
-        assert_eq!(level_crests(&record(99.0, 1.0)), [None; 2]);
+        assert_eq!(level_crests(&record(99.0, 1.0), 1.0), [None; 2]);
     }
 
     #[test]
     fn nor_are_those_of_one_command() {
         let input: Vec<f64> = (0..2000).map(|k| (0.03 * f64::from(k)).sin()).collect();
         let record = Record::of_run(0.005, input.clone(), input).unwrap();
-        assert_eq!(level_crests(&record), [None; 2]);
+        assert_eq!(level_crests(&record, 1.0), [None; 2]);
     }
 }

@@ -20,6 +20,9 @@ pub struct ReachedSpeeds {
 }
 
 impl ReachedSpeeds {
+    /// Time over which each of the two means goes \[s\], where samples are not farther apart.
+    pub const MEAN_OVER_S: f64 = 0.5 * STROKE_S;
+
     /// Those of a record with samples every `period_s` seconds.
     pub(super) fn of(stretches: &[Stretch], period_s: f64) -> Self {
         // Rounding must not make 21 samples of 20.

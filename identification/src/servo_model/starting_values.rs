@@ -32,7 +32,7 @@ pub(super) struct Shown {
     /// Mean of the command.
     pub(super) middle: f64,
     /// Output for each unit of the command, with its sign.
-    gain: f64,
+    pub(super) gain: f64,
     /// Output at command 0.
     offset: f64,
     /// Speed of the steepest strokes \[units of the command for each second\].

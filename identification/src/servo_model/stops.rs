@@ -19,13 +19,13 @@ pub(super) struct PossibleStops {
 }
 
 impl PossibleStops {
-    /// Those at the outputs `known`, or else where the rests of the record show them; and where its crests are level.
-    pub(super) fn of(record: &Record, known: &[f64]) -> Self {
+    /// Those at the outputs `known`, or else where the rests of the record show them; and where its crests are level, of a servo with the sign of this `gain`.
+    pub(super) fn of(record: &Record, known: &[f64], gain: f64) -> Self {
         let shown = match known {
             [] => among(record, &stops_of_rests(record)),
             _ => among(record, known),
         };
-        let level: Vec<f64> = level_crests(record).into_iter().flatten().collect();
+        let level: Vec<f64> = level_crests(record, gain).into_iter().flatten().collect();
         let level = among(record, &level);
         let all = Stops {
             lower: shown.lower.or(level.lower),
@@ -99,7 +99,7 @@ mod tests {
     fn stops_that_are_known_are_taken_and_else_those_of_the_rests() {
         let record = record();
         let possible = |known: &[f64]| {
-            let found = PossibleStops::of(&record, known);
+            let found = PossibleStops::of(&record, known, 1.0);
             assert_eq!(found.all, found.shown);
             found.all
         };
@@ -138,6 +138,6 @@ mod tests {
             })
             .collect();
         let record = Record::of_run(0.01, run.input().to_vec(), free).unwrap();
-        assert!(PossibleStops::of(&record, &[]).all.are_none());
+        assert!(PossibleStops::of(&record, &[], 1.0).all.are_none());
     }
 }

@@ -3,7 +3,7 @@
 use super::about::About;
 use super::error::DatasetError;
 use super::from_tables::note_sentinel_value;
-use super::loaded::{Loaded, run};
+use super::loaded::{Loaded, late_by_polling, run};
 use super::wrapped_angle;
 use std::borrow::Cow;
 
@@ -85,10 +85,7 @@ impl<'a> Arrays<'a> {
                 false => next,
             });
         }
-        let late_s = match self.polled {
-            true => 0.5 * self.period_s,
-            false => 0.0,
-        };
+        let late_s = late_by_polling(self.polled, self.period_s);
         about.sensor_delay_uncertainty_s = late_s;
         Ok(Loaded {
             runs,

@@ -2,7 +2,7 @@
 
 use super::about::About;
 use super::error::DatasetFault;
-use super::loaded::{Loaded, run};
+use super::loaded::{Loaded, late_by_polling, run};
 use super::options::DatasetOptions;
 use super::time_column::{self, TimeUnit};
 use super::{run_labels, sentinel_values, suggested_columns, wrapped_angle};
@@ -72,11 +72,7 @@ pub(super) fn from_table(
     for (change, rows) in changes {
         about.add_change(format!("{file}: {change}."), rows);
     }
-    // A change that is seen in a row came up to one row before.
-    let phase_s = match options.polled {
-        true => 0.5 * period_s,
-        false => 0.0,
-    };
+    let phase_s = late_by_polling(options.polled, period_s);
     about.sensor_delay_uncertainty_s = phase_s + uncertain_s;
     if let Some(Doubt { finding, times }) = doubt {
         let remedy =

@@ -27,6 +27,14 @@ pub(super) struct Loaded<'a> {
     pub(super) about: About,
 }
 
+/// By how much changes of a command that another clock `polled` are seen late on the mean (s): one that is seen in a row came up to one row before.
+pub(super) fn late_by_polling(polled: bool, period_s: f64) -> f64 {
+    match polled {
+        true => 0.5 * period_s,
+        false => 0.0,
+    }
+}
+
 impl Loaded<'_> {
     /// Adds the runs of `next`, which is the file `path`; these are of the files `earlier`.
     pub(super) fn append(

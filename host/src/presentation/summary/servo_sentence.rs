@@ -31,25 +31,8 @@ pub fn servo_sentence(model: &ServoModel, linear: &Model, units: Units<'_>) -> S
         );
     }
     let speeds = top_speeds(model);
-    let (what, doubt) = match model.covariance {
-        Bounds::Valid(_) => (what_is_known(model, linear, speeds, units), String::new()),
-        Bounds::Withdrawn(reason) => (
-            what_was_seen(model, linear, speeds, units),
-            format!(
-                " Its figures have no intervals and may be off: {}{}.",
-                reason.because(),
-                match reason {
-                    Reason::ErrorsNotNoise =>
-                        ", so the servo or the recording has something that the model lacks",
-                    Reason::QuantisationAboveNoise =>
-                        ", and limits, loads and friction of the model may stand for them",
-                    Reason::NeverAtRest => " (holds in which it comes to rest would)",
-                    _ => "",
-                }
-            ),
-        ),
-    };
     let doubts = [
+        model.covariance.withdrawn().map(without_intervals),
         changing_speed(model),
         unlikely_speed(model, units).map(|how| format!(" That is {how}.")),
         hysteresis(model, units),
@@ -57,7 +40,7 @@ pub fn servo_sentence(model: &ServoModel, linear: &Model, units: Units<'_>) -> S
         better_linear(model),
     ];
     let predicts = format!(
-        "predicts parts of the recording that it has not seen to {:.1} %.{doubt}{}",
+        "predicts parts of the recording that it has not seen to {:.1} %.{}",
         model.prediction_percent(),
         doubts.into_iter().flatten().collect::<String>()
     );
@@ -71,11 +54,35 @@ pub fn servo_sentence(model: &ServoModel, linear: &Model, units: Units<'_>) -> S
                 found.in_words()
             )
         }
-        None => format!(
-            "This servo {}. A model of it as a machine {predicts}",
-            listed_words(&what)
-        ),
+        None => {
+            let what = match model.covariance {
+                Bounds::Valid(_) => what_is_known(model, linear, speeds, units),
+                Bounds::Withdrawn(_) => what_was_seen(model, linear, speeds, units),
+            };
+            format!(
+                "This servo {}. A model of it as a machine {predicts}",
+                listed_words(&what)
+            )
+        }
     }
+}
+
+/// " Its figures have no intervals ...".
+fn without_intervals(reason: Reason) -> String {
+    let more = match reason {
+        Reason::ErrorsNotNoise => {
+            ", so the servo or the recording has something that the model lacks"
+        }
+        Reason::QuantisationAboveNoise => {
+            ", and limits, loads and friction of the model may stand for them"
+        }
+        Reason::NeverAtRest => " (holds in which it comes to rest would)",
+        _ => "",
+    };
+    format!(
+        " Its figures have no intervals and may be off: {}{more}.",
+        reason.because()
+    )
 }
 
 /// " Its strokes get slower ...".

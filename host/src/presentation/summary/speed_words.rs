@@ -3,7 +3,7 @@
 use super::numbers::digits;
 use super::sixty_degrees::seconds_per_60_degrees;
 use crate::data::units::Units;
-use servoid_identification::servo_model::ServoModel;
+use servoid_identification::servo_model::{ReachedSpeeds, ServoModel};
 
 /// Upwards, and what that is where the position goes against the command.
 pub(super) fn upwards(model: &ServoModel) -> &'static str {
@@ -23,12 +23,10 @@ pub(super) fn speed_in_words(
     format!("{figure} {unit}/s{}", turn(model, speed, units))
 }
 
-/// Time over which a measured speed is a mean \[s\], where samples are not farther apart.
-const MEAN_OVER_S: f64 = 0.02;
-
 /// The standard deviation of a measured speed by the noise of two readings.
 pub(super) fn noise_of_speed(model: &ServoModel) -> f64 {
-    std::f64::consts::SQRT_2 * model.noise.sigma / model.sample_period_s.max(MEAN_OVER_S)
+    std::f64::consts::SQRT_2 * model.noise.sigma
+        / model.sample_period_s.max(ReachedSpeeds::MEAN_OVER_S)
 }
 
 /// By so many standard deviations noise may raise the largest of many measured speeds.
