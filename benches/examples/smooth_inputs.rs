@@ -27,15 +27,22 @@ fn main() {
         let percent =
             |[mean, worst]: [f64; 2]| format!("{:.1}, {:.0}", 100.0 * mean, 100.0 * worst);
         let [low, high] = found.band_hz;
+        let low_order = &found.low_order;
+        let [gain, others @ ..] = low_order.held.map(|tally| tally.to_string());
+        let others: Vec<String> = others.into_iter().filter(|text| !text.is_empty()).collect();
+        let half = low_order.half_gain_percent();
+        let half = half.map_or(String::new(), |half| format!("{half:.3}"));
         println!(
-            "| {} | {claimed} | {low:.2}-{high:.1} | {} | {} | {:.3} | {} of {} | {} |",
+            "| {} | {claimed} | {low:.2}-{high:.1} | {} | {} | {:.3} | {} of {} | {} of {} | {gain} | {} | {half} |",
             line.label,
             percent(found.magnitude),
             percent(found.phase),
             found.half_width_db,
             found.minus_90_held,
             found.minus_90,
-            found.low_order.cells()
+            low_order.rejected,
+            low_order.fitted,
+            others.join(", ")
         );
     }
 }

@@ -11,6 +11,7 @@
 //! - [`changing_servos`]: several runs of servos whose dynamics change.
 //! - [`drifting_servos`]: servos whose gain changes along a recording, slow ones, and others.
 //! - [`noisy_commands`]: recordings whose column of the command has noise.
+//! - [`low_order_coverage`]: how often the intervals of low-order models hold the numbers of drawn servos.
 //! - [`smooth_inputs`]: sweeps and sums of sines, whose answer is known in a band.
 //! - [`loggers`]: recordings of one servo by loggers with faults of time.
 //! - [`compared_ends`]: comparisons of servos whose responses have slow ends.
@@ -38,6 +39,7 @@ pub mod hard_lines;
 #[cfg(feature = "rig")]
 pub mod hello;
 pub mod loggers;
+pub mod low_order_coverage;
 pub mod metrics_coverage;
 pub mod noisy_commands;
 pub mod oracle;

@@ -8,6 +8,7 @@ use servoid_identification::results::Model;
 use servoid_identification::{Options, Record, identify};
 use std::f64::consts::TAU;
 
+use crate::low_order_coverage::{Exact, OfLowOrder};
 use crate::plants::{normal, random};
 use crate::servos::{Limit, Linear, limited_in_steps};
 
@@ -197,23 +198,6 @@ pub struct InBand {
     pub low_order: OfLowOrder,
 }
 
-/// How often the intervals of low-order models hold.
-#[derive(Debug, Clone, Default)]
-pub struct OfLowOrder {
-    /// Models.
-    pub fitted: usize,
-    /// Those whose order is rejected, which have no intervals.
-    pub rejected: usize,
-    /// Of the others, those whose gain is held.
-    pub gain_held: usize,
-    /// Of these, those of the servo's own order.
-    pub of_its_order: usize,
-    /// And of those again, the intervals that hold: of the delay, and of natural frequency and damping, or of the lag.
-    pub held: Vec<usize>,
-    /// Half width of the interval of the gain in the mean \[%\].
-    pub half_gain_percent: f64,
-}
-
 /// What one frequency of one recording shows: magnitude and phase held, half width \[dB\].
 type Point = (bool, bool, f64);
 
@@ -236,7 +220,9 @@ impl SmoothInput {
         }
         if let Servo::Linear(servo, share) = &self.servo {
             let low_order = low_order.iter().flatten();
-            found.low_order = OfLowOrder::of(low_order, servo, *share == 0.0);
+            let exact =
+                |model: &FlightModel| named(servo, *share == 0.0 && model.order == servo.order());
+            found.low_order = OfLowOrder::of(low_order, exact);
         }
         found
     }
@@ -269,62 +255,17 @@ impl SmoothInput {
     }
 }
 
-impl OfLowOrder {
-    /// Of `models` of this servo, or of one that has more than its poles, where `is_whole` is not.
-    fn of<'a>(
-        models: impl Iterator<Item = &'a FlightModel>,
-        servo: &Linear,
-        is_whole: bool,
-    ) -> Self {
-        let exact = servo.parameters();
-        let mut found = Self {
-            held: vec![0; exact.len() - 1],
-            ..Self::default()
-        };
-        for model in models {
-            found.fitted += 1;
-            if model.approximation {
-                found.rejected += 1;
-                continue;
-            }
-            let gain = model.gain;
-            found.gain_held += usize::from(gain.contains(servo.gain));
-            let ends = gain.upper.zip(gain.lower);
-            let half = ends.map_or(f64::INFINITY, |(upper, lower)| (upper - lower) / 2.0);
-            found.half_gain_percent += 100.0 * half / servo.gain;
-            if !is_whole || model.order != servo.order() {
-                continue;
-            }
-            found.of_its_order += 1;
-            let shape = [model.omega_rad_s, model.damping, model.lag_s];
-            let others = std::iter::once(model.delay_s).chain(shape.into_iter().flatten());
-            let judged = others.zip(exact.iter().skip(1));
-            for (held, (interval, exact)) in found.held.iter_mut().zip(judged) {
-                *held += usize::from(interval.contains(*exact));
-            }
+/// What a model names of a servo of first or second order: gain alone where the model is not of its order.
+fn named(servo: &Linear, is_of_its_order: bool) -> Exact {
+    let mut exact = [Some(servo.gain), None, None, None, None];
+    if is_of_its_order {
+        match servo.parameters()[..] {
+            [_, delay, lag] => (exact[1], exact[4]) = (Some(delay), Some(lag)),
+            [_, delay, omega, zeta] => exact[1..4].copy_from_slice(&[delay, omega, zeta].map(Some)),
+            _ => (),
         }
-        found.half_gain_percent /= (found.fitted - found.rejected).max(1) as f64;
-        found
     }
-
-    /// As cells of the table: rejected; gain held; delay and shape held; half width.
-    #[must_use]
-    pub fn cells(&self) -> String {
-        let known = self.fitted - self.rejected;
-        let rejected = format!("{} of {}", self.rejected, self.fitted);
-        if known == 0 {
-            return format!("{rejected} | | |");
-        }
-        let held: Vec<String> = self.held.iter().map(usize::to_string).collect();
-        let others = match self.of_its_order {
-            0 => String::new(),
-            of => format!("{} of {of}", held.join(", ")),
-        };
-        format!(
-            "{rejected} | {} of {known} | {others} | {:.3}",
-            self.gain_held, self.half_gain_percent
-        )
-    }
+    exact
 }
 
 impl InBand {

@@ -3,14 +3,14 @@
 //! A command that was measured has noise that the servo was not sent. Over its holds, the column shows that noise by itself: second differences have its size,
 //! whatever the levels are, and what is left beside the mean of each hold has its autocovariance. A command that moves smoothly, or noise that is the command,
 //! has no holds that end with a change far beyond what is within them: a motion that takes four samples for five standard deviations goes on by 6.3 of them from
-//! hold to hold. Where noise is correlated, or levels are near each other, holds show in the means of a few samples.
+//! hold to hold. What is left within the holds of a smooth command, such as the tails of levels behind a lag, is smooth: its second differences are next to none. Where noise is correlated, or levels are near each other, holds show in the means of a few samples.
 
 use serde::{Deserialize, Serialize};
 
 use crate::data::{HELD, Hold, Run, holds};
 use crate::diagnostics::command_errors::{CommandErrors, EXAMINED, LAGS};
 use crate::numerics::median;
-use crate::thresholds::{CHANGED_BEYOND_NOISE, HELD_BUT_FOR_NOISE};
+use crate::thresholds::{CHANGED_BEYOND_NOISE, HELD_BUT_FOR_NOISE, ROUGHNESS_OF_NOISE};
 
 /// Noise in the column of a command that is held but for it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -37,10 +37,14 @@ pub(super) fn noisy_holds<'r>(runs: &[&'r Run]) -> Option<Vec<&'r [f64]>> {
     if second_difference(&columns)? == 0.0 {
         return None;
     }
-    let found = BLOCKS
-        .iter()
-        .filter_map(|block| holds_of_means(runs, *block));
-    let sd = |held: &Vec<&[f64]>| CommandErrors::of_noise(held, 1).sd();
+    let sd = |held: &[&[f64]]| CommandErrors::of_noise(held, 1).sd();
+    let is_rough = |held: &Vec<&[f64]>| {
+        second_difference(held)
+            .is_some_and(|size| size > ROUGHNESS_OF_NOISE * SECOND_DIFFERENCE * sd(held))
+    };
+    let found = (BLOCKS.iter())
+        .filter_map(|block| holds_of_means(runs, *block))
+        .filter(is_rough);
     found.min_by(|a, b| sd(a).total_cmp(&sd(b)))
 }
 
@@ -200,6 +204,14 @@ mod tests {
     #[test]
     fn commands_without_noise_or_without_holds_have_none() {
         assert!(errors(column(stairs, 0.0, 0.0)).is_none());
+        let mut at = 0.0;
+        let mut behind_a_lag = |k: usize| {
+            at += 0.2 * (level(k / 40) - at);
+            at
+        };
+        assert!(errors((0..SAMPLES).map(&mut behind_a_lag).collect()).is_none());
+        let sweep = |k: usize| 5.0 * (1e-5 * (k * k) as f64).sin();
+        assert!(errors(column(sweep, 0.0, 0.0)).is_none());
         let at_once = |k: usize| if level(k) > 0.0 { 5.0 } else { -5.0 };
         let in_fours = |k: usize| at_once(k / 4);
         let sine = |k: usize| 5.0 * (0.01 * k as f64).sin();

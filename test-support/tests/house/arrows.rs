@@ -182,6 +182,7 @@ pub const ROOMS: [(&str, &[&str]); 11] = [
             "scattering_holds",
             "scattering_runs",
             "noisy_commands",
+            "low_order_coverage",
             "smooth_inputs",
             "figures_coverage",
             "metrics_coverage",
