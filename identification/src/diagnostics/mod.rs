@@ -102,7 +102,7 @@ pub(crate) use run_trends::{RunTrends, allow_for_run_trends, drift, slopes_left,
 pub(crate) use servo_mean::allow_for_scatter;
 pub use servo_stopped::ServoStopped;
 pub(crate) use simulation_error::{
-    beginnings, one_step_errors, simulated, simulated_whole, square,
+    Simulated, beginnings, one_step_errors, simulated, simulated_whole, square,
 };
 pub use slow_end::{AllowedEnd, SlowEnd};
 pub(crate) use slow_end::{

@@ -26,6 +26,7 @@ mod undisturbed;
 use crate::data::{Moments, Record};
 use crate::diagnostics::{Evidence, Explanation, RunComparison, Validity, gather_advice};
 use crate::error::Error;
+use crate::estimation::Excitation;
 use crate::options::Options;
 use crate::results::{Model, Reason};
 
@@ -224,10 +225,17 @@ impl<'a> Response<'a> {
         let Self {
             task,
             samples,
-            fitted,
-            described,
+            mut fitted,
+            mut described,
             runs,
         } = self;
+        let in_band = (described.asks_for_band(&fitted))
+            .then(|| in_band::of(task))
+            .flatten();
+        if in_band.is_some() && fitted.misfit.take().is_some() {
+            // With all lags the errors are noise. Those of the few frequencies are what these leave out.
+            described = Described::new(task, &fitted);
+        }
         let Described {
             responses,
             allowances,
@@ -237,9 +245,7 @@ impl<'a> Response<'a> {
         model.residuals = assess::residuals(task, &fitted, &model);
         let mut explanation =
             describe::explanation(task, fitted, &responses, &allowances, (&model, runs));
-        if asks_for_band(&model, &explanation)
-            && let Some(found) = in_band::of(task)
-        {
+        if let Some(found) = in_band {
             found.carry_into(&mut model, &mut explanation);
         }
         model.advice = gather_advice(&Evidence {
@@ -252,14 +258,6 @@ impl<'a> Response<'a> {
         });
         Identification { model, explanation }
     }
-}
-
-/// Whether a model has no bounds because its input is too smooth to determine all of the response.
-fn asks_for_band(model: &Model, explanation: &Explanation) -> bool {
-    let is_smooth = explanation
-        .excitation
-        .is_some_and(|found| found.is_smooth());
-    is_smooth && model.level().withdrawn() == Some(Reason::InputUnexcited)
 }
 
 /// A fit with its bounds.
@@ -281,5 +279,15 @@ impl Described {
             allowances,
             validity,
         }
+    }
+
+    /// Whether there are no bounds because the input is too smooth to determine all of the response. It then may be too smooth to show whether errors are noise, too.
+    fn asks_for_band(&self, fitted: &Fitted) -> bool {
+        let withdrawn = self.model.level().withdrawn();
+        Excitation::of(&fitted.estimate.information.moments).is_smooth()
+            && matches!(
+                withdrawn,
+                Some(Reason::InputUnexcited | Reason::ErrorsNotNoise)
+            )
     }
 }

@@ -26,6 +26,8 @@ pub(crate) fn unexcited_above_hz(moments: &Moments, coordinates: &Coordinates) -
 pub(crate) struct BothEstimators {
     pub(crate) least_squares_percent: f64,
     pub(crate) generalised_percent: f64,
+    /// The bank with which plain least squares fits best, at the same N.
+    pub(crate) plain_basis: FsfBasis,
 }
 
 impl BothEstimators {
@@ -45,6 +47,7 @@ impl BothEstimators {
         let mut both = Self {
             least_squares_percent: percent(&plain_fit),
             generalised_percent: percent(generalised),
+            plain_basis: basis,
         };
         if basis.is_complete() || !(suspect || both.may_be_beaten(moments, basis.settling())) {
             return Some(both);
@@ -56,7 +59,10 @@ impl BothEstimators {
         if let Some(own) = own_bank
             && let Some(fit) = GlsFit::of(information, &Coordinates::new(own), &plain())
         {
-            both.least_squares_percent = both.least_squares_percent.max(percent(&fit));
+            let own_percent = percent(&fit);
+            if own_percent > both.least_squares_percent {
+                (both.least_squares_percent, both.plain_basis) = (own_percent, own);
+            }
         }
         Some(both)
     }

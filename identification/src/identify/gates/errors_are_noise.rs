@@ -127,16 +127,15 @@ fn better_at_simulation(
     if both.generalised_percent >= both.least_squares_percent {
         return Ok((candidate, estimate));
     }
-    let planned = candidate.plan.basis;
     if let Some(choice) = &candidate.plan.choice
-        && planned.is_complete()
+        && candidate.plan.basis.is_complete()
     {
         let longest = candidate.with(task, FsfBasis::full(choice.longest)?, PLAIN);
         if let Ok(longest) = fit_again(task, longest) {
             return Ok(longest);
         }
     }
-    fit_again(task, candidate.with(task, planned, PLAIN))
+    fit_again(task, candidate.with(task, both.plain_basis, PLAIN))
 }
 
 fn fit_again(task: &Task<'_>, candidate: Candidate) -> Result<(Candidate, Estimate), Error> {

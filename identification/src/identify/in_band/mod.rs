@@ -22,8 +22,8 @@ use super::responses::Responses;
 use super::task::Task;
 use crate::data::{Moments, Record, Timing};
 use crate::diagnostics::{
-    BothEstimators, Explanation, INPUT_LAGS, Linearity, Tails, comes_back, lowest_excited,
-    one_step_errors, simulated, simulated_whole, whiteness,
+    BothEstimators, Explanation, INPUT_LAGS, Linearity, Simulated, Tails, comes_back,
+    lowest_excited, one_step_errors, simulated, simulated_whole, whiteness,
 };
 use crate::estimation::{Coordinates, FIRST_ORDER, FsfBasis, GlsFit, GlsOptions, RowInformation};
 use crate::options::{Frequencies, Settling};
@@ -174,6 +174,18 @@ fn is_accurate(information: &RowInformation, fit: &GlsFit) -> bool {
     10.0 * f64::EPSILON * trace <= fit.precision && of_noise <= MOMENT_ACCURACY
 }
 
+/// The errors one step ahead of the rows that the fit rests on; NaN elsewhere. Those before the first of them follow from lags that it does not determine.
+fn errors_of_rows(run: &Simulated<'_>, information: &RowInformation, fit: &GlsFit) -> Vec<f64> {
+    let moments = &information.moments;
+    let rows = (run.run).complete_rows(moments.input_lags(), moments.output_lags());
+    let errors = one_step_errors(&run.errors, &fit.ar);
+    let mut kept = vec![f64::NAN; errors.len()];
+    for row in rows {
+        kept[row.clone()].copy_from_slice(&errors[row]);
+    }
+    kept
+}
+
 /// Tests of the errors, where they are noise. A band of a thousandth is narrower than what counts as a servo that is not linear elsewhere, so every
 /// finding that is beyond chance counts.
 fn tests(record: &Record<'_>, fitted: &Fitted) -> Option<Residuals> {
@@ -184,7 +196,7 @@ fn tests(record: &Record<'_>, fitted: &Fitted) -> Option<Residuals> {
     let whitening = both.least_squares_percent - both.generalised_percent;
     let runs = simulated(record, &information.moments, fit);
     let errors: Vec<Vec<f64>> = (runs.iter())
-        .map(|run| one_step_errors(&run.errors, &fit.ar))
+        .map(|run| errors_of_rows(run, information, fit))
         .collect();
     let share = 1.0 - fit.degrees_of_freedom() / fit.rows as f64;
     let whiteness_p = whiteness(&errors, fit.ar.len(), share);
