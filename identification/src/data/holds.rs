@@ -134,7 +134,12 @@ pub(crate) struct Stroke {
     /// \[output per second\].
     pub(crate) speed: f64,
     pub(crate) mid_speed: f64,
+    /// Mean speeds over [`PARTS_OF_TRAVEL`] \[output per second\].
+    pub(crate) speeds: [f64; 3],
 }
+
+/// Parts of the travel as long as its middle: a servo that gets to its top speed late, or begins to brake early, has it in the first or the last of them.
+const PARTS_OF_TRAVEL: [(f64, f64); 3] = [(0.2, 0.5), (0.35, 0.65), (0.5, 0.8)];
 
 /// The isolated strokes of a record: at least half of `settling` samples of hold before and all
 /// of it after.
@@ -198,12 +203,15 @@ fn measure(run: &Run, (first, start): (usize, f64), after: &Hold, period: f64) -
         (duration > 0.0).then(|| (to - from) * travel.abs() / duration)
     };
     let size = after.level - after.before?;
+    let [first_half, middle, last_half] = PARTS_OF_TRAVEL.map(|(from, to)| speed(from, to));
+    let mid_speed = middle?;
     Some(Stroke {
         at: after.samples.start,
         size,
         travel: travel * size.signum(),
         speed: speed(0.2, 0.8)?,
-        mid_speed: speed(0.35, 0.65)?,
+        mid_speed,
+        speeds: [first_half?, mid_speed, last_half?],
     })
 }
 

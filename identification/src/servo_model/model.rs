@@ -52,7 +52,7 @@ pub struct ServoModel {
     /// How fast the servo moved in the record, whatever the model says of it; `None` in files from before this was kept.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reached: Option<ReachedSpeeds>,
-    /// Speeds that no larger stroke of the record exceeded, whatever the model says of it.
+    /// Speeds that the larger strokes of the record have in common, whatever the model says of it.
     #[serde(default, skip_serializing_if = "SpeedLimits::are_none")]
     pub speed_limits: SpeedLimits,
     /// How far apart positions of rest that are reached from above and from below are \[output\]; `None` where the record does not show

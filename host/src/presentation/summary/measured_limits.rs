@@ -1,7 +1,7 @@
-//! The speeds that no larger stroke of a recording exceeded, beside the top speeds of a model whose figures may be off.
+//! The speeds that the larger strokes of a recording have in common, beside the top speeds of a model whose figures may be off.
 //!
 //! A model that lacks something of the servo has it in other terms, and its top speeds may be off by a third. What the strokes show by
-//! themselves is the limit of the servo, whatever it comes from.
+//! themselves is near the limit of the servo, whatever it comes from: the speed of a motor that builds up over a stroke ends a few percent above its mean.
 
 use super::numbers::digits;
 use super::speed_words::{speed_in_words, upwards};
@@ -28,9 +28,9 @@ pub(super) fn measured_limits(model: &ServoModel) -> [Option<f64>; 2] {
     .map(|kind| measured_limit(model, Some(kind)))
 }
 
-/// "498 deg/s (0.120 s/60°) upwards and 501 deg/s (0.120 s/60°) downwards", of the limits that the recording shows.
+/// "500 deg/s (0.120 s/60°) upwards and 510 deg/s (0.118 s/60°) downwards", of the limits that the recording shows.
 pub(super) fn limits_in_words(model: &ServoModel, units: Units<'_>) -> Option<String> {
-    let of = |limit: f64| speed_in_words(model, (limit, digits(limit, 3)), units);
+    let of = |limit: f64| speed_in_words(model, (limit, digits(limit, 2)), units);
     let larger = upwards(model);
     match measured_limits(model).map(|limit| limit.map(of)) {
         [Some(up), Some(down)] if up == down => Some(up),
@@ -46,8 +46,8 @@ pub(super) fn against_the_model(model: &ServoModel, units: Units<'_>) -> Option<
     let limits = limits_in_words(model, units)?;
     model.terms.is_limited().then(|| {
         format!(
-            "Larger strokes were no faster than {limits} in this recording: that is the limit of this servo, and what a data sheet is held against. The \
-             top speed of the model has no interval, and stands for what the model lacks, too."
+            "The larger strokes of this recording go at about {limits}: the limit of this servo is that, or a few percent more where the speed builds up over \
+             a stroke, and a data sheet is held against it. The top speed of the model has no interval, and stands for what the model lacks, too."
         )
     })
 }
@@ -98,14 +98,14 @@ mod tests {
         assert_eq!(limits_in_words(&of_model, DEGREES), None);
         let shown = model(both);
         assert!(!has_unreached_top_speeds(&shown));
-        let words = "30.0 deg/s (2.000 s/60°) upwards and 29.0 deg/s (2.069 s/60°) downwards";
+        let words = "30 deg/s (2.000 s/60°) upwards and 29 deg/s (2.069 s/60°) downwards";
         assert_eq!(limits_in_words(&shown, DEGREES).as_deref(), Some(words));
         assert!(against_the_model(&shown, DEGREES).unwrap().contains(words));
         let one = SpeedLimits {
             upwards: None,
             ..both
         };
-        let words = "29.0 units/s (2.069 s/60° if that is degrees) downwards";
+        let words = "29 units/s (2.069 s/60° if that is degrees) downwards";
         assert_eq!(
             limits_in_words(&model(one), Units::default()).as_deref(),
             Some(words)

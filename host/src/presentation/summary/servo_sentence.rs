@@ -215,7 +215,7 @@ fn what_was_seen(
 ) -> Vec<String> {
     if let Some(limits) = limits_in_words(model, units) {
         return vec![format!(
-            "is limited to {limits} in this recording, in which larger strokes were no faster"
+            "is limited to about {limits} in this recording, the speed of its larger strokes"
         )];
     }
     let agreed = speeds.and_then(|speeds| agreed(model, speeds));

@@ -45,8 +45,8 @@ pub enum RateVerdict {
 pub struct Rate {
     /// The finding.
     pub verdict: RateVerdict,
-    /// Mid-travel speed (35 to 65 %) of the fastest group of strokes \[output per second\]: the
-    /// limit when limited.
+    /// Mid-travel speed (35 to 65 %) of the fastest group of strokes \[output per second\]; when limited, that over the part of the travel in which they are
+    /// fastest (20 to 50 %, 35 to 65 % or 50 to 80 %): the limit.
     pub speed: Interval,
     /// b: 1 when proportional, 0 when constant.
     pub exponent: Interval,
@@ -143,7 +143,7 @@ impl Rate {
         } else if is_constant(&above, critical) {
             rate.verdict = RateVerdict::Limited;
             // Of strokes just above the hinge, acceleration and braking reach into the middle.
-            rate.speed = mean_speed(&above[above.len() / 2..], level);
+            rate.speed = top_speed(&above[above.len() / 2..], level);
         } else {
             rate.verdict = RateVerdict::GrowsLess;
             rate.speed = mean_speed(
@@ -209,12 +209,27 @@ fn is_constant(above: &[Stroke], critical: f64) -> bool {
 
 /// Mean mid-travel speed with Student's interval.
 fn mean_speed(strokes: &[Stroke], level: f64) -> Interval {
-    let count = strokes.len() as f64;
-    if strokes.is_empty() {
+    mean_of(strokes.iter().map(|stroke| stroke.mid_speed), level)
+}
+
+/// The same over that part of the travel in which the strokes are fastest.
+fn top_speed(strokes: &[Stroke], level: f64) -> Interval {
+    let of_part = |part: usize| mean_of(strokes.iter().map(|stroke| stroke.speeds[part]), level);
+    let all = [0, 1, 2].map(of_part);
+    let fastest = all.into_iter().max_by(|a, b| {
+        let [a, b] = [a, b].map(|interval| interval.value.unwrap_or(0.0));
+        a.total_cmp(&b)
+    });
+    fastest.unwrap_or_default()
+}
+
+fn mean_of(speeds: impl ExactSizeIterator<Item = f64> + Clone, level: f64) -> Interval {
+    let count = speeds.len() as f64;
+    if speeds.len() == 0 {
         return Interval::default();
     }
-    let mean = strokes.iter().map(|s| s.mid_speed).sum::<f64>() / count;
-    let square: f64 = strokes.iter().map(|s| (s.mid_speed - mean).powi(2)).sum();
+    let mean = speeds.clone().sum::<f64>() / count;
+    let square: f64 = speeds.map(|speed| (speed - mean).powi(2)).sum();
     let half = match StudentsT::new(0.0, 1.0, count - 1.0) {
         Ok(t) if count > 1.0 => {
             t.inverse_cdf(0.5 + level / 2.0) * (square / (count - 1.0) / count).sqrt()
@@ -306,6 +321,7 @@ mod tests {
                     travel: size(k),
                     speed: v,
                     mid_speed: v,
+                    speeds: [v; 3],
                 }
             })
             .collect()

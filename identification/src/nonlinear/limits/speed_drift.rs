@@ -73,6 +73,7 @@ mod tests {
                 travel: size,
                 speed,
                 mid_speed: speed,
+                speeds: [speed; 3],
             }
         };
         (0..40).map(of).collect()

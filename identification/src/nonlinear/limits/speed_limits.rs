@@ -1,6 +1,6 @@
-//! Speeds that no larger stroke of a record exceeded, as they were measured.
+//! Speeds that larger strokes of a record have in common, as they were measured.
 //!
-//! Whether the speed is limited, the [strokes](super::rate) say by themselves: no model is asked, so that no other term can stand for the limit.
+//! A speed that builds up over a stroke, as that of a motor, ends some percent above. Whether the speed is limited, the [strokes](super::rate) say by themselves: no model is asked, so that no other term can stand for the limit.
 
 use serde::{Deserialize, Serialize};
 
@@ -13,7 +13,8 @@ use crate::data::{Record, Stroke};
 /// Confidence level of an interval that is not used: the verdict has one of its own.
 const LEVEL: f64 = 0.99;
 
-/// The speeds to which strokes of a record are limited, each where the record shows it: larger ones were no faster.
+/// The speeds to which strokes of a record are limited, each where the record shows it: the mean over the part of their travel in which the larger ones are fastest, where that
+/// does not grow with the stroke.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SpeedLimits {
     /// Towards larger outputs \[output/s\].
