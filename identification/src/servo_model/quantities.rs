@@ -371,11 +371,9 @@ impl Definition {
                 variance += a * servo.covariance[(i, j)] * b;
             }
         }
-        let half = critical * not_negative(variance).sqrt();
-        let hidden = |change: &Vec<f64>| FARTHEST_OFF * dot(&slopes, change).abs() > half;
-        if servo.unseen.iter().any(hidden) {
-            return Some(Interval::new(value, f64::NAN, f64::NAN));
-        }
+        let hidden = |change: &Vec<f64>| FARTHEST_OFF * dot(&slopes, change);
+        let hidden = servo.unseen.iter().map(hidden);
+        let half = hidden.fold(critical * not_negative(variance).sqrt(), f64::hypot);
         Some(match self.domain {
             Domain::Any => Interval::new(value, value - half, value + half),
             Domain::NotNegative => Interval::new(value, not_negative(value - half), value + half),
