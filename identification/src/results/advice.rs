@@ -1,6 +1,6 @@
 //! Findings with their numbers, and what to do about each, as plain data.
 
-use crate::thresholds::LONGEST_SETTLING;
+use crate::thresholds::{LONGEST_SETTLING, MARGIN};
 use serde::{Deserialize, Serialize};
 
 /// What was checked. Documents have these names, which are stable between versions. Nothing outside this file asks for them: what
@@ -247,7 +247,9 @@ impl Advice {
             Check::OutputLeads => Setting::ExchangedColumns,
             Check::CommandNoise => Setting::ExactCommand,
             // A longer recording would not change that the longest time that is tried by itself is too short.
-            Check::Settled if self.value >= LONGEST_SETTLING as f64 => Setting::SettlingTime,
+            Check::Settled if self.threshold * MARGIN > LONGEST_SETTLING as f64 - 1.0 => {
+                Setting::SettlingTime
+            }
             _ => return None,
         })
     }
@@ -417,12 +419,10 @@ mod tests {
 
     #[test]
     fn a_settling_time_is_stated_where_the_longest_by_itself_is_too_short() {
-        let settled =
-            |detected: f64| Advice::new(Check::Settled, "", detected, 300.0, "").setting();
-        assert_eq!(
-            settled(LONGEST_SETTLING as f64),
-            Some(Setting::SettlingTime)
-        );
-        assert_eq!(settled(LONGEST_SETTLING as f64 - 2.0), None);
+        let settled = |longest: usize| {
+            Advice::new(Check::Settled, "", 400.0, longest as f64 / MARGIN, "").setting()
+        };
+        assert_eq!(settled(LONGEST_SETTLING), Some(Setting::SettlingTime));
+        assert_eq!(settled(LONGEST_SETTLING - 2), None);
     }
 }

@@ -97,7 +97,7 @@ impl Reason {
             Self::TravelEnd => {
                 "the servo does not go as far as its outermost commands, as at a stop or under a load that holds it"
             }
-            Self::LoadHoldsDrive => "a load holds the servo short of some commands",
+            Self::LoadHoldsDrive => "a load, or a stop, holds the servo short of some commands",
             Self::GainDrift => "the servo's gain changes along the recording",
             Self::InputUnexcited => "the reference does not excite all of the response",
             Self::FewLevels => {

@@ -380,7 +380,8 @@ fn load(model: &ServoModel) -> Option<String> {
         }
         LoadKind::Air => (
             QuantityKind::LoadAtMiddle,
-            "works against a load that stiffens to one side".to_owned(),
+            "works against a load that stiffens to one side, as an end of its travel does"
+                .to_owned(),
         ),
     };
     let is_shown = |load: &&Quantity| {

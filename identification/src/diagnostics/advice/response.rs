@@ -27,12 +27,13 @@ pub(super) fn settled(evidence: &Evidence<'_>) -> Option<Advice> {
         false => "The",
     };
     let seen = match choice.detected < choice.longest {
+        _ if is_at_the_cap(choice) => format!(
+            "The response moves until {moving:.3} s, and {longest:.3} s are the longest time that is looked at where none is stated ({LONGEST_SETTLING} samples), \
+             which is too short to say that it is over."
+        ),
         true => format!(
             "The response moves until {moving:.3} s, and this recording shows too little after that, up to {longest:.3} s, to say that it is \
              over."
-        ),
-        false if is_at_the_cap(choice) => format!(
-            "The response still moves at {longest:.3} s, the longest time that is looked at where none is stated ({LONGEST_SETTLING} samples)."
         ),
         false => format!(
             "The response still moves at {longest:.3} s, the longest time that this recording shows."
@@ -47,9 +48,8 @@ pub(super) fn settled(evidence: &Evidence<'_>) -> Option<Advice> {
         choice.longest as f64 / MARGIN,
         match choice.repeats_after {
             _ if is_at_the_cap(choice) => format!(
-                "State a settling time of {} samples; where that is too much for this recording, record holds of up to {hold:.2} s, and at least {in_all:.1} s \
-                 in all.",
-                2 * choice.longest + 1
+                "{}, record holds of up to {hold:.2} s, and at least {in_all:.1} s in all.",
+                stated(choice.longest)
             ),
             Some(_) => format!(
                 "Record holds of different lengths, up to {hold:.2} s, and at least {in_all:.1} s in all: where all are equal, longer ones \
@@ -62,9 +62,17 @@ pub(super) fn settled(evidence: &Evidence<'_>) -> Option<Advice> {
     ))
 }
 
-/// Whether the response may be over later than the longest time that is tried by itself, which a longer recording would not change.
+/// Whether no time up to the longest that is tried by itself is long enough, which a longer recording would not change.
 fn is_at_the_cap(choice: &Choice) -> bool {
-    choice.detected >= LONGEST_SETTLING
+    choice.longest >= LONGEST_SETTLING
+}
+
+/// What to state where no settling time up to `longest` is enough, and that a recording may be too short for it.
+fn stated(longest: usize) -> String {
+    format!(
+        "State a settling time of {} samples, and a longer one where the response goes on beyond that; where that is too much for this recording",
+        2 * longest + 1
+    )
 }
 
 /// A servo that does not follow any more from some time on.
@@ -242,12 +250,21 @@ pub(super) fn slow_end(evidence: &Evidence<'_>) -> Option<Advice> {
         false => "no bounds can be given",
     };
     let (time, remedy) = match evidence.explanation.settling {
-        Some(_) => (
-            "slowly beyond the longest time that can be judged",
-            format!(
-                "Record holds of several times {seconds:.1} s, and at least {:.0} s in all.",
+        Some(ref choice) => {
+            let record = format!(
+                "record holds of several times {seconds:.1} s, and at least {:.0} s in all.",
                 14.0 * seconds
-            ),
+            );
+            let remedy = match is_at_the_cap(choice) {
+                true => format!("{}, {record}", stated(choice.longest)),
+                false => record.replacen('r', "R", 1),
+            };
+            ("slowly beyond the longest time that can be judged", remedy)
+        }
+        // What is tried by itself is no longer.
+        None if end.beyond >= LONGEST_SETTLING => (
+            "beyond the settling time that was given",
+            format!("Give a longer one, such as {} samples.", 2 * end.beyond + 1),
         ),
         None => (
             "beyond the settling time that was given",
