@@ -21,7 +21,7 @@ fn constant(header: &str, name: &str) -> f64 {
 
 /// Stairs of the simulated bench servo, which determine it.
 fn servo(folder: &Path) -> std::path::PathBuf {
-    let [record, model] = ["servo.csv", "servo.json"].map(|name| folder.join(name));
+    let [record, model] = ["mine.csv", "mine.json"].map(|name| folder.join(name));
     let stairs = [
         "--reference",
         "stairs",
