@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ._document import Column, column_or_none
+from ._draws import normal
 from ._interval import Interval, interval, interval_or_none
 from ._withdrawn import Withdrawn, withdrawn
 
@@ -119,6 +120,45 @@ class FlightModel(dict[str, Any]):
         three poles, and are wider. An uncertain delay of the sensor is in the interval of L alone.
         """
         return column_or_none((self["bounds"] or {}).get("covariance"))
+
+    def draws(self, count: int, *, seed: int | None = None) -> dict[str, Column]:
+        """Each parameter at random, as the recording leaves them open together: for a simulation of many servos (Monte Carlo).
+
+        They are normally distributed in :attr:`coordinates`, with :attr:`covariance`, so that they are those of a servo of this order; a delay
+        below zero is cut off. The intervals are wider: they hold servos of up to three poles.
+
+        Parameters
+        ----------
+        count : int
+            How many.
+        seed : int, optional
+            For the same draws again.
+
+        Returns
+        -------
+        dict of ndarray
+            ``gain``, ``delay_s``, ``omega_rad_s``, ``damping`` and ``lag_s``, as far as the order has them, each with `count` values.
+
+        Raises
+        ------
+        ServoidError
+            Bounds are withdrawn, so there is no covariance.
+
+        Examples
+        --------
+        >>> import servoid
+        >>> flight = servoid.identify(servoid.simulate("linear"), flight_model=True).flight_model
+        >>> sorted(flight.draws(100, seed=1))
+        ['damping', 'delay_s', 'gain', 'omega_rad_s']
+        """
+        names = [coordinate.removeprefix("ln_") for coordinate in self.coordinates]
+        is_logarithm = [name != coordinate for name, coordinate in zip(names, self.coordinates, strict=True)]
+        values = np.array([self[name]["value"] for name in names])
+        mean = np.where(is_logarithm, np.log(np.where(is_logarithm, values, 1.0)), values)
+        rows = normal(mean, self.covariance, count, seed, self.withdrawn)
+        found = {name: np.exp(row) if is_ln else row for name, is_ln, row in zip(names, is_logarithm, rows.T, strict=True)}
+        found["delay_s"] = found["delay_s"].clip(0.0)
+        return found
 
     @property
     def sd(self) -> dict[str, float] | None:

@@ -23,6 +23,7 @@ from ._arrays import (
     word_or_none,
 )
 from ._document import Column, Document, column, column_or_none, write_new
+from ._draws import normal
 from ._export import Export, export
 from ._flight_model import FlightModel
 from ._interval import Interval, interval
@@ -450,6 +451,46 @@ class Model(Document):
     def impulse_response(self) -> Column:
         """Differences of the step response from sample to sample (output per input)."""
         return column(np.diff(self.step.value, prepend=0.0))
+
+    def draws(self, count: int, *, seed: int | None = None) -> Column:
+        """Step responses at random, as the recording leaves them open: for a simulation of many servos (Monte Carlo).
+
+        They are normally distributed in :attr:`theta`, with :attr:`covariance`. The bounds are wider by what left-out frequencies and the steps of
+        the sensor may hide. A position is the convolution of a command with the differences of a response from sample to sample.
+
+        Parameters
+        ----------
+        count : int
+            How many.
+        seed : int, optional
+            For the same draws again.
+
+        Returns
+        -------
+        ndarray
+            `count` rows, each as :attr:`step` has its values.
+
+        Raises
+        ------
+        ServoidError
+            Bounds are withdrawn, so there is no covariance.
+
+        Examples
+        --------
+        >>> import numpy as np, servoid
+        >>> model = servoid.identify(servoid.simulate("linear"))
+        >>> draws = model.draws(1000, seed=1)
+        >>> bool(np.allclose(draws.std(axis=0)[40:60], model.step.sd[40:60], rtol=0.1))
+        True
+        """
+        rows = normal(self.theta, self.covariance, count, seed, self.withdrawn)
+        taps = len(self.step.value)
+        harmonics = np.arange(1, (rows.shape[1] + 1) // 2)
+        turned = 2.0 * np.pi * np.outer(harmonics, np.arange(taps)) / taps
+        cosines, sines = (2.0 * of(turned) / taps for of in (np.cos, np.sin))
+        impulse = rows[:, :1] / taps + rows[:, 1::2] @ cosines - rows[:, 2::2] @ sines
+        found: Column = np.cumsum(impulse, axis=1)
+        return found
 
     @property
     def summary(self) -> str:

@@ -4,14 +4,28 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import _servoid
 from ._arrays import command_or_none, number_or_none, samples
-from ._document import Column
+from ._document import Column, column, column_or_none
+from ._draws import normal
 from ._withdrawn import Withdrawn, withdrawn
+
+if TYPE_CHECKING:
+    from ._model import Model
+
+#: What makes a servo, of coordinates that not all numbers do: the least and the largest.
+_POSSIBLE = {
+    "delay": (0.0, np.inf),
+    "motor_share": (1e-5, 1.0),
+    "dead_band": (0.0, np.inf),
+    "friction": (0.0, np.inf),
+    "friction_at_rest": (0.0, np.inf),
+    "friction_of_gears": (0.0, 0.9),
+}
 
 
 @dataclass(frozen=True)
@@ -113,6 +127,69 @@ class ServoModel:
         return withdrawn(self._fields)
 
     @property
+    def coordinates(self) -> tuple[str, ...]:
+        """What :attr:`values`, and rows and columns of :attr:`covariance`, are of; docs/servo-model.md has what each is in the equation."""
+        return tuple(_name(found) for found in self._fields["coordinates"])
+
+    @property
+    def values(self) -> Column:
+        """Best estimate of :attr:`coordinates`."""
+        return column(self._fields["values"])
+
+    @property
+    def covariance(self) -> Column | None:
+        """Covariance of :attr:`coordinates`; ``None`` where bounds are withdrawn."""
+        return column_or_none((self._fields["bounds"] or {}).get("rows"))
+
+    def draws(self, count: int, *, seed: int | None = None) -> list[Model]:
+        """Models with other servos in them, at random as the recording leaves them open: for a simulation of many (Monte Carlo).
+
+        Each is this model with a servo model of other constants: simulate with its ``servo_model.simulate(u).value``, or export it. All else in
+        it, quantities and intervals included, is that of the estimate.
+
+        The servos are normally distributed in :attr:`coordinates`, with :attr:`covariance`; what no servo has, such as a negative friction, is
+        cut off. They have the terms of this model. Intervals of :attr:`quantities` also hold other sets of terms that predict as well, and the
+        uncertainty of a sensor's delay, and may be wider.
+
+        Parameters
+        ----------
+        count : int
+            How many.
+        seed : int, optional
+            For the same draws again.
+
+        Returns
+        -------
+        list of Model
+
+        Raises
+        ------
+        ServoidError
+            Bounds are withdrawn, so there is no covariance.
+
+        Examples
+        --------
+        >>> import servoid
+        >>> stairs = servoid.simulate("bench", reference="stairs", amplitude=20, length=20)
+        >>> servo = servoid.identify(stairs, servo_model=True).servo_model
+        >>> responses = [draw.servo_model.simulate([0.0] * 10 + [10.0] * 90).value for draw in servo.draws(20, seed=1)]
+        >>> len(responses), responses[0].shape
+        (20, (100,))
+        """
+        from ._model import Model
+
+        rows = normal(self.values, self.covariance, count, seed, self.withdrawn)
+        for place, name in enumerate(self.coordinates):
+            rows[:, place] = rows[:, place].clip(*_POSSIBLE.get(name, (-np.inf, np.inf)))
+        document = json.loads(self._core.document)
+        found = []
+        for number, row in enumerate(rows, start=1):
+            document["servo_model"].update(values=row.tolist(), alternatives=[])
+            name = f"draw {number} of {self._core.name}"
+            found.append(Model(_servoid.Model.parse(json.dumps(document), name)))
+        return found
+
+    @property
     def quantities(self) -> dict[str, Quantity]:
         """Delay, top speed, dead band and the like, by name."""
         found = {}
@@ -187,6 +264,13 @@ class ServoModel:
         reason = self.withdrawn
         known = f"determined: {names}" if reason is None else f"no intervals, because {reason.because}; values of: {names}"
         return f"<ServoModel: predicts {self.fit['held_out_percent']:.1f} % of what it had not seen; {known}>"
+
+
+def _name(coordinate: str | dict[str, int]) -> str:
+    """A coordinate in one word: that of a further controller has its number."""
+    if isinstance(coordinate, str):
+        return coordinate
+    return "_".join(f"{word}_{number}" for word, number in coordinate.items())
 
 
 def _of_document(text: str) -> ServoModel:

@@ -80,16 +80,21 @@ impl ExportArgs {
         self.finish(&exported, &request)
     }
 
-    /// That MATLAB and Octave find a function by the name of its file alone.
-    fn name_of_function(&self, request: &ExportRequest) -> Option<String> {
-        let function = identifier(&request.name);
+    /// That the program finds what the file holds by the name of the file alone, where it has another one.
+    fn other_name(&self, request: &ExportRequest) -> Option<String> {
+        let name = identifier(&request.name);
+        let file = self.out.as_ref()?;
         let is_function = self.to == Target::Matlab && request.is_of_servo_model();
-        let file = self.out.as_ref().filter(|_| is_function)?;
-        (stem(file) != function).then(|| {
-            format!(
-                "warning: the file holds the function {function}, and MATLAB and Octave look for it in a file of that name: call it {function}.m"
-            )
-        })
+        let wanted = match self.to {
+            Target::Matlab if is_function => format!(
+                "the file holds the function {name}, and MATLAB and Octave look for it in a file of that name: call it {name}.m"
+            ),
+            Target::Jsbsim => format!(
+                "JSBSim looks for <system file=\"{name}\"/> in a file of that name: call it {name}.xml"
+            ),
+            _ => return None,
+        };
+        (stem(file) != name).then(|| format!("warning: {wanted}"))
     }
 
     /// Writes or prints the text.
@@ -98,7 +103,7 @@ impl ExportArgs {
         for remark in &exported.remarks {
             talk.say(remark);
         }
-        if let Some(remark) = self.name_of_function(request) {
+        if let Some(remark) = self.other_name(request) {
             talk.say(remark);
         }
         for warning in &exported.warnings {

@@ -1,7 +1,7 @@
 //! `servoid plan`
 
 use super::input::no_servo;
-use super::output::{Output, wrong_usage};
+use super::output::{Output, typed_path, wrong_usage};
 use super::reference_args::ReferenceArgs;
 use super::rig_args::{RigFileArgs, RigSource};
 use crate::instrument::reference;
@@ -13,7 +13,7 @@ use anyhow::{Context, Result};
 use clap::Args;
 use serde::Serialize;
 use servoid_protocol::PulseTrain;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Forecast a run: the width of its band, and the questions that it cannot answer
 ///
@@ -59,6 +59,9 @@ pub(super) struct PlanArgs {
     /// determined, and what to record for the others. A model as --servo does that by itself
     #[arg(long, conflicts_with = "model")]
     servo_model: bool,
+    /// Not an option of this command: it names the one that is meant
+    #[arg(long, value_name = "PORT", hide = true)]
+    port: Option<String>,
     #[command(flatten)]
     rig: RigFileArgs,
     /// The plan to write, as JSON
@@ -85,6 +88,15 @@ struct PlanDocument<'a> {
 
 impl PlanArgs {
     pub(super) fn run(self) -> Result<String> {
+        if let Some(port) = &self.port {
+            let servo = match port.strip_prefix("sim:") {
+                Some(servo) => format!("take --servo {}", typed_path(Path::new(servo))),
+                None => "leave --port out, and take --model MODEL.json for your servo".to_owned(),
+            };
+            wrong_usage(format_args!(
+                "plan moves no servo and has no port: {servo}; the limits are those of the rig file (--rig)"
+            ));
+        }
         let positive = |number: &f64| *number > 0.0 && number.is_finite();
         if self.noise.iter().chain(&self.band).any(|n| !positive(n)) {
             wrong_usage("--noise (degrees) and --band (percent) must be above 0");

@@ -159,20 +159,36 @@ impl RigArgs {
         Ok(source)
     }
 
+    /// That the condition is not that of the simulated servo.
+    fn other_condition(&self, condition: &str, servo: &str) -> Option<String> {
+        let known = [BENCH, AIRCRAFT];
+        let by_file = || {
+            format!(
+                "the condition is {condition:?}, by the rig file, and the simulated servo is that of {servo:?}: --condition {servo} states it"
+            )
+        };
+        let stated = || {
+            format!(
+                "the condition is {condition:?}, as stated, and the simulated servo is that of {servo:?}, which is recorded under that name: --port sim:{condition} simulates the other one"
+            )
+        };
+        match self.condition {
+            None => (known.contains(&servo) && condition != servo).then(by_file),
+            // Words of one's own name no other simulated servo.
+            Some(_) => (known.contains(&servo) && known.contains(&condition) && condition != servo)
+                .then(stated),
+        }
+    }
+
     /// The rig of `file`, if its port is known and it may move.
     pub(super) fn require(&self, file: RigFile, talk: Talk) -> Result<Rig> {
         let address = port_of(self.port.as_deref(), &file)?;
         let simulated = port::simulated_servo(&address);
         let condition = self.condition.clone().or_else(|| file.condition.clone());
         let condition = condition.unwrap_or_else(|| simulated.unwrap_or(BENCH).to_owned());
-        let of_file = self.condition.is_none().then_some(condition.as_str());
-        if let Some((stated, servo)) = of_file.zip(simulated)
-            && [BENCH, AIRCRAFT].contains(&servo)
-            && stated != servo
-        {
-            talk.say(format_args!(
-                "the condition is {stated:?}, by the rig file, and the simulated servo is that of {servo:?}: --condition {servo} states it"
-            ));
+        if let Some(servo) = simulated {
+            let remark = self.other_condition(&condition, servo);
+            remark.into_iter().for_each(|remark| talk.say(remark));
         }
         // The servo may be loaded under any other condition.
         if condition != BENCH && simulated.is_none() && !self.arm {

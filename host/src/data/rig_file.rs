@@ -174,8 +174,8 @@ pub const RTY_DEGREES: f64 = 120.0;
 /// Volts at the sensor that the divider brings to the ADC's full scale, its 3.3 V reference (paper §4).
 pub const FULL_SCALE_VOLTS: f64 = 5.0;
 /// Standard deviations of zero and scale before a calibration; see [`SensorSection::from_data_sheet`].
-const UNCALIBRATED_ZERO_SD_DEG: f64 = 4.0;
-pub(super) const UNCALIBRATED_SCALE_SD_PERCENT: f64 = 5.0;
+pub(crate) const UNCALIBRATED_ZERO_SD_DEG: f64 = 4.0;
+pub(crate) const UNCALIBRATED_SCALE_SD_PERCENT: f64 = 5.0;
 /// A sensor that lags by more shows no servo (ms).
 pub(crate) const LONGEST_DELAY_MS: f64 = 100.0;
 /// Four conversions of 12 bits, summed: 4096 steps each, of which the last reads 4095.

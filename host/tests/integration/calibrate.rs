@@ -146,6 +146,50 @@ fn a_servo_that_turns_the_other_way_is_no_doubt_and_signs_that_are_all_wrong_are
     assert!(said.contains("is doubtful"), "{said}");
 }
 
+/// The protractor slipped by a degree between the second and the third reading.
+#[test]
+fn a_calibration_worse_than_a_data_sheet_does_not_replace_a_good_one() {
+    let dir = tempfile::tempdir().unwrap();
+    let rig = dir.path().join("rig.toml");
+    run(&[
+        "init",
+        "-q",
+        "--yes",
+        "--port",
+        "sim:bench",
+        "-o",
+        arg(&rig),
+    ]);
+    let update = [
+        "calibrate",
+        "-q",
+        "--no-travel",
+        "--update",
+        "--rig",
+        arg(&rig),
+    ];
+    run(&[&update[..], &["--angles=-8,-4,0,4,8"]].concat());
+    let good = std::fs::read_to_string(&rig).unwrap();
+    let refused = |angles: &str| {
+        let output = servoid(&[&update[..], &[angles]].concat())
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(1));
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let said = refused("--angles=-8,-4,1,5,9");
+    assert!(
+        said.contains("a data sheet says more")
+            && said.contains("the rig file has the sensor's scale"),
+        "{said}"
+    );
+    let said = refused("--angles=-7.6,-3.8,0,3.8,7.6");
+    assert!(said.contains("-5.0 % from that of the rig file"), "{said}");
+    assert_eq!(std::fs::read_to_string(&rig).unwrap(), good);
+    let said = run(&[&update[..], &["--angles=-5,-1,3,7,11"]].concat());
+    assert!(said.contains("0 degrees are -3.0"), "{said}");
+}
+
 /// Where no angles were read, none were read wrong; and what a calibration leaves of the travel, the default reference keeps to.
 #[test]
 fn a_staircase_alone_doubts_no_angles_and_the_next_capture_stays_within_its_limits() {

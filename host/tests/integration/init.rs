@@ -48,6 +48,18 @@ fn the_rig_file_of_the_folder_is_found() {
     let other_condition = "the condition is \"bench\", by the rig file";
     let said = here(&[&aircraft[..], &["-o", "doubtful.csv"]].concat());
     assert!(said.contains(other_condition), "{said}");
+    let wrong = ["capture", "--condition", "aircraft", "-o", "found.csv"];
+    let refused = servoid(&wrong).current_dir(dir.path()).output().unwrap();
+    let said = String::from_utf8(refused.stderr).unwrap();
+    let [contradiction, exists] = [
+        "simulated servo is that of \"bench\", which is recorded",
+        "exists already",
+    ]
+    .map(|words| said.find(words).unwrap());
+    assert!(
+        contradiction < exists && said.contains("--port sim:aircraft"),
+        "{said}"
+    );
     let stated = ["--condition", "aircraft", "-o", "stated.csv"];
     let said = here(&[&aircraft[..], &stated[..]].concat());
     assert!(!said.contains(other_condition), "{said}");

@@ -2,6 +2,15 @@
 
 use crate::support::{arg, json, refusal, run};
 
+/// The port of a rig is the first thing that somebody tries.
+#[test]
+fn a_port_is_answered_with_the_option_that_is_meant() {
+    let said = refusal(&["plan", "--port", "sim:aircraft?seed=2"]);
+    assert!(said.contains("take --servo 'aircraft?seed=2'"), "{said}");
+    let said = refusal(&["plan", "--port", "/dev/ttyUSB0"]);
+    assert!(said.contains("--model MODEL.json"), "{said}");
+}
+
 #[test]
 fn a_plan_says_what_a_capture_then_finds() {
     let dir = tempfile::tempdir().unwrap();

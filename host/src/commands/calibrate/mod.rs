@@ -12,7 +12,7 @@ use crate::data::recording::write_file;
 use crate::data::rig_file::{RigFile, SensorSection};
 use crate::instrument::calibration::{
     Calibration, DOUBT_PERCENT, Found, Measured, Mover, Reading, Rest, Travel, doubts,
-    mistyped_angle, put_into, require_followed, swapped_angles,
+    mistyped_angle, moved_zero, put_into, require_followed, swapped_angles,
 };
 use crate::instrument::port;
 use crate::instrument::rig::RigClient;
@@ -125,8 +125,11 @@ impl Calibrate {
                 rests: Vec::new(),
                 travel: None,
                 doubts: Vec::new(),
+                moved_zero: None,
             }
         };
+        let sensor = measured.sensor.as_ref().filter(|_| !measured.assumed);
+        measured.moved_zero = sensor.and_then(|found| moved_zero(found, &source.file.sensor));
         measured.doubts = doubts(&measured, &source.file, &self.positions(&source.file));
         let text = text::describe(&measured);
         let asked = self.asks_for_angles() && self.out.is_none() && !self.update;
@@ -234,6 +237,7 @@ impl Calibrate {
             rests,
             travel,
             doubts: Vec::new(),
+            moved_zero: None,
         })
     }
 

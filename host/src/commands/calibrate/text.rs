@@ -34,6 +34,7 @@ pub(super) fn describe(measured: &Measured) -> String {
             .as_ref()
             .map(|found| travel(found, measured.assumed)),
     );
+    text.extend((measured.moved_zero.iter()).map(|moved| format!("NOTE: {moved}\n")));
     for doubt in &measured.doubts {
         text += &format!("DOUBTFUL: {doubt}\n");
     }

@@ -1,10 +1,14 @@
 //! What a calibration disagrees about with the rig file: angles that were read wrong leave a straight line.
 
 use super::measured::Measured;
+use super::measured_value::LEVEL;
 use super::mistyped_angle::mistyped_angle;
 use super::sensor_scale::Calibration;
 use super::swapped_angles::swapped_angles;
-use crate::data::rig_file::RigFile;
+use crate::data::rig_file::{
+    RigFile, SensorSection, UNCALIBRATED_SCALE_SD_PERCENT, UNCALIBRATED_ZERO_SD_DEG,
+};
+use servoid_identification::results::pointwise_critical;
 
 /// A scale that differs by more from that of the rig file is doubtful (part of it): three standard deviations of a
 /// data sheet, whose 5 % are the supply of the sensor, or the rounding of the maker of a servo.
@@ -12,6 +16,10 @@ const SCALE: f64 = 0.15;
 
 /// A neutral farther from 0 degrees is doubtful, as a part of the distance between two positions.
 const NEUTRAL: f64 = 0.5;
+
+/// A calibration that replaces one so many times as certain is doubtful. Two of five readings each, of the same care, differ by more once in 80
+/// times (the square is F-distributed with three degrees of freedom each).
+const LESS_CERTAIN: f64 = 5.0;
 
 /// One sentence for each disagreement of `measured` with the rig file.
 #[must_use]
@@ -23,6 +31,8 @@ pub fn doubts(measured: &Measured, rig: &RigFile, pulses: &[u16]) -> Vec<String>
     }
     if let Some(sensor) = measured.sensor.as_ref().filter(|_| !measured.assumed) {
         found.extend(rough(sensor));
+        found.extend(less_certain(sensor, &rig.sensor));
+        found.extend(contradicted_scale(sensor, &rig.sensor));
     }
     let of_sensor = measured.sensor.as_ref();
     let of_sensor = of_sensor.map(|sensor| sensor.degrees_per_count / rig.sensor.degrees_per_count);
@@ -54,10 +64,51 @@ pub fn doubts(measured: &Measured, rig: &RigFile, pulses: &[u16]) -> Vec<String>
 fn rough(sensor: &Calibration) -> Option<String> {
     let [low, high] = sensor.degrees_per_count_interval;
     let half = (0.5 * (high - low) / sensor.degrees_per_count).abs();
-    (half > SCALE).then(|| {
+    (sensor.scale_sd_percent > UNCALIBRATED_SCALE_SD_PERCENT).then(|| {
         format!(
-            "these readings leave the sensor's scale known to ±{:.0} % only, and a data sheet says more: repeat, and read each angle more closely",
-            100.0 * half
+            "these readings leave the sensor's scale known to ±{:.0} % only, and a data sheet says more (a standard deviation of {UNCALIBRATED_SCALE_SD_PERCENT} %, and these have {:.1} %): repeat, and read each angle more closely",
+            100.0 * half,
+            sensor.scale_sd_percent
+        )
+    })
+}
+
+/// That the calibration of the rig file is far more certain.
+fn less_certain(found: &Calibration, before: &SensorSection) -> Option<String> {
+    let (new, old) = (found.scale_sd_percent, before.scale_sd_percent);
+    (old > 0.0 && new > LESS_CERTAIN * old).then(|| {
+        format!(
+            "the rig file has the sensor's scale with a standard deviation of {old:.2} %, and these readings have one of {new:.2} %: repeat, and read each angle more closely"
+        )
+    })
+}
+
+/// That the scale is beyond the uncertainty of both from that of a calibration before; one that is further off is another doubt.
+fn contradicted_scale(found: &Calibration, before: &SensorSection) -> Option<String> {
+    let ratio = found.degrees_per_count / before.degrees_per_count;
+    let is_calibrated = before.scale_sd_percent < UNCALIBRATED_SCALE_SD_PERCENT;
+    let within =
+        pointwise_critical(LEVEL) * found.scale_sd_percent.hypot(before.scale_sd_percent) / 100.0;
+    let contradicts = is_calibrated && (ratio - 1.0).abs() > within;
+    (contradicts && ratio > 0.0 && !is_off(ratio)).then(|| {
+        format!(
+            "the sensor's scale is {:+.1} % from that of the rig file, and both together are known to ±{:.1} %: was each angle read right, now and then?",
+            100.0 * (ratio - 1.0),
+            100.0 * within
+        )
+    })
+}
+
+/// That 0 degrees are beyond the uncertainty of both from where a calibration before has them: no doubt, as a sensor or a protractor that was
+/// moved has another zero.
+#[must_use]
+pub fn moved_zero(found: &Calibration, before: &SensorSection) -> Option<String> {
+    let off = (found.zero_counts - before.zero_counts) * found.degrees_per_count;
+    let within = pointwise_critical(LEVEL) * found.zero_sd_deg.hypot(before.zero_sd_deg);
+    let is_calibrated = before.zero_sd_deg < UNCALIBRATED_ZERO_SD_DEG;
+    (is_calibrated && off.abs() > within).then(|| {
+        format!(
+            "0 degrees are {off:+.2} degrees from where the rig file has them, and both together are known to ±{within:.2}: that is right if the sensor or the protractor was moved since then"
         )
     })
 }
@@ -125,6 +176,7 @@ mod tests {
             rests: Vec::new(),
             travel: None,
             doubts: Vec::new(),
+            moved_zero: None,
         };
         doubts(&measured, &rig, &[])
     }
@@ -137,6 +189,45 @@ mod tests {
         assert!(found(2.0)[0].contains("2.00 times"));
         assert!(found(0.5)[0].contains("0.50 times"));
         assert!(found(-1.0)[0].contains("signs of the angles"));
+    }
+
+    /// A rig file that was calibrated with the angles -8 to 8.
+    fn calibrated() -> SensorSection {
+        let right = Reading::at_five_positions([-8.0, -4.0, 0.0, 4.0, 8.0]);
+        let found = Calibration::fit(&right).unwrap();
+        SensorSection {
+            zero_counts: found.zero_counts,
+            degrees_per_count: found.degrees_per_count,
+            zero_sd_deg: found.zero_sd_deg,
+            scale_sd_percent: found.scale_sd_percent,
+            ..SensorSection::default()
+        }
+    }
+
+    #[test]
+    fn a_calibration_that_is_worse_than_the_one_before_or_contradicts_it_is_doubted() {
+        let of = |angles: [f64; 5]| Calibration::fit(&Reading::at_five_positions(angles)).unwrap();
+        let before = calibrated();
+        // The zero of the protractor slipped in the middle.
+        let slipped = of([-8.0, -4.0, 1.0, 5.0, 9.0]);
+        assert!(slipped.scale_sd_percent > UNCALIBRATED_SCALE_SD_PERCENT);
+        assert!(rough(&slipped).is_some() && less_certain(&slipped, &before).is_some());
+        let shrunk = of([-7.6, -3.8, 0.0, 3.8, 7.6]);
+        let said = contradicted_scale(&shrunk, &before).unwrap();
+        assert!(said.contains("-5.0 % from that"), "{said}");
+        assert_eq!(less_certain(&shrunk, &before), None);
+        let shifted = of([-5.0, -1.0, 3.0, 7.0, 11.0]);
+        assert_eq!(contradicted_scale(&shifted, &before), None);
+        let said = moved_zero(&shifted, &before).unwrap();
+        assert!(said.contains("0 degrees are -3.00 degrees"), "{said}");
+        let again = of([-8.02, -3.97, 0.01, 4.02, 7.98]);
+        assert_eq!(contradicted_scale(&again, &before), None);
+        assert_eq!(less_certain(&again, &before), None);
+        assert_eq!(moved_zero(&again, &before), None);
+        // A data sheet is no calibration: it is held against SCALE alone.
+        let sheet = SensorSection::default();
+        assert_eq!(contradicted_scale(&shrunk, &sheet), None);
+        assert_eq!(moved_zero(&shifted, &sheet), None);
     }
 
     #[test]

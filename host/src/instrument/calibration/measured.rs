@@ -20,6 +20,8 @@ pub struct Measured {
     pub travel: Option<Travel>,
     /// What it disagrees about with the rig file, a sentence each.
     pub doubts: Vec<String>,
+    /// That its zero is not that of the calibration before, where that is so.
+    pub moved_zero: Option<String>,
 }
 
 /// Standard deviation of a data sheet's microseconds per degree (percent): makers round, and servos of one type

@@ -25,7 +25,7 @@ mod sensor_scale;
 mod swapped_angles;
 mod travel;
 
-pub use doubts::doubts;
+pub use doubts::{doubts, moved_zero};
 pub use followed::{NotFollowed, require_followed};
 pub use measured::{DOUBT_PERCENT, Measured};
 pub use measured_value::{Estimate, LEVEL};

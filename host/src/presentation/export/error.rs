@@ -5,9 +5,15 @@
 pub enum ExportError {
     /// The target is a ratio of polynomials.
     #[error(
-        "a JSBSim actuator needs a low-order model, and there is none ({0}): export to c or csv, export the servo model with --servo-model, or record larger steps"
+        "a JSBSim actuator of the linear model needs a low-order model of it, and there is none ({reason}): {}",
+        in_place_of_low_order(*.servo_model)
     )]
-    NoLowOrder(String),
+    NoLowOrder {
+        /// Why there is none.
+        reason: String,
+        /// Whether the file has a servo model that predicts.
+        servo_model: bool,
+    },
     /// The target has no place for a linear model.
     #[error("this target takes a servo model, and not a linear one")]
     NeedsServoModel,
@@ -66,11 +72,31 @@ pub enum ExportError {
         /// That of the output 1.
         largest: f64,
     },
+    /// A servo that stands still is closer to the servo model than the file, or its strokes are wrong by the largest one.
+    #[error(
+        "the file would not follow its command: in strokes that are held or broken off once it is up to {percent} % of the largest stroke away from the servo model, and a servo that stands still is hardly farther, {why}"
+    )]
+    FollowsNothing {
+        /// The largest difference in percent of the largest stroke.
+        percent: String,
+        /// Why, and what to do.
+        why: String,
+    },
     /// The document says so, or the motion has no end.
     #[error(
         "the servo model has numbers beyond what any servo could have: identify it again, or export it with a shorter --step-ms"
     )]
     Impossible,
+}
+
+/// What to do without a low-order model.
+fn in_place_of_low_order(servo_model: bool) -> &'static str {
+    match servo_model {
+        true => "take the servo model of the same file, which needs none, with --servo-model",
+        false => {
+            "export to c or csv, identify with --servo-model and export that, or record larger steps"
+        }
+    }
 }
 
 /// Why, and which shorter steps make up one of these.

@@ -7,15 +7,13 @@ use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::summary::four_digits;
 
 /// The condition under which a stated frame is right, and why.
-const WHEN_TO_STATE: &str = "only where the commands were recorded at their pulses, as servoid does; elsewhere that wait is in the delay already";
+pub(super) const WHEN_TO_STATE: &str = "only where the commands were recorded at their pulses, as servoid does; elsewhere that wait is in the delay already";
 
 impl ModelMetadata {
     /// That no hold is assumed, or that a stated one may count twice.
     pub(super) fn frame_warning(&self) -> Option<String> {
         match self.pulse_frame_s {
-            None => Some(format!(
-                "no frame hold is assumed: state --frame-ms {WHEN_TO_STATE}"
-            )),
+            None => Some("no frame hold is assumed (--frame-ms states one)".to_owned()),
             Some(frame_s) if self.frame_is_stated && frame_s > 0.0 => Some(format!(
                 "the stated frame of {} ms is right {WHEN_TO_STATE}, and the servo is late by {} ms",
                 four_digits(1e3 * frame_s),

@@ -9,9 +9,13 @@ use crate::data::units::Units;
 use crate::presentation::summary::four_digits;
 use crate::presentation::template::fill;
 use servoid_identification::flight_model::{FlightModel, LowOrder};
+use servoid_identification::servo_model::ServoModel;
 
 /// To which time command and position belong.
 pub(super) const TIME: &str = "Set a command at the time t, then run a step: it acts from t on. The position that is read behind this step is that at t too, although simulation/sim-time-sec is one step farther by then.";
+
+/// What a command that is no number does.
+pub(super) const NO_NUMBER: &str = "Numbers: a command that is no number leaves no position from then on, as the parts of JSBSim keep it. Check it before you set it.";
 
 /// Steps of a second, unless the simulation is set to others.
 const USUAL_HZ: f64 = 120.0;
@@ -20,7 +24,12 @@ const USUAL_HZ: f64 = 120.0;
 pub(super) fn write(export: &Export<'_>) -> Result<String, ExportError> {
     let flight = match &export.low_order {
         Ok(flight) => flight,
-        Err(reason) => return Err(ExportError::NoLowOrder(reason.clone())),
+        Err(reason) => {
+            return Err(ExportError::NoLowOrder {
+                reason: reason.clone(),
+                servo_model: export.servo_model.is_some_and(ServoModel::predicts),
+            });
+        }
     };
     let id = identifier(export.name);
     let held = export.frame_s() > 0.0;
@@ -39,6 +48,7 @@ pub(super) fn write(export: &Export<'_>) -> Result<String, ExportError> {
     let gain = export.model.step.value.last().copied().unwrap_or(f64::NAN);
     let at_centre = export.model.offset + gain * centre;
     paragraphs.push(start(export.metadata.units(), centre, at_centre));
+    paragraphs.push(NO_NUMBER.to_owned());
     let (filters, output) = filters(&flight.transfer, &id);
     let (hold, input) = before_servo(&id, centre, export.frame_s());
     let values = [

@@ -1,6 +1,7 @@
 //! The comment at the top of every export.
 
 use super::doubts;
+use super::frame_hold::WHEN_TO_STATE;
 use super::model::Export;
 use super::recorded;
 use super::text::{Style, number};
@@ -247,7 +248,9 @@ impl Export<'_> {
             .map(milliseconds)
             .unwrap_or_default();
         let hold = match self.metadata.pulse_frame_s {
-            None => "How the command is held is not known, and no hold is assumed.".to_owned(),
+            None => format!(
+                "How the command is held is not known, and no hold is assumed: state --frame-ms {WHEN_TO_STATE}."
+            ),
             Some(0.0) => {
                 "No frame hold is assumed: the command may change at any sample.".to_owned()
             }

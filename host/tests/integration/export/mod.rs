@@ -2,7 +2,9 @@
 //! not installed says so on the terminal and passes.
 
 mod c;
+mod draws;
 mod jsbsim;
+mod no_number;
 mod scripts;
 mod servo_model;
 mod texts;

@@ -46,6 +46,25 @@ fn check(printed: &str) {
     );
 }
 
+/// Stands for a package that is not there.
+const NO_PACKAGE: &str = "function pkg(varargin)\nerror('the package is not there');\nend\n";
+
+#[test]
+fn the_script_without_a_control_package_says_what_to_install_and_has_the_rest() {
+    if !works("octave-cli", &["--version"]) {
+        return missing("the script in Octave", "there is no octave-cli");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    export("matlab", folder.path(), "servo_bench_1.m");
+    std::fs::write(folder.path().join("pkg.m"), NO_PACKAGE).unwrap();
+    let shown = "servo_bench_1; disp(lastwarn()); disp(servo_bench_1.order); disp(isfield(servo_bench_1, 'low_order'));";
+    let mut octave = Command::new("octave-cli");
+    octave.args(["-q", "--no-init-file", "--no-site-file", "--eval", shown]);
+    let said = must(octave.current_dir(folder.path()));
+    assert!(said.contains("pkg install -forge control"), "{said}");
+    assert!(said.trim_end().ends_with('0'), "{said}");
+}
+
 const PYTHON: &str = r"
 import sys
 import numpy as np

@@ -114,6 +114,17 @@ fn a_model_without_a_low_order_one_is_exported_as_far_as_it_goes() {
     }
     let sentence = refusal(&["export", arg(&model), "--to", "jsbsim"]);
     assert!(sentence.contains("low-order"), "{sentence}");
+    assert!(
+        sentence.contains("identify with --servo-model"),
+        "{sentence}"
+    );
+    let beside = crate::support::json(&super::servo_model::AIRCRAFT.file);
+    let mut document = crate::support::json(&model);
+    document["servo_model"] = beside["servo_model"].clone();
+    std::fs::write(&model, document.to_string()).unwrap();
+    let sentence = refusal(&["export", arg(&model), "--to", "jsbsim"]);
+    let points = "take the servo model of the same file, which needs none, with --servo-model";
+    assert!(sentence.ends_with(points), "{sentence}");
 }
 
 #[test]

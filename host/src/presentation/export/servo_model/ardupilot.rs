@@ -193,7 +193,7 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         limit_the_command(export),
     ];
     Ok(ExportedServo::new(text, difference)?
-        .lacking(export, "ArduPilot", &LEFT_OUT)
+        .lacking(export, "ArduPilot", &LEFT_OUT)?
         .with(remarks.into_iter().flatten()))
 }
 

@@ -15,6 +15,8 @@ pub(super) struct Difference {
     pub largest_in_strokes: f64,
     /// Its root mean square, likewise.
     pub root_mean_square: f64,
+    /// Whether the file is closer to the servo in the staircase than one that stands still, in the mean of squares.
+    pub follows: bool,
     /// The largest from a servo that has the load and the stops that the export has, where it leaves some out, and what these are.
     pub without_others: Option<(f64, &'static str)>,
 }
@@ -30,10 +32,13 @@ impl Difference {
         let servo = &export.parameters;
         let (positions, exact) = (found(servo), trial.exact(servo));
         let from_like = || trial.largest_difference(&found(like), &trial.exact(like));
+        let [strokes, exact_strokes] = [&positions, &exact].map(|course| trial.staircase(course));
+        let still = vec![servo.resting_output(trial.middle()); exact_strokes.len()];
         Self {
+            follows: trial.root_mean_square(strokes, exact_strokes)
+                < trial.root_mean_square(&still, exact_strokes),
             largest: trial.largest_difference(&positions, &exact),
-            largest_in_strokes: trial
-                .largest_difference(trial.staircase(&positions), trial.staircase(&exact)),
+            largest_in_strokes: trial.largest_difference(strokes, exact_strokes),
             root_mean_square: trial.root_mean_square(&positions, &exact),
             without_others: others(servo, like).map(|others| (from_like(), others)),
             trial,

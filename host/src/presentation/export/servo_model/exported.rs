@@ -23,6 +23,8 @@ pub struct ExportedServo {
     pub remarks: Vec<String>,
     /// What limits the use of the file: that it is far from the servo and what its program lacks, or that its steps are long.
     pub warnings: Vec<String>,
+    /// Whether it is closer to the servo than one that stands still.
+    follows: bool,
 }
 
 /// A file that is farther from the servo than this part of the largest stroke lacks something that counts: of the servos in
@@ -39,6 +41,7 @@ impl ExportedServo {
             true => Ok(Self {
                 text,
                 trial: difference.trial,
+                follows: difference.follows,
                 largest_difference: difference.largest,
                 largest_difference_in_strokes: difference.largest_in_strokes,
                 root_mean_square_difference: difference.root_mean_square,
@@ -50,7 +53,45 @@ impl ExportedServo {
     }
 
     /// The same, of a program that lacks these terms.
-    pub(super) fn lacking(self, export: &ServoExport<'_>, program: &str, terms: &[Term]) -> Self {
+    ///
+    /// # Errors
+    /// It does not follow.
+    pub(super) fn lacking(
+        self,
+        export: &ServoExport<'_>,
+        program: &str,
+        terms: &[Term],
+    ) -> Result<Self, ExportError> {
+        let found = self.that_follows(export, || {
+            format!(
+                "as {program} leaves out {}: export to c, python, julia or matlab (--servo-model), which have all of it",
+                export.names_of(terms)
+            )
+        })?;
+        Ok(found.warned_of_lack(export, program, terms))
+    }
+
+    /// The same, unless a servo that stands still is closer to the servo model, or a stroke that is held or broken off once is wrong by the
+    /// largest one; `why` says why, and what to do.
+    ///
+    /// # Errors
+    /// It is.
+    pub(super) fn that_follows(
+        self,
+        export: &ServoExport<'_>,
+        why: impl FnOnce() -> String,
+    ) -> Result<Self, ExportError> {
+        let stroke = self.trial.largest_travel(&export.parameters);
+        match self.follows && self.largest_difference_in_strokes < stroke {
+            true => Ok(self),
+            false => Err(ExportError::FollowsNothing {
+                percent: export.percent_of_strokes(&self),
+                why: why(),
+            }),
+        }
+    }
+
+    fn warned_of_lack(self, export: &ServoExport<'_>, program: &str, terms: &[Term]) -> Self {
         let is_far = self.largest_difference >= FAR * self.trial.largest_travel(&export.parameters);
         let warning = is_far.then(|| {
             format!(

@@ -1,7 +1,7 @@
 //! What the outputs of ArduPilot's simulated servos stand for.
 
+use super::recorded_range::recorded;
 use super::subject::ServoExport;
-use super::trial_command::recorded;
 use crate::data::pulse_widths::is_pulse;
 use crate::data::unitless_command::{FULL_US, UnitlessCommand};
 use crate::presentation::export::error::ExportError;
@@ -48,7 +48,7 @@ impl FullCommand {
     /// Nothing says what a full command is, or the recorded ones are all beyond it.
     pub fn of(export: &ServoExport<'_>) -> Result<Self, ExportError> {
         let (full, origin) = Self::size(export)?;
-        let (middle, most) = recorded(export);
+        let (middle, most) = recorded(export.model, &export.parameters);
         let zero = match (Self::is_pulse(export), origin) {
             (true, _) => NEUTRAL_US,
             (false, Origin::Stated | Origin::Part) => 0.0,

@@ -15,7 +15,7 @@ use super::terms::Term;
 use super::trial_command::Trial;
 use super::worst_command::with_worst;
 use crate::presentation::export::error::ExportError;
-use crate::presentation::export::jsbsim::{TIME, before_servo, hold_switch, start};
+use crate::presentation::export::jsbsim::{NO_NUMBER, TIME, before_servo, hold_switch, start};
 use crate::presentation::export::neutral::neutral;
 use crate::presentation::export::target::Target;
 use crate::presentation::export::text::{XML_STYLE, identifier, number};
@@ -33,7 +33,7 @@ const LEFT_OUT: [Term; 6] = [
     Term::FrictionOfGears,
     Term::FrictionAtRest,
     Term::Weight,
-    Term::StiffeningLoad,
+    Term::ChangeOfLoadOfAir,
 ];
 
 /// Where the filter is.
@@ -306,7 +306,7 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     ];
     let text = fill(include_str!("../templates/servo_model/servo.xml"), &values);
     Ok(ExportedServo::new(text, difference)?
-        .lacking(export, "JSBSim", &LEFT_OUT)
+        .lacking(export, "JSBSim", &LEFT_OUT)?
         .warned(long_steps(export))
         .warned(late)
         .with(behind_in_larger_strokes(fit.share)))
@@ -393,6 +393,7 @@ fn about(
             "Time: {TIME} {} Set the step before the aircraft is loaded: delays are counted out then.",
             steps(export, difference)
         ),
+        NO_NUMBER.to_owned(),
         export.left_out("an actuator of JSBSim", &LEFT_OUT),
         export.difference(difference, Comparison::Emulation("JSBSim")),
     ]);

@@ -131,7 +131,9 @@ impl ServoExport<'_> {
             ("ID", id.to_ascii_uppercase()),
             ("id", id),
         ];
-        ExportedServo::new(fill(language.template, &values), difference)
+        ExportedServo::new(fill(language.template, &values), difference)?.that_follows(self, || {
+            "as its steps are too long for it: choose a shorter --step-ms".to_owned()
+        })
     }
 
     /// The parameters of the equation, a line each; terms that the servo does not have get values without effect.

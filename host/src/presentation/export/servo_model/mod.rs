@@ -16,6 +16,7 @@ mod languages;
 mod load_mass;
 mod mujoco;
 mod rate_limit;
+mod recorded_range;
 mod smooth_command;
 mod speed_by_drive;
 mod statement;

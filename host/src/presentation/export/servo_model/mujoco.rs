@@ -8,12 +8,13 @@ use super::emulation::DelayLine;
 use super::exported::ExportedServo;
 use super::fixed_step::step_s;
 use super::load_mass::{GRAVITY, Turn, Weight};
+use super::recorded_range::recorded;
 use super::smooth_command::SmoothCommand;
 use super::speed_by_drive::{SHARES, closest_drive};
 use super::statement::{Comparison, Frame, line};
 use super::subject::ServoExport;
 use super::terms::Term;
-use super::trial_command::{Trial, recorded};
+use super::trial_command::Trial;
 use super::worst_command::with_worst;
 use crate::presentation::export::error::ExportError;
 use crate::presentation::export::target::Target;
@@ -41,7 +42,7 @@ const LEFT_OUT: [Term; 6] = [
     Term::DeadBand,
     Term::FrictionOfGears,
     Term::FrictionAtRest,
-    Term::StiffeningLoad,
+    Term::ChangeOfLoadOfAir,
 ];
 
 /// The numbers of joint and actuator. The joint's angle is the position in rad.
@@ -93,7 +94,7 @@ impl Joint {
             // The angle after a step has the speed at the end of the step: it is early by half a step.
             delay_steps: (p.delay_s.max(0.0) / step_s + 1.0).floor() as usize,
             step_s,
-            weight: Weight::of(&p.load, turn, recorded(export)),
+            weight: Weight::of(&p.load, turn, recorded(export.model, p)),
         }
     }
 
@@ -265,7 +266,7 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     let remark =
         format!("the joint's angle is the position in rad, and ctrl the command as one: {control}");
     Ok(ExportedServo::new(text, difference)?
-        .lacking(export, "MuJoCo", &LEFT_OUT)
+        .lacking(export, "MuJoCo", &LEFT_OUT)?
         .with([remark]))
 }
 
@@ -316,6 +317,7 @@ fn about(
             number(1e3 * difference.trial.step_s)
         ),
         "delay and nsample are the delay, and half a step by which MuJoCo is early; they are of a MuJoCo later than 3.9. In an older one leave both out, and delay the command yourself.".to_owned(),
+        "Numbers: where a command is no number, MuJoCo warns, and all ctrl count as 0 when its step has come out of the delay.".to_owned(),
         export.left_out("MuJoCo's position actuator", &LEFT_OUT),
         export.difference(difference, Comparison::Emulation("MuJoCo")),
     ]);

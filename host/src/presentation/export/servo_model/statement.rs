@@ -7,6 +7,7 @@ use super::subject::ServoExport;
 use super::trial_command::{FINER_WHERE_EXACT, Held, REVERSALS, Trial};
 use crate::data::unitless_command::UnitlessCommand;
 use crate::presentation::export::doubts;
+use crate::presentation::export::frame_hold::WHEN_TO_STATE;
 use crate::presentation::export::recorded::{self, beside};
 use crate::presentation::export::statement::units_in_words;
 use crate::presentation::export::target::Target;
@@ -236,8 +237,12 @@ impl ServoExport<'_> {
     /// What a file does about the pulse frame.
     pub(super) fn frame(&self, does: Frame) -> String {
         let frame = number((self.frame_s() * 1e7).round() / 1e4);
+        let unknown = match self.metadata.pulse_frame_s {
+            None => format!(": state --frame-ms {WHEN_TO_STATE}"),
+            Some(_) => String::new(),
+        };
         if self.frame_s() == 0.0 {
-            return "Frame: none is assumed, the command acts from any step on.".to_owned();
+            return format!("Frame: none is assumed, the command acts from any step on{unknown}.");
         }
         let here = match does {
             Frame::InFile => format!(
@@ -436,7 +441,7 @@ fn command(trial: &Trial) -> String {
 /// In which strokes the difference is largest, a sentence.
 fn searched(trial: &Trial) -> String {
     match trial.worst.is_empty() {
-        true => "It is that of repeated reversals, as a loop that swings has them, and of strokes that are held or broken off once; reversals of other periods may show more.".to_owned(),
+        true => "It is that of repeated reversals, as a loop that swings has them, and of strokes that are held or broken off once; other commands may show several times as much, most of it where the servo just reaches a stop or just comes to rest; shorter steps show less.".to_owned(),
         false => format!(
             "A search found the strokes in which it is largest, {}, among reversals and random strokes over the recorded range, with half-periods from 1/sqrt(k) to the time in which its largest stroke settles; other commands may be farther, seldom by more than a tenth.",
             reversals(trial)

@@ -1,5 +1,6 @@
 //! A servo model with the facts that its exports state.
 
+use super::recorded_range::recorded;
 use crate::data::model_file::ServoModelDocument;
 use crate::data::model_metadata::ModelMetadata;
 use crate::data::unitless_command::UnitlessCommand;
@@ -148,12 +149,26 @@ impl<'a> ServoExport<'a> {
         }
     }
 
-    /// The load that is the same at all angles \[acceleration\].
+    /// The load of a program whose load is the same at all angles \[acceleration\]: of one of the air, its mean over the recorded range. Its
+    /// constant part alone may be many times as large, where the load stiffens from an angle far outside of that range.
     pub(super) fn constant_load(&self) -> f64 {
         match self.parameters.load {
             Load::None | Load::Pendulum { .. } => 0.0,
-            Load::Constant(constant) | Load::Air { constant, .. } => constant,
+            Load::Constant(constant) => constant,
+            Load::Air {
+                constant,
+                stiffening,
+                from,
+            } => constant + self.mean_stiffening(stiffening, from),
         }
+    }
+
+    /// The mean of a load that is `stiffening` times the square of the distance beyond `from`, over the recorded range.
+    fn mean_stiffening(&self, stiffening: f64, from: f64) -> f64 {
+        let (middle, most) = recorded(self.model, &self.parameters);
+        let way = if stiffening < 0.0 { -1.0 } else { 1.0 };
+        let cube = |end: f64| (way * (middle + end - from)).max(0.0).powi(3);
+        stiffening * way * (cube(most) - cube(-most)) / (6.0 * most)
     }
 
     /// The same as the whole load.

@@ -26,6 +26,8 @@ pub(super) enum Term {
     ConstantLoad,
     Weight,
     StiffeningLoad,
+    /// The same where its mean is kept.
+    ChangeOfLoadOfAir,
     /// The shaft goes no farther.
     Stops,
 }
@@ -47,6 +49,7 @@ impl Term {
             Self::ConstantLoad => "the constant load",
             Self::Weight => "the weight",
             Self::StiffeningLoad => "the load of the air",
+            Self::ChangeOfLoadOfAir => "the load of the air, but for its mean",
             Self::Stops => "the stops",
         }
     }
@@ -115,6 +118,10 @@ impl ServoExport<'_> {
                 ))
             }
             Term::ConstantLoad | Term::Weight | Term::StiffeningLoad => self.load(term),
+            Term::ChangeOfLoadOfAir => self.load(Term::StiffeningLoad).map(|stiffening| {
+                let mean = self.acceleration(self.constant_load());
+                format!("{stiffening}: here it is the same at all angles, its mean over the recorded range together with its constant part, {mean}")
+            }),
             Term::Stops => self.stop_positions(),
         }
     }

@@ -1,5 +1,6 @@
 //! The command under which an export is compared with servoid's own integrator.
 
+use super::recorded_range::recorded;
 use super::subject::ServoExport;
 use serde::Serialize;
 use servoid_dynamics::{Grid, ServoParameters, Start, simulate};
@@ -55,9 +56,6 @@ const SHORTEST_HALF_PERIOD_S: f64 = 0.05;
 /// Strokes of each such part: where the two directions differ, a servo drifts from the middle to its last course in so many.
 pub(super) const REVERSALS: usize = 12;
 
-/// Amplitudes that a servo may have in any unit; a model file may say anything.
-const POSSIBLE: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
-
 /// Time constants that a stroke has to settle in.
 const SETTLING: f64 = 5.0;
 
@@ -67,7 +65,7 @@ pub(super) const FINER_WHERE_EXACT: f64 = 10.0;
 impl Trial {
     /// A trial with steps of `step_s` seconds, of commands that are `possible`.
     pub(super) fn of(export: &ServoExport<'_>, step_s: f64, possible: [f64; 2]) -> Self {
-        let (middle, most) = within(recorded(export), possible);
+        let (middle, most) = within(recorded(export.model, &export.parameters), possible);
         let amplitude = short(most, most, 3, f64::floor);
         let middle = short(middle, amplitude, 3, f64::round);
         let hold_s = hold_s(export, amplitude);
@@ -276,45 +274,6 @@ fn within((middle, most): (f64, f64), [least, largest]: [f64; 2]) -> (f64, f64) 
     }
 }
 
-/// The middle of the recorded commands, and half of their range: what is said of a file holds for the largest strokes that the
-/// recording had. A file without it, as older ones are, gets the root mean square of the motion about the position 0, and one without that
-/// strokes that the drive limits.
-pub(super) fn recorded(export: &ServoExport<'_>) -> (f64, f64) {
-    let (fit, parameters) = (&export.model.fit, &export.parameters);
-    let middle_of_outputs = -parameters.offset / parameters.gain;
-    let (middle, shown) = match export.model.commands {
-        Some(commands) => (commands.middle(), commands.amplitude()),
-        None => {
-            let output = fit.rmse / (1.0 - fit.simulation_percent / 100.0);
-            (middle_of_outputs, output / parameters.gain.abs())
-        }
-    };
-    // A command that friction and dead band swallow would compare two servos that stand still.
-    let shown = shown.max(MOVING * held(parameters));
-    match POSSIBLE.contains(&shown) && middle.is_finite() {
-        true => (middle, shown),
-        false => (middle_of_outputs, amplitude_without_recording(parameters)),
-    }
-}
-
-/// One that the drive limits.
-fn amplitude_without_recording(parameters: &ServoParameters) -> f64 {
-    let limited = parameters
-        .limit
-        .map(|limit| 4.0 * limit.up / parameters.stiffness);
-    limited
-        .filter(|amplitude| POSSIBLE.contains(amplitude))
-        .unwrap_or(1.0)
-}
-
-/// So many times as large as what does not move the servo the amplitude is at least.
-const MOVING: f64 = 3.0;
-
-/// The error that moves nothing: that which friction at rest holds, and the dead band.
-fn held(parameters: &ServoParameters) -> f64 {
-    parameters.resting_error().unwrap_or(0.0) + parameters.dead_band.unwrap_or(0.0)
-}
-
 /// 1/ω of the servo at small signals: one without limits rises in about twice that, and swings with a half-period of three times that.
 fn rise_s(export: &ServoExport<'_>) -> f64 {
     1.0 / export.parameters.stiffness.sqrt()
@@ -365,7 +324,7 @@ fn short(value: f64, size: f64, digits: i32, whole: fn(f64) -> f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use servoid_dynamics::{Friction, Load, Stops};
+    use servoid_dynamics::{Load, Stops};
 
     #[test]
     fn a_stop_cuts_strokes_of_the_position() {
@@ -395,35 +354,5 @@ mod tests {
         assert_eq!(travel(2.0, None, None), 40.0);
         assert_eq!(travel(2.0, None, Some(12.0)), 32.0);
         assert_eq!(travel(-2.0, Some(-4.0), Some(12.0)), 16.0);
-    }
-
-    #[test]
-    fn friction_and_dead_band_hold_what_they_say() {
-        let servo = ServoParameters {
-            delay_s: 0.01,
-            stiffness: 900.0,
-            damping: 60.0,
-            gain: 20.0,
-            offset: 0.0,
-            limit: None,
-            speed_limit: None,
-            dead_band: Some(0.5),
-            friction: Some(Friction {
-                coulomb: 4500.0,
-                of_gears: 0.0,
-                at_rest: None,
-            }),
-            load: Load::None,
-            stops: Stops::default(),
-        };
-        assert_eq!(held(&servo), 5.5);
-        let moved = |command: f64| {
-            let grid = Grid::for_stiffness(0.002, 0.0, servo.stiffness);
-            let start = Start::at_rest(0.0, Some(0.0));
-            let mut last = 0.0;
-            simulate(&servo, &grid, &start, &[command; 300], |_, y| last = y);
-            last != 0.0
-        };
-        assert!(!moved(0.99 * held(&servo)) && moved(MOVING * held(&servo)));
     }
 }

@@ -23,7 +23,7 @@ typedef struct {
     unsigned newest;
 } {{id}}_ss;
 
-/* At rest at this command. */
+/* At rest at this command, which must be a number. */
 static inline void {{id}}_ss_reset({{id}}_ss *servo, {{id}}_real command)
 {
     for (unsigned i = 0; i < {{ID}}_ORDER; i++) {
@@ -36,7 +36,8 @@ static inline void {{id}}_ss_reset({{id}}_ss *servo, {{id}}_real command)
 }
 
 /* Call once each sample period with the command that is applied from now on; returns the position
- * {{ID}}_SAMPLE_PHASE_S later, without the offset. */
+ * {{ID}}_SAMPLE_PHASE_S later, without the offset. A command that is no number, or beyond 1e30, counts as
+ * the last one that is. */
 static inline {{id}}_real {{id}}_ss_step({{id}}_ss *servo, {{id}}_real command)
 {
     {{id}}_real next[{{ID}}_ORDER];
@@ -44,7 +45,8 @@ static inline {{id}}_real {{id}}_ss_step({{id}}_ss *servo, {{id}}_real command)
     if (oldest > {{ID}}_DELAY_SAMPLES) {
         oldest = 0;
     }
-    servo->late[servo->newest] = command;
+    unsigned last = (servo->newest > 0 ? servo->newest : {{ID}}_DELAY_SAMPLES + 1) - 1;
+    servo->late[servo->newest] = command > -1e30f && command < 1e30f ? command : servo->late[last];
     servo->newest = oldest;
     {{id}}_real late = servo->late[oldest];
     {{id}}_real position = {{id}}_d * late;

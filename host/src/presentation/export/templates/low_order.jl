@@ -15,7 +15,7 @@ const D = {{d}}
 const REST = [{{rest}}] # x at rest at a command of 1
 const DELAY_SAMPLES = {{delay_samples}}
 
-"What simulate does, by the low-order model."
+"What simulate does, by the low-order model. A command that is no number leaves none of the later positions."
 function simulate_low_order(command; before=0.0)
     x, position = REST * before, zeros(length(command))
     for k in eachindex(position)

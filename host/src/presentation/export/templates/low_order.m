@@ -13,11 +13,13 @@
 {{id}}.C = [{{c}}];
 {{id}}.D = {{d}};
 {{id}}.delay_samples = {{delay_samples}};
-{{id}}.low_order = tf([{{numerator_z}}], [{{denominator_z}}, zeros(1, {{delay_samples}})], ...
-    {{id}}.sample_period_s);
-if exist('OCTAVE_VERSION', 'builtin')
-    % Octave's tf has no delay: add delay_s yourself.
-    {{id}}.continuous = tf({{id}}.gain, {{id}}.denominator);
-else
-    {{id}}.continuous = tf({{id}}.gain, {{id}}.denominator, 'InputDelay', {{id}}.delay_s);
+if {{id}}.has_control
+    {{id}}.low_order = tf([{{numerator_z}}], [{{denominator_z}}, zeros(1, {{delay_samples}})], ...
+        {{id}}.sample_period_s);
+    if exist('OCTAVE_VERSION', 'builtin')
+        % Octave's tf has no delay: add delay_s yourself.
+        {{id}}.continuous = tf({{id}}.gain, {{id}}.denominator);
+    else
+        {{id}}.continuous = tf({{id}}.gain, {{id}}.denominator, 'InputDelay', {{id}}.delay_s);
+    end
 end

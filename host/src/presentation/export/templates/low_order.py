@@ -17,7 +17,7 @@ DELAY_SAMPLES = {{delay_samples}}
 
 
 def simulate_low_order(command, before=0.0):
-    """What simulate() does, by the low-order model."""
+    """What simulate() does, by the low-order model. A command that is no number leaves none of the later positions."""
     command = np.asarray(command, dtype=float)
     late = np.concatenate([np.full(DELAY_SAMPLES, before), command])[: len(command)]
     x, position = REST * before, np.empty(len(command))

@@ -56,7 +56,7 @@ typedef struct {
     unsigned newest;
 } {{id}}_fir;
 
-/* At rest at this command. */
+/* At rest at this command, which must be a number. */
 static inline void {{id}}_fir_reset({{id}}_fir *servo, {{id}}_real command)
 {
     for (unsigned i = 0; i < {{ID}}_TAPS; i++) {
@@ -66,7 +66,8 @@ static inline void {{id}}_fir_reset({{id}}_fir *servo, {{id}}_real command)
 }
 
 /* Call once each sample period with the command that is applied from now on; returns the position
- * {{ID}}_SAMPLE_PHASE_S later, without the offset.{{of_response}} */
+ * {{ID}}_SAMPLE_PHASE_S later, without the offset. A command that is no number, or beyond 1e30, counts as
+ * the last one that is.{{of_response}} */
 static inline {{id}}_real {{id}}_fir_step({{id}}_fir *servo, {{id}}_real command)
 {
     {{id}}_real position = 0;
@@ -74,8 +75,8 @@ static inline {{id}}_real {{id}}_fir_step({{id}}_fir *servo, {{id}}_real command
     if (at == {{ID}}_TAPS) {
         at = 0;
     }
+    servo->past[at] = command > -1e30f && command < 1e30f ? command : servo->past[servo->newest];
     servo->newest = at;
-    servo->past[at] = command;
     for (unsigned i = 0; i < {{ID}}_TAPS; i++) {
         position += {{id}}_impulse[i] * servo->past[at];
         at = (at == 0 ? {{ID}}_TAPS : at) - 1;

@@ -41,7 +41,7 @@ const SERVO_PHASE_DEG = numbers("""
 {{servo_phase}}
 """)
 {{bounds_of_frequency}}
-"Position for a command sampled every SAMPLE_PERIOD_S, without the offset; at rest at `before` until then.{{of_response}}"
+"Position for a command sampled every SAMPLE_PERIOD_S, without the offset; at rest at `before` until then. A command that is no number leaves none of the {{taps}} positions from there on.{{of_response}}"
 function simulate(command; before=0.0)
     past(k) = k >= 1 ? command[k] : before
     return [sum(IMPULSE[i] * past(k - i + 1) for i in eachindex(IMPULSE)) for k in eachindex(command)]

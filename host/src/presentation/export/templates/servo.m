@@ -38,14 +38,24 @@
 ];
 {{bounds_of_frequency}}
 % Position for a command u sampled every sample_period_s, without the offset: simulate(u), or simulate(u, before).
-% The servo is at rest at the command before, or 0, until the first sample.{{of_response}}
+% The servo is at rest at the command before, or 0, until the first sample. A command that is no number
+% leaves none of the later positions.{{of_response}}
 {{id}}.simulate = @(u, varargin) filter({{id}}.impulse, 1, u - sum([varargin{:}])) + ...
     sum([varargin{:}]) * {{id}}.step(end);
 
 if exist('OCTAVE_VERSION', 'builtin')
-    pkg('load', 'control');
+    try
+        pkg('load', 'control');
+    catch
+    end
 end
-{{id}}.finite_response = tf({{id}}.impulse, [1, zeros(1, {{last}})], {{id}}.sample_period_s);
-{{id}}.frequency_response = frd({{id}}.response, {{id}}.omega_rad_s, {{id}}.sample_period_s);
+{{id}}.has_control = ~isempty(which('tf'));
+if {{id}}.has_control
+    {{id}}.finite_response = tf({{id}}.impulse, [1, zeros(1, {{last}})], {{id}}.sample_period_s);
+    {{id}}.frequency_response = frd({{id}}.response, {{id}}.omega_rad_s, {{id}}.sample_period_s);
+else
+    warning('servoid:control', ['Without the Control System Toolbox, or Octave''s package control ', ...
+        '(pkg install -forge control), the structure {{id}} has no transfer functions.']);
+end
 
 {{low_order}}

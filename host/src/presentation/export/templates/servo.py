@@ -49,7 +49,8 @@ SERVO_PHASE_DEG = np.array([
 def simulate(command, before=0.0):
     """Position for a command sampled every SAMPLE_PERIOD_S, without the offset.
 
-    The servo is at rest at the command `before` until the first sample.{{of_response}}
+    The servo is at rest at the command `before` until the first sample. A command that is no number
+    leaves none of the {{taps}} positions from there on.{{of_response}}
     """
     change = np.asarray(command, dtype=float) - before
     return np.convolve(change, IMPULSE)[: len(change)] + before * STEP[-1]

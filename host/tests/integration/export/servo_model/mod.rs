@@ -12,4 +12,4 @@ mod statements;
 mod subjects;
 mod warnings;
 
-pub(super) use subjects::AIRCRAFT;
+pub(super) use subjects::{AIRCRAFT, SERVOS};

@@ -2,7 +2,8 @@
 
 use super::super::scripts::literal;
 use super::super::{must, rows, works};
-use super::subjects::{Exported, SERVOS, export, pulses, unitless};
+use super::subjects::{Exported, SERVOS, export, prose, pulses, unitless};
+use crate::support::{arg, run};
 use servoid_test_support::tools::missing;
 use std::fmt::Write;
 use std::process::Command;
@@ -24,6 +25,42 @@ def run(file, rest, at_zero, each, commands):
         mujoco.mj_step(model, data)
     print(*map(repr, map(float, angles)))
 ";
+
+/// A load of the air whose constant part and whose stiffening cancel each other within the recorded range: either alone is beyond full drive.
+#[test]
+fn a_load_of_the_air_is_its_mean_and_not_its_constant_part() {
+    let folder = tempfile::tempdir().unwrap();
+    let airborne = SERVOS.into_iter().find(|servo| servo.name == "airborne");
+    let file = airborne.unwrap().file(folder.path());
+    let mut document = crate::support::json(&file);
+    let model = &mut document["servo_model"];
+    let names = model["coordinates"].as_array().unwrap().clone();
+    let place = |name: &str| names.iter().position(|known| known == name).unwrap();
+    for (name, value) in [
+        ("constant_load", -40.0),
+        ("air_stiffening", 2.5e-4),
+        ("air_from", -400.0),
+    ] {
+        model["values"][place(name)] = serde_json::json!(value);
+    }
+    std::fs::write(&file, document.to_string()).unwrap();
+    for target in ["mujoco", "jsbsim"] {
+        let args = [
+            "export",
+            arg(&file),
+            "--to",
+            target,
+            "--servo-model",
+            "--json",
+            "-q",
+        ];
+        let found: serde_json::Value = serde_json::from_str(&run(&args)).unwrap();
+        let in_strokes = found["largest_difference_in_strokes"].as_f64().unwrap();
+        assert!(in_strokes < 5.0, "{target}: {in_strokes}");
+        let text = prose(found["text"].as_str().unwrap());
+        assert!(text.contains("its mean over the recorded range"), "{text}");
+    }
+}
 
 #[test]
 fn joints_are_as_far_from_the_servo_model_as_they_state() {

@@ -109,6 +109,30 @@ fn a_command_that_is_no_angle_cannot_turn_a_joint() {
     assert!(run(&stated).contains("An output of 1 stands for 50 counts"));
 }
 
+/// JSBSim has no weight: beside one that hardly leaves the lowest place its servo follows, and is wrong by the whole stroke.
+#[test]
+fn a_file_that_a_servo_at_rest_would_be_better_than_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let hanging = SERVOS.into_iter().find(|servo| servo.name == "hanging");
+    let file = hanging.unwrap().file(folder.path());
+    let mut document = crate::support::json(&file);
+    let model = &mut document["servo_model"];
+    let names = model["coordinates"].as_array().unwrap();
+    let gravity = names.iter().position(|name| name == "gravity").unwrap();
+    model["values"][gravity] = json!(1000.0);
+    std::fs::write(&file, document.to_string()).unwrap();
+    for target in ["jsbsim", "ardupilot"] {
+        let sentence = refused(&file, &["--to", target, "--servo-model"]);
+        assert!(
+            sentence.contains("would not follow its command")
+                && sentence.contains("the weight")
+                && sentence.contains("export to c, python, "),
+            "{sentence}"
+        );
+    }
+    run(&["export", arg(&file), "--to", "c", "--servo-model", "-q"]);
+}
+
 #[test]
 fn a_full_command_is_for_ardupilot_and_reaches_the_recorded_ones() {
     let folder = tempfile::tempdir().unwrap();

@@ -444,8 +444,7 @@ fn a_stated_frame_is_doubted_where_the_recording_is_not_of_servoid() {
         };
         let unknown = of(&foreign, &[]);
         assert!(
-            unknown.contains("no frame hold is assumed")
-                && unknown.contains("in the delay already"),
+            unknown.contains("no frame hold is assumed (--frame-ms states one)"),
             "{unknown}"
         );
         let stated = of(&foreign, &["--frame-ms", "20"]);
@@ -470,6 +469,14 @@ fn an_angle_that_is_guessed_and_a_function_in_a_file_of_another_name_are_said() 
         said.contains("it is taken for degrees, by the size of the commands alone"),
         "{said}"
     );
+    for (name, holds) in [("servo.xml", true), ("servo_a.xml", false)] {
+        for more in [&[][..], &["--servo-model"]] {
+            let out = folder.path().join(name);
+            let args = ["export", arg(&AIRCRAFT.file), "--to", "jsbsim", "--force"];
+            let said = remarks(&[&args[..], &["-o", arg(&out)], more].concat());
+            assert_eq!(said.contains("call it servo_a.xml"), holds, "{said}");
+        }
+    }
     for (name, holds) in [("neg.m", true), ("servo_a.m", false)] {
         let out = folder.path().join(name);
         let said = remarks(&[

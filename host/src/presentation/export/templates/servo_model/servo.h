@@ -174,7 +174,7 @@ static inline {{id}}_real {{id}}_between_stops({{id}}_real angle)
     return angle > {{id}}_highest_angle ? {{id}}_highest_angle : angle;
 }
 
-/* At rest under this command. */
+/* At rest under this command, which must be a number. */
 static inline void {{id}}_reset({{id}}_state *servo, {{id}}_real command)
 {
     {{id}}_real upper = {{id}}_end(command, -1), lower = {{id}}_end(command, 1);
@@ -227,12 +227,13 @@ static inline void {{id}}_advance({{id}}_state *servo, {{id}}_real h, {{id}}_rea
 }
 
 /* Call once in {{ID}}_STEP_S with the command that is held from now on; returns the position at the end
- * of the step. */
+ * of the step. A command that is no number, or beyond 1e30, counts as the last one that is. */
 static inline {{id}}_real {{id}}_step({{id}}_state *servo, {{id}}_real command)
 {
     unsigned oldest = servo->newest + 1 < {{ID}}_LATE ? servo->newest + 1 : 0;
     unsigned next = oldest + 1 < {{ID}}_LATE ? oldest + 1 : 0;
-    servo->late[servo->newest] = command;
+    unsigned last = (servo->newest > 0 ? servo->newest : {{ID}}_LATE) - 1;
+    servo->late[servo->newest] = command > -1e30f && command < 1e30f ? command : servo->late[last];
     servo->newest = oldest;
     {{id}}_real older = servo->late[oldest], newer = servo->late[next];
     /* The delayed command changes within the step: the motion is computed to there, and from there. */

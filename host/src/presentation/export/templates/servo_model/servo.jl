@@ -91,7 +91,7 @@ mutable struct Servo
     newest::Int # from 0
 end
 
-"At rest under `command`."
+"At rest under `command`, which must be a number."
 function Servo(command::Real=0.0)
     ends = end_of_rest(Float64(command), -1.0), end_of_rest(Float64(command), 1.0)
     angle = 0.5 * (between_stops(ends[1]) + between_stops(ends[2]))
@@ -101,10 +101,10 @@ end
 "The position now."
 position(servo::Servo) = GAIN * servo.angle + OFFSET
 
-"The position after STEP_S in which `command` was held."
+"The position after STEP_S in which `command` was held. One that is no number, or beyond 1e30, counts as the last one that is."
 function step!(servo::Servo, command)
     count = length(servo.late)
-    servo.late[servo.newest+1] = command
+    servo.late[servo.newest+1] = abs(command) < 1e30 ? command : servo.late[mod(servo.newest - 1, count)+1]
     servo.newest = (servo.newest + 1) % count
     older, newer = servo.late[servo.newest+1], servo.late[(servo.newest+1)%count+1]
     # The delayed command changes within the step: the motion is computed to there, and from there.

@@ -24,7 +24,7 @@ p.delay_steps = {{delay_steps}}; % whole steps
 end
 
 function servo = at_rest(command, p)
-% At rest under a command.
+% At rest under a command, which must be a number.
 lower = between_stops(end_of_rest(command, 1.0, p), p);
 upper = between_stops(end_of_rest(command, -1.0, p), p);
 angle = 0.5 * (lower + upper);
@@ -100,8 +100,12 @@ angle = command + side * far;
 end
 
 function servo = step(servo, command, p)
-% Goes on by step_s, in which the command was held.
+% Goes on by step_s, in which the command was held. One that is no number, or beyond 1e30, counts as the
+% last one that is.
 count = numel(servo.late);
+if ~(abs(command) < 1e30)
+    command = servo.late(mod(servo.newest - 1, count) + 1);
+end
 servo.late(servo.newest + 1) = command;
 servo.newest = mod(servo.newest + 1, count);
 older = servo.late(servo.newest + 1);

@@ -121,7 +121,7 @@ class Servo:
     """The servo: theta, its speed, and the commands that are on their way."""
 
     def __init__(self, command=0.0):
-        """At rest under `command`."""
+        """At rest under `command`, which must be a number."""
         command = float(command)  # a number of numpy is slower, and may have fewer digits
         ends = end_of_rest(command, -1.0), end_of_rest(command, 1.0)
         self.angle = 0.5 * (between_stops(ends[0]) + between_stops(ends[1]))
@@ -134,9 +134,12 @@ class Servo:
         return GAIN * self.angle + OFFSET
 
     def step(self, command):
-        """The position after STEP_S in which `command` was held."""
+        """The position after STEP_S in which `command` was held.
+
+        A command that is no number, or beyond 1e30, counts as the last one that is.
+        """
         count = len(self.late)
-        self.late[self.newest] = float(command)
+        self.late[self.newest] = float(command) if abs(command) < 1e30 else self.late[self.newest - 1]
         self.newest = (self.newest + 1) % count
         older, newer = self.late[self.newest], self.late[(self.newest + 1) % count]
         # The delayed command changes within the step: the motion is computed to there, and from there.

@@ -1,0 +1,75 @@
+"""Random servos, as a recording leaves them open."""
+
+import numpy as np
+import pytest
+import servoid
+from servoid._draws import normal
+
+
+@pytest.fixture(scope="module")
+def stairs():
+    return servoid.simulate("bench", reference="stairs", amplitude=20, length=20)
+
+
+@pytest.fixture(scope="module")
+def model(stairs):
+    return servoid.identify(stairs, servo_model=True)
+
+
+def test_draws_have_mean_and_covariance_and_repeat():
+    covariance = np.array([[4.0, 1.0, 0.0], [1.0, 0.5, 0.0], [0.0, 0.0, 0.0]])
+    rows = normal([1.0, -2.0, 3.0], covariance, 20000, 5, None)
+    assert np.allclose(rows.mean(axis=0), [1.0, -2.0, 3.0], atol=0.05)
+    assert np.allclose(np.cov(rows.T), covariance, atol=0.1)
+    assert np.all(rows[:, 2] == 3.0)
+    assert np.array_equal(rows, normal([1.0, -2.0, 3.0], covariance, 20000, 5, None))
+
+
+def test_a_servo_model_is_drawn_in_its_coordinates(model):
+    servo = model.servo_model
+    sd = np.sqrt(np.diag(servo.covariance))
+    draws = servo.draws(60, seed=3)
+    rows = np.array([draw.servo_model.values for draw in draws])
+    off = (rows - servo.values)[:, sd > 0] / sd[sd > 0]
+    # Cut off at zero, a friction is on one side of it; nothing else is off by five standard deviations.
+    assert np.abs(off).max() < 5.0
+    delay = servo.coordinates.index("delay")
+    assert 0.7 < off[:, delay].std() < 1.3
+    assert draws[0].servo_model.coordinates == servo.coordinates
+
+
+def test_a_drawn_servo_is_exported_and_simulated_with_its_own_constants(model):
+    draw = model.servo_model.draws(1, seed=4)[0]
+    values = dict(zip(draw.servo_model.coordinates, draw.servo_model.values))
+    module: dict = {}
+    exec(draw.export("python", servo_model=True).text, module)
+    constants = {
+        "STIFFNESS": np.exp(values["ln_stiffness"]),
+        "DAMPING": np.exp(values["ln_damping"]),
+        "GAIN": values["gain"],
+        "OFFSET": values["offset"],
+    }
+    for name, expected in constants.items():
+        assert module[name] == pytest.approx(expected, rel=1e-9), name
+    command = [0.0] * 20 + [10.0] * 100
+    own, estimate = (found.servo_model.simulate(command).value for found in (draw, model))
+    assert 0.0 < np.abs(own - estimate).max() < 1.0
+
+
+def test_linear_draws_are_step_responses_with_the_standard_deviations_of_the_model():
+    model = servoid.identify(servoid.simulate("linear"), flight_model=True)
+    draws = model.draws(4000, seed=1)
+    assert np.allclose(draws.mean(axis=0), model.step.value, atol=5 * np.max(model.step.sd) / np.sqrt(4000))
+    assert np.allclose(draws.std(axis=0), model.step.sd, rtol=0.1, atol=1e-12)
+    flight = model.flight_model
+    parameters = flight.draws(4000, seed=1)
+    for name, sd in flight.sd.items():
+        assert parameters[name].std() == pytest.approx(sd, rel=0.1), name
+        assert parameters[name].mean() == pytest.approx(flight[name]["value"], abs=5 * sd / np.sqrt(4000)), name
+
+
+def test_nothing_is_drawn_without_bounds(model):
+    with pytest.raises(servoid.ServoidError, match="no covariance to draw from"):
+        normal([0.0], None, 3, None, model.withdrawn)
+    with pytest.raises(servoid.ServoidError, match="count"):
+        model.servo_model.draws(-1)
