@@ -319,3 +319,42 @@ fn magnitudes_held(model: &Model, impulse: &[f64]) -> Vec<bool> {
     let omegas = model.frequency.omega_rad_s.iter().enumerate();
     omegas.map(held).collect()
 }
+
+/// Sines at each quarter of a hertz up to 4 Hz for 20 s, of which the first and the last half second are at rest, and what a servo of second order answers.
+fn sines_between_rests(phases: f64, seed: u64) -> Record<'static> {
+    const ROW_S: f64 = 0.004;
+    const STEPS: usize = 10;
+    let line = |i: i32, t: f64| (TAU * 0.25 * f64::from(i) * t + phases * f64::from(i * i)).cos();
+    let at = |k: usize| match k {
+        125..4875 => (1..=16).map(|i| 2.0 * line(i, k as f64 * ROW_S)).sum(),
+        _ => 0.0,
+    };
+    let input: Vec<f64> = (0..5000).map(at).collect();
+    let mut random = random(seed);
+    let (mut x, mut v) = (0.0, 0.0);
+    let answer = |u: &f64| {
+        let before = x + 0.02 * normal(&mut random);
+        for _ in 0..STEPS {
+            let step = ROW_S / STEPS as f64;
+            v += (2500.0 * (u - x) - 60.0 * v) * step;
+            x += v * step;
+        }
+        before
+    };
+    let output: Vec<f64> = input.iter().map(answer).collect();
+    Record::of_run(ROW_S, input, output).unwrap()
+}
+
+/// The edges beside the rests say a little of all frequencies: not enough to determine them, and enough to put noise of the model in their place.
+#[test]
+fn rests_beside_a_smooth_motion_take_no_band_away() {
+    for seed in 10..15 {
+        let record = sines_between_rests(0.7 * seed as f64, seed);
+        let found = identify(&record, &Options::default()).unwrap();
+        assert!(found.linear && found.band().is_some(), "{:?}", found.advice);
+        assert_eq!(found.step.bounds.withdrawn(), Some(Reason::InputUnexcited));
+        assert!(found.fit.simulation_percent > 99.0, "{:?}", found.fit);
+        let [_, to] = found.band_hz().unwrap();
+        assert!((3.0..4.5).contains(&to), "{to} Hz");
+    }
+}
