@@ -53,12 +53,21 @@ impl PossibleStops {
         choices
     }
 
-    /// How many of the `chosen` are not shown, and how many that are shown are not among them: of servos that predict alike, the one with fewest is
-    /// taken. Without a stop that is shown the servo has other terms in its place; one that is not shown may stand for them.
-    pub(super) fn against(&self, chosen: Stops) -> usize {
-        let differ = |a: Option<f64>, b: Option<f64>| usize::from(a.is_some() != b.is_some());
-        differ(chosen.lower, self.shown.lower) + differ(chosen.upper, self.shown.upper)
+    /// How many that are shown are not among the `chosen`: without one the servo has other terms in its place.
+    pub(super) fn missing(&self, chosen: Stops) -> usize {
+        beyond(self.shown, chosen)
     }
+
+    /// How many of the `chosen` are not shown.
+    pub(super) fn not_shown(&self, chosen: Stops) -> usize {
+        beyond(chosen, self.shown)
+    }
+}
+
+/// How many of some stops are not among others.
+fn beyond(some: Stops, others: Stops) -> usize {
+    let more = |a: Option<f64>, b: Option<f64>| usize::from(a.is_some() && b.is_none());
+    more(some.lower, others.lower) + more(some.upper, others.upper)
 }
 
 /// The lower and the upper stop among some outputs: the output is nowhere beyond a stop, so its mean is between them.

@@ -92,8 +92,9 @@ fn bounds_hold_in_the_band_of_a_sweep() {
         assert_eq!(found.metrics.withheld, Some(Withheld::InputUnexcited));
         let omegas = &found.frequency.omega_rad_s;
         let [from, to] = [omegas[0], omegas[omegas.len() - 1]].map(|omega| omega / TAU);
-        // The last settling time of a sweep is answered after its end.
-        assert!(from < 0.35 && (4.0..TO).contains(&to), "{from} to {to} Hz");
+        // The last settling time of a sweep is answered after its end, which has some power beyond the last frequency, as it is sudden.
+        let highest = 4.0..1.25 * TO;
+        assert!(from < 0.35 && highest.contains(&to), "{from} to {to} Hz");
         let [(decibels, most), _] = found.band().unwrap().half_widths();
         assert!(decibels < 0.4 && most < 1.0, "{decibels} dB, {most} dB");
         all.extend(held(&found));
