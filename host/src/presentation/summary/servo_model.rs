@@ -4,6 +4,7 @@ use super::layout::wrapped;
 use super::measured_limits::against_the_model;
 use super::numbers::{digits, four_digits};
 use super::quantity_table::quantities;
+use super::servo_sentence::shows_limit;
 use super::top_speeds::one_unreached;
 use super::what_to_record::advice_on_servo_model;
 use super::whole_stroke::whole_stroke;
@@ -22,7 +23,7 @@ pub fn of_servo_model(document: &ServoModelDocument, units: Units<'_>, explain: 
     let level = model.covariance.as_ref().map(|covariance| covariance.level);
     let mut text = format!(
         "\nservo model: {}\n  fit {:.2} %; of parts that it had not seen {:.2} % (a linear servo of second order: {:.2} %)\n",
-        terms_in_words(model.terms),
+        kind_in_words(model),
         model.fit.simulation_percent,
         model.fit.held_out_percent,
         model.fit.linear_held_out_percent
@@ -152,6 +153,26 @@ fn rung(tried: &LadderRung) -> String {
         terms_in_words(tried.terms),
         if tried.chosen { "  <- chosen" } else { "" }
     )
+}
+
+const LIMIT_LEFT_OPEN: &str = "a limit of the drive that the recording leaves open";
+
+/// The terms of a model, as [`terms_in_words`]; friction and a dead band come with a limit of the drive, which the recording may leave open.
+pub(crate) fn kind_in_words(model: &ServoModel) -> String {
+    let terms = model.terms;
+    let is_open = terms.limit && !shows_limit(model);
+    if !is_open {
+        return terms_in_words(terms);
+    }
+    let others = Terms {
+        limit: false,
+        two_speeds: terms.two_speeds && terms.speed_limit,
+        ..terms
+    };
+    match others == Terms::default() {
+        true => LIMIT_LEFT_OPEN.to_owned(),
+        false => format!("{} (and {LIMIT_LEFT_OPEN})", terms_in_words(others)),
+    }
 }
 
 /// "limit of the drive, friction, weight on a hanging arm"
