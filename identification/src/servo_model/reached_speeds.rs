@@ -12,7 +12,7 @@
 //! ```
 //!
 //! with δ the step of the sensor and σ(h) the standard deviation of a difference of two readings so far apart. That is read off the quietest quarter of
-//! the differences of second to fourth order at that distance, which contain motion, too, so that it is hardly too small: noise that is
+//! the differences of second to sixth order at that distance, which contain motion, too, so that it is hardly too small: noise that is
 //! white, or wanders like the sum of such noise, has at least as much in them. Longer means are less raised, and a short stroke has shorter ones: the one that shows most counts.
 //! Each stretch of the record counts by itself, so that more runs never show less.
 
@@ -29,8 +29,9 @@ const LENGTHS: [usize; 4] = [1, 2, 4, 8];
 /// By so many standard deviations noise may raise the largest of many measured speeds.
 const RAISED_BY_NOISE: f64 = 4.0;
 
-/// Orders of differences that show noise, and the variance of those of a random walk, in that of its difference over two steps, doubled: 2, 6 and 20 for 2.
-const ORDERS: [(usize, f64); 3] = [(2, 1.0), (3, 3.0), (4, 10.0)];
+/// Orders of differences that show noise, and the variance of those of a random walk in terms of that of its difference over two steps: the order n has
+/// (2n - 2)!/(n - 1)!² for 2.
+const ORDERS: [(usize, f64); 5] = [(2, 1.0), (3, 3.0), (4, 10.0), (5, 35.0), (6, 126.0)];
 
 /// Half of the sizes of normal quantities in this part of them, the quietest, are below this part of their standard deviation.
 const QUIETEST: (f64, f64) = (0.25, 0.3186);

@@ -143,10 +143,10 @@ fn is_coarse(of: Interval) -> bool {
 fn overshoot(share: Interval) -> Option<String> {
     let value = share.value.filter(|_| !is_open(share))?;
     let shown = |percent: f64| format!("{percent:.1}");
-    let ends = (share.lower.zip(share.upper))
-        .filter(|(lower, upper)| is_coarse(share) && shown(*lower) != shown(*upper));
-    Some(match ends {
-        _ if share.upper.unwrap_or(value) < NO_OVERSHOOT_PERCENT => "does not overshoot".to_owned(),
+    let ends = share.lower.zip(share.upper);
+    let coarse =
+        ends.filter(|(lower, upper)| (upper - value).max(value - lower) > COARSE_OVERSHOOT);
+    Some(match coarse {
         Some((lower, upper)) if lower < NO_OVERSHOOT_PERCENT => {
             format!("overshoots by at most {} %", shown(upper))
         }
@@ -156,9 +156,13 @@ fn overshoot(share: Interval) -> Option<String> {
             shown(lower),
             shown(upper)
         ),
+        None if value < NO_OVERSHOOT_PERCENT => "does not overshoot".to_owned(),
         None => format!("overshoots by {} %", shown(value)),
     })
 }
+
+/// Half the width of the interval of an overshoot from which it does not stand alone \[% of the final value\].
+const COARSE_OVERSHOOT: f64 = 1.0;
 
 /// Where the response ends; or that it does not, as far as that can be judged.
 fn end(model: &Model, units: Units<'_>) -> Option<String> {

@@ -362,14 +362,22 @@ pub(super) fn responds(evidence: &Evidence<'_>) -> Option<Advice> {
     ))
 }
 
-/// What frequencies that were left out for prediction are good for, of a model that predicts or does not.
-fn for_detail(misfit: Option<&Misfit>) -> &'static str {
+/// What the frequencies were chosen for, and what more of them are good for.
+fn chosen_for(misfit: Option<&Misfit>) -> (&'static str, &'static str) {
     let best = misfit.and_then(|misfit| misfit.candidates.first());
-    match best.is_some_and(|best| best.cross_validated_percent >= POOR_PREDICTION_PERCENT) {
-        true => {
-            "Nothing needs to be done for prediction; ask for more frequencies to look at detail."
-        }
-        false => "More of them predict parts not seen no better; ask for more to look at detail.",
+    match best.map(|best| best.cross_validated_percent >= POOR_PREDICTION_PERCENT) {
+        Some(true) => (
+            " that predict best",
+            "Nothing needs to be done for prediction; ask for more frequencies to look at detail.",
+        ),
+        Some(false) => (
+            " that predict best",
+            "More of them predict parts not seen no better; ask for more to look at detail.",
+        ),
+        None => (
+            " of this model",
+            "Ask for more frequencies to look at detail.",
+        ),
     }
 }
 
@@ -387,6 +395,7 @@ pub(super) fn truncated(evidence: &Evidence<'_>) -> Option<Advice> {
     // The choice for prediction leaves out what does not help it, whether the input has it or not.
     let by_prediction = misfit.is_some_and(|misfit| misfit.unexcited_above_hz.is_none());
     let misses_metrics = model.metrics.withheld == Some(Withheld::FrequenciesLeftOut);
+    let (chosen, detail) = chosen_for(misfit);
     let reach = |which: &str| {
         format!(
             "The {} frequencies{which} reach up to {highest:.1} Hz only",
@@ -395,11 +404,11 @@ pub(super) fn truncated(evidence: &Evidence<'_>) -> Option<Advice> {
     };
     let (finding, remedy) = match evidence.options.frequencies {
         Frequencies::Auto if by_prediction && misses_metrics => (
-            reach(" that predict best")
+            reach(chosen)
                 + ", so delay, rise time, overshoot and the other metrics are left out: nothing bounds what the others change in the step response",
-            for_detail(misfit),
+            detail,
         ),
-        Frequencies::Auto if by_prediction => (reach(" that predict best"), for_detail(misfit)),
+        Frequencies::Auto if by_prediction => (reach(chosen), detail),
         // From where on the reference lacks power has been said; the model may end before that.
         Frequencies::Auto if evidence.validity.unexcited_above_hz.is_some() => (
             match highest > 0.0 {
