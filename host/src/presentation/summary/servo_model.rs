@@ -202,3 +202,43 @@ pub(crate) fn terms_in_words(terms: Terms) -> String {
         false => present.join(", "),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use servoid_identification::Record;
+    use servoid_identification::servo_model::{QuantityKind, ServoModelOptions, fit};
+
+    #[test]
+    fn a_limit_that_the_recording_leaves_open_is_no_kind_of_servo() {
+        let levels = [0.0, 5.0, -3.0, 1.0];
+        let input: Vec<f64> = (0..900).map(|k| levels[k / 60 % 4]).collect();
+        let follow = |y: &mut f64, u: &f64| {
+            *y += (0.2 * (u - *y)).clamp(-0.3, 0.3);
+            Some(*y)
+        };
+        let output: Vec<f64> = input.iter().scan(0.0, follow).collect();
+        let record = Record::of_run(0.01, input, output).unwrap();
+        let mut model = fit(&record, &ServoModelOptions::default()).unwrap();
+        model.terms = Terms {
+            limit: true,
+            ..Terms::default()
+        };
+        let mut kind = |is_shown: bool, friction: bool| {
+            model.terms.friction = friction;
+            for quantity in &mut model.quantities {
+                let of_limit = quantity
+                    .kind()
+                    .is_some_and(|kind| QuantityKind::OF_LIMIT.contains(&kind));
+                quantity.determined = is_shown || !of_limit;
+            }
+            kind_in_words(&model)
+        };
+        assert_eq!(kind(true, true), "limit of the drive, friction");
+        assert_eq!(
+            kind(false, true),
+            "friction (and a limit of the drive that the recording leaves open)"
+        );
+        assert_eq!(kind(false, false), LIMIT_LEFT_OPEN);
+    }
+}

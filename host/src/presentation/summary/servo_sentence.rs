@@ -168,12 +168,15 @@ pub fn is_called_linear(linear: &Model, servo: Option<&ServoModel>) -> bool {
     linear.linear && speaks.is_none_or(|servo| is_said_linear(servo, linear))
 }
 
-/// Whether the sentence on the servo as a machine calls it linear, or much like that.
+/// Whether the sentence on the servo as a machine calls it linear, or much like that. Of a top speed that was never reached the recording has nothing.
 fn is_said_linear(model: &ServoModel, linear: &Model) -> bool {
     let is_limited = measured_limits(model).iter().any(Option::is_some);
-    let has_speeds = top_speeds(model).is_some();
     let lacks_a_stop = model.covariance.valid().is_none() && may_lack_a_stop(model);
-    !is_limited && !has_speeds && !lacks_a_stop && Kind::of(model, linear).is_linear()
+    match top_speeds(model) {
+        _ if is_limited || lacks_a_stop => false,
+        Some(speeds) => is_never_reached(model, &speeds) && linear_is_as_good(model),
+        None => Kind::of(model, linear).is_linear(),
+    }
 }
 
 /// Whether its errors show that the model lacks something of the servo, or would if the steps of the sensor were smaller.
