@@ -175,7 +175,7 @@ fn is_said_linear(model: &ServoModel, linear: &Model) -> bool {
     match top_speeds(model) {
         _ if is_limited || lacks_a_stop => false,
         Some(speeds) => is_never_reached(model, &speeds) && linear_is_as_good(model),
-        None => Kind::of(model, linear).is_linear(),
+        None => KindOfServo::of(model, linear).is_linear(),
     }
 }
 
@@ -202,7 +202,7 @@ fn what_is_known(
     let parts = [
         Some(
             limited_to(model, speeds, units, 4)
-                .unwrap_or_else(|| Kind::of(model, linear).in_words().to_owned()),
+                .unwrap_or_else(|| KindOfServo::of(model, linear).in_words().to_owned()),
         ),
         never_reached.and_then(|_| moved_at(model, units)),
         below_any_limit(model, units),
@@ -233,7 +233,7 @@ fn what_was_seen(
         Some(_) => "is limited in its speed".to_owned(),
         // A stop in the travel looks like a drive that a load holds.
         None if may_lack_a_stop(model) => "is not linear".to_owned(),
-        None => Kind::of(model, linear).in_words().to_owned(),
+        None => KindOfServo::of(model, linear).in_words().to_owned(),
     });
     // A limit that was reached says how fast the servo moved.
     let at_limit = agreed.is_some_and(|speeds| !is_never_reached(model, &speeds));
@@ -313,7 +313,7 @@ fn limited_to(
 
 /// What kind of servo it is, without figures.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Kind {
+enum KindOfServo {
     Linear,
     MuchLikeLinear,
     /// To the model as a machine alone.
@@ -327,7 +327,7 @@ enum Kind {
     LimitedInDrive,
 }
 
-impl Kind {
+impl KindOfServo {
     /// One that the `linear` model shows not to be linear is not called so for want of a term.
     fn of(model: &ServoModel, linear: &Model) -> Self {
         let shown_not_linear = !linear.linear || linear.advice.iter().any(Advice::is_of_linearity);
