@@ -28,8 +28,11 @@ def column_or_none(values: Any) -> Column | None:
 
 def write_new(path: str | os.PathLike[str], text: str, force: bool) -> None:
     """Write a file; one that exists is replaced with ``force`` alone."""
-    with Path(path).open("w" if force else "x", encoding="utf-8", newline="\n") as file:
-        file.write(text)
+    try:
+        with Path(path).open("w" if force else "x", encoding="utf-8", newline="\n") as file:
+            file.write(text)
+    except FileExistsError as error:
+        raise FileExistsError(error.errno, "the file exists: force=True replaces it", error.filename) from None
 
 
 class Document:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
 from . import _servoid
 from ._model import Model
 from ._arrays import flag, number, number_or_word, one_of, unexpected
@@ -103,6 +105,7 @@ def identify(
         ...
     servoid.ServoidError: run 1: the input has 3600 samples and the output 3599: give one input value for each ...
     """
+    _refuse_seconds(settling, period)
     wanted = {
         "settling": number_or_word("settling", settling, ("auto",), "a number of samples"),
         "frequencies": number_or_word("frequencies", frequencies, ("auto", "narrow"), "an odd number"),
@@ -141,8 +144,17 @@ def identify(
     return Model(_servoid.identify_arrays(runs, ARRAYS, of_arrays, wanted))
 
 
+def _refuse_seconds(settling: Any, period: Any) -> None:
+    """A settling time in seconds, which people give first."""
+    if not isinstance(settling, (float, np.floating)):
+        return
+    known = isinstance(period, (int, float, np.number)) and period > 0.0 and np.isfinite(settling)
+    samples = f": {settling:g} s are {settling / period:.0f} samples here" if known else ""
+    raise _servoid.ServoidError(f'settling is {settling!r}: give "auto" or a number of samples, not seconds{samples}')
+
+
 def _refuse_options_of_arrays(phase: float, *others: Any) -> None:
     if phase != 0.0 or any(other is not None for other in others):
         raise _servoid.ServoidError(
-            "phase, controllers, input_unit and output_unit are of arrays: a recording has its own, and files name a column with controller="
+            "phase, controllers, input_unit and output_unit are of arrays: a recording has its own, and files and tables name a column with controller=, and their columns with their units"
         )

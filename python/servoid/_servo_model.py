@@ -38,8 +38,8 @@ class Quantity:
         What it is; units as in the document, such as ``"per_second_squared"``.
     determined : bool
         Whether the recording determines it.
-    value : float
-        Best estimate.
+    value : float or None
+        Best estimate; ``None`` of what the recording does not determine.
     lower, upper : float or None
         Bounds; ``None`` where they are withdrawn, or nothing bounds the value on that side.
     other_fits : tuple of float or None
@@ -50,7 +50,7 @@ class Quantity:
     name: str
     unit: str
     determined: bool
-    value: float
+    value: float | None
     lower: float | None
     upper: float | None
     other_fits: tuple[float, float] | None = None
@@ -194,13 +194,15 @@ class ServoModel:
         """Delay, top speed, dead band and the like, by name."""
         found = {}
         for fields in self._fields["quantities"]:
-            bounds = fields.get("bounds") or {}
-            others = fields.get("other_fits")
+            determined = fields["determined"]
+            # What the fit has there is a number of its own, which the recording may not know by a factor of a thousand.
+            bounds = (fields.get("bounds") or {}) if determined else {}
+            others = fields.get("other_fits") if determined else None
             found[fields["name"]] = Quantity(
                 fields["name"],
                 fields["unit"],
-                fields["determined"],
-                fields["value"],
+                determined,
+                fields["value"] if determined else None,
                 bounds.get("lower"),
                 bounds.get("upper"),
                 None if others is None else (others["least"], others["most"]),

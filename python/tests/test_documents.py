@@ -131,7 +131,7 @@ def test_a_servo_model_is_that_of_the_program(tmp_path):
     model = servoid.identify(file, servo_model=True)
     assert model.to_dict() == json.loads(out.read_text())
     servo = model.servo_model
-    assert servo is not None and servo.quantities["delay"].value > 0.0
+    assert servo is not None and (servo.quantities["delay"].value or 0.0) > 0.0
     response = servo.simulate([0.0] * 50 + [10.0] * 150)
     assert response.lower is not None and (response.lower <= response.value).all()
     stepped = servo.simulate([10.0] * 150, at_rest=0.0)

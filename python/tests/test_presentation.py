@@ -216,7 +216,7 @@ def test_a_report_and_exports_are_those_of_the_program(machine, tmp_path):
     written = tmp_path / "servo.xml"
     found = loaded.export("mujoco", written)
     assert written.read_text() == found.text and found.remarks[0].startswith("largest difference from the servo model: ")
-    with pytest.raises(FileExistsError):
+    with pytest.raises(FileExistsError, match="force=True"):
         loaded.export("mujoco", written)
     loaded.export("jsbsim", written, force=True)
     assert "<system" in written.read_text()
@@ -291,13 +291,16 @@ def test_a_servo_without_intervals_is_not_called_determined():
     servo = model.servo_model
     assert servo.withdrawn.reason == "few_levels", "the case no longer has what it is for"
     assert "determined" not in repr(servo) and servo.withdrawn.because in repr(servo)
+    for found in servo.quantities.values():
+        assert (found.value is not None) == found.determined
+        assert found.determined or (found.lower, found.upper, found.other_fits) == (None, None, None)
     assert not model.linear
     # The gain of the linear model is not that of the servo, and is not said to be.
     said = repr(model)
     assert "the servo passes" not in said and "the servo ends" not in said
     assert "does not excite" not in said and "fewer than three levels" in said
     # No speed is beyond the limit for the noise of the sensor.
-    assert "is limited to 280 units/s" in said and "moved at up to" not in said
+    assert "is limited to 280 units/s" in said and "moved at more than" not in said
 
 
 def test_a_validation_has_units_and_what_to_do():

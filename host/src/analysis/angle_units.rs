@@ -60,8 +60,11 @@ pub(super) fn advice_on_gain(model: &Model, units: Units<'_>) -> Option<Advice> 
 const TRAVEL_RAD: f64 = std::f64::consts::TAU;
 const TRAVEL_DEG: f64 = 1.0;
 
-/// That the position, whose column names its unit, goes as far as if it were in the other one.
+/// That the position, whose column names its unit, goes as far as if it were in the other one. Recordings of servoid are in degrees by their rig.
 pub(super) fn advice_on_travel(data: &Dataset) -> Option<Advice> {
+    if data.about.us_per_degree.is_some() {
+        return None;
+    }
     let unit = unit_meant(data.about.units().output?)?;
     let positions = data.record.runs().iter().flat_map(Run::output).copied();
     travel_in_doubt(span(positions)?, &unit)

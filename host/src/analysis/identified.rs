@@ -10,9 +10,10 @@ use crate::data::dataset::suggested_columns::quoted;
 use crate::data::sensor_preset::is_of_data_sheet;
 use crate::presentation::summary::percent;
 use anyhow::{Context, Result};
-use servoid_identification::results::{Advice, Check, Model, Reason, pointwise_critical};
+use servoid_identification::results::{Advice, Check, Interval, Model, Reason, pointwise_critical};
 use servoid_identification::{Identification, Options, identify_explained};
 use servoid_protocol::hello::INTERNAL_CLOCK_ERROR;
+use std::ops::RangeInclusive;
 
 /// Identifies data; its advice becomes the model's.
 ///
@@ -191,16 +192,18 @@ fn rough_scale(data: &Dataset, model: &Model) -> Option<Advice> {
 
 /// Times after which an R/C servo stays at its end, and after which it is half way there \[s\]. Slow winches and the fastest servos of
 /// gyros lie within them by a factor of two.
-const SETTLING_S: std::ops::RangeInclusive<f64> = 5e-3..=5.0;
-const HALF_WAY_S: std::ops::RangeInclusive<f64> = 1e-3..=1.0;
+const SETTLING_S: RangeInclusive<f64> = 5e-3..=5.0;
+const HALF_WAY_S: RangeInclusive<f64> = 1e-3..=1.0;
 
 /// That no servo takes as long, or as short, as this response.
 fn unlikely_duration(model: &Model) -> Option<Advice> {
     let metrics = &model.metrics;
-    let settled = (metrics.settling_time_s.value).map(|time| (time, SETTLING_S, "is at its end"));
-    let half_way = (metrics.t50_s.value).map(|time| (time, HALF_WAY_S, "is half way"));
-    let (time, usual, what) = settled.or(half_way)?;
-    if usual.contains(&time) {
+    let settled = (metrics.settling_time_s, SETTLING_S, "is at its end");
+    let half_way = (metrics.t50_s, HALF_WAY_S, "is half way");
+    let mut both = [settled, half_way].into_iter();
+    let (found, usual, what) = both.find(|(found, ..)| found.value.is_some())?;
+    let time = found.value?;
+    if may_be_within(found, &usual, metrics.bounds.valid().is_some()) {
         return None;
     }
     let (limit, which, other_cause) = match time > *usual.end() {
@@ -227,6 +230,18 @@ fn unlikely_duration(model: &Model) -> Option<Advice> {
             in_words(model.sample_period_s)
         ),
     ))
+}
+
+/// Whether a time may be a usual one, as far as it is known.
+fn may_be_within(found: Interval, usual: &RangeInclusive<f64>, has_bounds: bool) -> bool {
+    let [lower, upper] = match has_bounds {
+        true => [
+            found.lower.unwrap_or(0.0),
+            found.upper.unwrap_or(f64::INFINITY),
+        ],
+        false => [found.value; 2].map(Option::unwrap_or_default),
+    };
+    lower <= *usual.end() && upper >= *usual.start()
 }
 
 /// The longest that a servo waits \[s\]: a pulse frame, what it computes, and the way through a radio or a network are a tenth of a second at the most.

@@ -216,7 +216,7 @@ fn planned_triangles_are_not_taken_for_a_closed_loop() {
     assert!(!checks(&document).contains(&"feedback"), "{text}");
     // Without intervals the sentence has what the record shows, and the table how far other fits go apart.
     assert!(
-        text.starts_with("This servo is limited in its speed and moved at up to "),
+        text.starts_with("This servo is limited in its speed and moved at more than "),
         "{text}"
     );
     let delay = &document["servo_model"]["quantities"][0];

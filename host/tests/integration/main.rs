@@ -13,6 +13,7 @@ mod export;
 mod few_levels;
 mod files;
 mod finite;
+mod first_sentence;
 mod flash;
 mod foreign;
 mod help;

@@ -210,7 +210,7 @@ fn of_curves(
         let seconds = |samples: f64| samples * timing.sample_period_s + later;
         (
             found.samples.reaching(apart, apart).map(seconds),
-            found.remains.map(|remains| 100.0 * remains),
+            found.remains,
         )
     };
     let difference_curves = difference_curves(&differences, timing, shift_of);

@@ -5,12 +5,11 @@ use super::outcome::{CurveBounds, DifferenceCurve, Direction};
 use crate::data::Timing;
 use crate::results::Interval;
 
-/// The curves; `shift_of` gives the delay shift of some of them \[s\], and the remainder that it does not explain
-/// \[% of the final value\].
+/// The curves; `shift_of` gives the delay shift of some of them \[s\], and what it leaves of them, sample by sample \[share of the final value\].
 pub(super) fn difference_curves(
     differences: &Differences,
     timing: Timing,
-    shift_of: impl Fn(std::ops::Range<usize>) -> (Interval, Option<f64>),
+    shift_of: impl Fn(std::ops::Range<usize>) -> (Interval, Vec<f64>),
 ) -> Vec<DifferenceCurve> {
     let strokes: &[Direction] = match differences.curves() {
         1 => &[Direction::Both],
@@ -18,24 +17,29 @@ pub(super) fn difference_curves(
     };
     let curve = |(index, &stroke): (usize, &Direction)| {
         let (value, half) = differences.curve(index);
-        let bounds = half.map(|half| {
+        let bounds = half.as_ref().map(|half| {
             let at = |side: f64| {
                 let bound = |(d, h): (&f64, &f64)| 100.0 * (d + side * h);
-                value.iter().zip(half).map(bound).collect()
+                value.iter().zip(*half).map(bound).collect()
             };
             CurveBounds {
                 lower: at(-1.0),
                 upper: at(1.0),
             }
         });
-        let (delay_shift_s, shift_leaves_percent) = shift_of(index..index + 1);
+        let (delay_shift_s, remains) = shift_of(index..index + 1);
+        let is_noise = half.valid().is_some_and(|half| {
+            let mut points = remains.iter().zip(*half);
+            !remains.is_empty() && points.all(|(left, half)| left <= half)
+        });
         DifferenceCurve {
             stroke,
             time_s: (0..value.len()).map(|m| timing.seconds(m as f64)).collect(),
             percent: value.iter().map(|d| 100.0 * d).collect(),
             bounds,
             delay_shift_s,
-            shift_leaves_percent,
+            shift_leaves_percent: remains.iter().map(|left| 100.0 * left).reduce(f64::max),
+            shift_leaves_noise: is_noise,
         }
     };
     strokes.iter().enumerate().map(curve).collect()

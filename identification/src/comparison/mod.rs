@@ -44,6 +44,7 @@ mod run_means;
 mod scatter;
 mod servo_models;
 mod shift;
+mod shift_alone;
 mod stroke_sizes;
 mod verdict;
 mod welch;

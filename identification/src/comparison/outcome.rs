@@ -63,6 +63,9 @@ pub struct DifferenceCurve {
     /// How far apart the responses are where that shift leaves them farthest \[% of their final
     /// values\]: zero when a delay is all that lies between them.
     pub shift_leaves_percent: Option<f64>,
+    /// Whether what that shift leaves is nowhere more than the bounds of the difference allow for: noise, and scatter of the runs, may be all of it.
+    #[serde(default)]
+    pub shift_leaves_noise: bool,
 }
 
 /// Bounds of a difference curve \[% of the step\].

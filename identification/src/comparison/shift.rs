@@ -41,13 +41,13 @@ const CLOSE: f64 = 0.25;
 const HALVINGS: usize = 50;
 
 /// How much later the second curves come.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Shift {
     /// \[samples\], positive when the second are later; empty when no shift within half the response
     /// is best, or a final value may be zero.
     pub(super) samples: Interval,
-    /// Largest distance of the curves that remains after the shift \[share of the final value\].
-    pub(super) remains: Option<f64>,
+    /// Distance of the curves that remains after the shift, at every sample \[share of the final value\]; empty without a shift.
+    pub(super) remains: Vec<f64>,
 }
 
 /// The shift of the curves whose numbers are in `which`, all of them by the same.
@@ -56,7 +56,7 @@ pub(super) fn shift(a: &Curves, b: &Curves, which: std::ops::Range<usize>, level
     let Some((best, pair)) = pair.and_then(|pair| Some((pair.best()?, pair))) else {
         return Shift {
             samples: Interval::default(),
-            remains: None,
+            remains: Vec::new(),
         };
     };
     let (of_a, of_b) = pair.gradients(best);
@@ -72,7 +72,7 @@ pub(super) fn shift(a: &Curves, b: &Curves, which: std::ops::Range<usize>, level
     });
     Shift {
         samples: Interval::around(best, half.into_valid()),
-        remains: Some(pair.farthest(best)),
+        remains: pair.at(best).map(|(_, left)| left.abs()).collect(),
     }
 }
 
@@ -168,12 +168,6 @@ impl Pair {
 
     fn distance(&self, shift: f64) -> f64 {
         self.at(shift).map(|(_, left)| left * left).sum()
-    }
-
-    fn farthest(&self, shift: f64) -> f64 {
-        self.at(shift)
-            .map(|(_, left)| left.abs())
-            .fold(0.0, f64::max)
     }
 
     /// J'.
@@ -335,7 +329,7 @@ mod tests {
         let found = shift(&curves(&a, 120, 1e-3), &curves(&b, 120, 1e-3), 0..1, 0.99);
         // Interpolation of a curve with a kink in its curvature, 2e-3 samples at worst.
         assert_abs_diff_eq!(found.samples.value.unwrap(), 3.5, epsilon = 2e-3);
-        assert!(found.remains.unwrap() < 1e-3);
+        assert!(found.remains.iter().all(|left| *left < 1e-3));
         let back = shift(&curves(&b, 120, 1e-3), &curves(&a, 120, 1e-3), 0..1, 0.99);
         assert_abs_diff_eq!(back.samples.value.unwrap(), -3.5, epsilon = 2e-3);
     }
@@ -378,6 +372,6 @@ mod tests {
             0..1,
             0.99,
         );
-        assert_eq!((found.samples.value, found.remains), (None, None));
+        assert_eq!((found.samples.value, found.remains), (None, Vec::new()));
     }
 }

@@ -5,6 +5,7 @@ use super::options::ComparisonOptions;
 use super::outcome::{
     Comparison, ComparisonBounds, DifferenceCurve, Direction, Levels, Sides, Subject,
 };
+use super::shift_alone::ShiftIs;
 use super::verdict::Verdict;
 use crate::numerics::{four_digits, pointwise_critical, six_digits};
 use crate::results::{Bounds, Interval};
@@ -160,23 +161,22 @@ fn feel(found: &Comparison, options: &ComparisonOptions) -> String {
             "what differs from run to run, or between up and down strokes, is not included, which takes recordings"
         }
     };
-    let all_of_it = by_time_alone(&found.curves, options);
+    let all_of_it = by_time_alone(found);
     format!("{time}{rest}{scale}; {runs}.{all_of_it}")
 }
 
-/// That a logger makes such a difference, too, where the times are all of it.
-fn by_time_alone(curves: &[DifferenceCurve], options: &ComparisonOptions) -> &'static str {
-    let is_all = |curve: &DifferenceCurve| {
-        let shift = curve.delay_shift_s.value.unwrap_or_default();
-        let left = curve.shift_leaves_percent.unwrap_or(f64::INFINITY);
-        shift.abs() >= NOTABLE_SHIFT_S && left < options.margin_percent
-    };
-    match curves.iter().all(is_all) {
-        true => {
-            " That shift in time is all that they differ by. A servo that answers later makes one, and so does a recording in which commands and positions have \
-             the times of two different clocks."
+/// What the shift is of the difference, and that a logger makes one, too, where it is all of it.
+fn by_time_alone(found: &Comparison) -> String {
+    match ShiftIs::of(found) {
+        ShiftIs::All => {
+            " Apart from that shift in time these recordings show no difference. A servo that answers later makes such a shift, and so does a recording in which \
+             commands and positions have the times of two different clocks."
+                .to_owned()
         }
-        false => "",
+        ShiftIs::NotAll(left) => format!(
+            " That is not all: behind the shift that brings them closest the responses, each relative to its own end, still differ by up to {left:.1} %."
+        ),
+        ShiftIs::Unknown => String::new(),
     }
 }
 

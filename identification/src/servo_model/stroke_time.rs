@@ -34,7 +34,7 @@ impl ServoModel {
         let [low, high] = [-half, half].map(|from| commands.middle() + from);
         let reached = (self.reached).filter(|_| !has_top_speed);
         let known = reached.map_or([f64::INFINITY; 2], |reached| {
-            [reached.upwards, reached.downwards].map(|speed| FASTER * speed)
+            reached.measured().map(|speed| FASTER * speed)
         });
         let of = |ends: [f64; 2], fastest: f64| {
             let stroke = Stroke::of(&servo, ends, size)?;

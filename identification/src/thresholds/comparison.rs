@@ -43,6 +43,11 @@ pub const SIZES_COMPARED: f64 = 2.0;
 /// Protects: readers from shifts of no consequence. Evidence: the snapshot of a comparison.
 pub const NOTABLE_SHIFT_S: f64 = 0.25e-3;
 
+/// What a shift in time may leave of the difference between two responses that it is all of \[% of the final value\].
+///
+/// Protects: sentences that call a slower servo a later one. Evidence: a servo that is 5 % slower leaves 1.5 %, one that is 15 % slower 4.5 %.
+pub const LEFT_BY_A_SHIFT_PERCENT: f64 = 2.0;
+
 /// Correlation of an output with its command from which it shows the direction in which the servo turns.
 ///
 /// Protects: a servo without bounds from being said to turn the other way. Evidence: 175 recordings of the simulated servos under all references, a third of

@@ -15,12 +15,21 @@ pub(super) fn range_in_words(range: CommandRange, units: Units<'_>) -> String {
     format!("from {least} to {largest}{unit}")
 }
 
-/// "40 deg/s upwards and 38 deg/s downwards", in a `unit` of which there are `each` to one of the position; `None` where no sample shows a speed.
+/// "40 deg/s upwards and 38 deg/s downwards", which were exceeded, in a `unit` of which there are `each` to one of the position; `None` where
+/// no sample surely shows a speed.
 pub(super) fn speeds_in_words(reached: ReachedSpeeds, each: f64, unit: &str) -> Option<String> {
-    let speeds = [reached.upwards, reached.downwards];
-    let [up, down] = speeds.map(|speed| summary::digits(each * speed, 2));
-    (speeds[0] + speeds[1] > 0.0)
-        .then(|| format!("{up} {unit}/s upwards and {down} {unit}/s downwards"))
+    let directions = [
+        (reached.upwards, "upwards"),
+        (reached.downwards, "downwards"),
+    ];
+    let moved = directions.iter().filter(|(speed, _)| *speed > 0.0);
+    let each: Vec<String> = moved
+        .map(|(speed, direction)| {
+            let figure = summary::reached_speed(each * speed).1;
+            format!("{figure} {unit}/s {direction}")
+        })
+        .collect();
+    (!each.is_empty()).then(|| each.join(" and "))
 }
 
 /// That a file has no limit of the speed, a sentence without its stop.

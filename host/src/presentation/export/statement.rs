@@ -188,7 +188,7 @@ impl Export<'_> {
         let (found, units) = (self.metadata.recorded?, self.metadata.units());
         let unit = units.output.unwrap_or("units of the position");
         let moved = recorded::speeds_in_words(found.reached, 1.0, unit)
-            .map(|speeds| format!(", and the position moved at up to {speeds}"));
+            .map(|speeds| format!(", and the position moved at more than {speeds}"));
         Some(format!(
             "Recorded: commands {}{}. This file has no limit of speed and travel: of larger and quicker strokes it is not known how right it is.",
             recorded::range_in_words(found.commands, units),

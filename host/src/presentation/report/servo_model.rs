@@ -60,7 +60,7 @@ fn table(part: &Part<'_>) -> Option<String> {
     Some(format!(
         "<h2>The servo as a machine: {}</h2>\n<p class=\"faint\">{}; fit {:.2} %, {:.2} % of parts that it had not seen (a linear servo of second order: {:.2} %).{}</p>\n<div class=\"wide\"><table class=\"numbers\">\n<tr><th></th><th>value</th><th></th><th>{}</th></tr>\n{rows}</table></div>\n{advice}",
         escape(part.subject.name),
-        summary::terms_in_words(model.terms),
+        summary::kind_in_words(model),
         fit.simulation_percent,
         fit.held_out_percent,
         fit.linear_held_out_percent,

@@ -2,7 +2,7 @@
 
 use super::layout::{findings_with, wrapped};
 use super::metrics::difference_rows;
-use super::numbers::{percent, probability, with_bounds};
+use super::numbers::{percent, probability, signed, with_bounds};
 use crate::data::units::Units;
 use servoid_identification::comparison::{
     Comparison, ComparisonBounds, DifferenceCurve, Direction, Subject, Verdict,
@@ -197,7 +197,7 @@ fn largest_difference(bounds: &ComparisonBounds) -> String {
 
 /// The equivalent delay shift, by direction of stroke where the two are compared separately.
 fn delay_shifts(found: &Comparison, bounds: &ComparisonBounds) -> Vec<String> {
-    let milliseconds = |shift: &Interval| with_bounds(shift, " ms", |s| format!("{:+.2}", 1e3 * s));
+    let milliseconds = |shift: &Interval| with_bounds(shift, " ms", |s| signed(1e3 * s, 2));
     let of = |curve: &DifferenceCurve, way: &str| {
         let rest = curve.shift_leaves_percent.map_or_else(String::new, |rest| {
             format!("; the shifted curves still differ by up to {rest:.1} % of the final value")

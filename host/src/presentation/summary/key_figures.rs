@@ -6,7 +6,7 @@ use super::headline::stroke_in_words;
 use super::low_order::gain_by_order;
 use super::measured_limits::{measured_limit, measured_limits};
 use super::metrics::{self, MetricEntry, NONE};
-use super::numbers::{digits, four_digits, percent, with_bounds};
+use super::numbers::{digits, four_digits, percent, signed, with_bounds};
 use super::quantity_table::{QuantityRow, quantity_rows, scale_and_unit};
 use super::sixty_degrees::{per_60_degrees, seconds_per_60_degrees, stroke_of_60_degrees_ms};
 use super::top_speeds::is_unreached;
@@ -277,9 +277,8 @@ pub(crate) fn of_comparison(b: &str, found: &Comparison, units: Units<'_>) -> Ve
                 verdict(found.verdict)
             ),
         });
-        let shift = |shift: &Interval| {
-            with_bounds(shift, " ms", |seconds| format!("{:+.1}", 1e3 * seconds))
-        };
+        let shift =
+            |shift: &Interval| with_bounds(shift, " ms", |seconds| signed(1e3 * seconds, 1));
         let (value, below) = match &found.curves[..] {
             [up, down] => (
                 shift_alone(&up.delay_shift_s, &down.delay_shift_s),
@@ -324,7 +323,7 @@ fn shift_alone(up: &Interval, down: &Interval) -> String {
     let [up, down] = [up, down].map(|shift| {
         shift
             .value
-            .map_or(NONE.to_owned(), |seconds| format!("{:+.1}", 1e3 * seconds))
+            .map_or(NONE.to_owned(), |seconds| signed(1e3 * seconds, 1))
     });
     format!("{up} / {down} ms")
 }

@@ -1,7 +1,7 @@
 //! Tables of gain, delay, rise time and the like.
 
 use super::first_finding::first_finding;
-use super::numbers::{decimals, digits_beside, head_of_bounds, widest_shown_with};
+use super::numbers::{decimals, digits_beside, fixed, head_of_bounds, widest_shown_with};
 use super::strokes::stroke_in_words;
 use crate::data::model_metadata::ModelMetadata;
 use servoid_identification::comparison::{Comparison, MetricDifference};
@@ -114,7 +114,7 @@ impl MetricEntry {
         } else {
             digits
         };
-        format!("{:.digits$}", value * scale)
+        fixed(value * scale, digits)
     }
 
     pub(super) fn value(&self, value: Option<f64>) -> String {

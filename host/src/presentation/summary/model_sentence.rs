@@ -43,15 +43,7 @@ fn motion(model: &Model, of: &ModelMetadata) -> String {
         parts.extend(begins.map(|time| format!("passes 5 % of its way after {time}")));
         parts.extend(half_way_and_settled(metrics));
     }
-    parts.extend(
-        metrics
-            .overshoot_percent
-            .value
-            .map(|share| match share < NO_OVERSHOOT_PERCENT {
-                true => "does not overshoot".to_owned(),
-                false => format!("overshoots by {share:.1} %"),
-            }),
-    );
+    parts.extend(overshoot(metrics.overshoot_percent));
     parts.extend(end(model, of.units()));
     match parts.pop() {
         None => "How the servo answers a step is not determined.".to_owned(),
@@ -108,9 +100,69 @@ pub(super) fn half_way_and_settled(metrics: &Metrics) -> Vec<String> {
     half.into_iter().chain(settled).collect()
 }
 
+/// "32 ms" where no more is to be said, "107 ms (84 to 131)" of what is hardly known, and "at most 22 ms" of what may be nothing; `None` of what may be anything.
 fn in_ms(time: Interval) -> Option<String> {
-    time.value.map(|seconds| format!("{:.0} ms", 1e3 * seconds))
+    let whole = |seconds: f64| format!("{:.0}", 1e3 * seconds);
+    let seconds = time.value?;
+    if is_open(time) {
+        return None;
+    }
+    Some(match time.lower.zip(time.upper) {
+        Some((lower, upper)) if lower <= 0.0 => match upper > 0.0 {
+            true => format!("at most {:.0} ms", (1e3 * upper).ceil()),
+            false => "0 ms".to_owned(),
+        },
+        Some((lower, upper)) if is_coarse(time) && whole(lower) != whole(upper) => {
+            format!(
+                "{} ms ({} to {})",
+                whole(seconds),
+                whole(lower),
+                whole(upper)
+            )
+        }
+        _ => format!("{} ms", whole(seconds)),
+    })
 }
+
+/// Whether nothing bounds a figure above, though it has an interval.
+fn is_open(of: Interval) -> bool {
+    of.lower.is_some() && of.upper.is_none()
+}
+
+/// Half the width of an interval as a part of its value, from which the value does not stand alone.
+const COARSE: f64 = 0.1;
+
+fn is_coarse(of: Interval) -> bool {
+    let ends = of.value.zip(of.lower.zip(of.upper));
+    ends.is_some_and(|(value, (lower, upper))| {
+        (upper - value).max(value - lower) > COARSE * value.abs()
+    })
+}
+
+/// By how much it overshoots, and within what where that is hardly known.
+fn overshoot(share: Interval) -> Option<String> {
+    let value = share.value.filter(|_| !is_open(share))?;
+    let shown = |percent: f64| format!("{percent:.1}");
+    let ends = share.lower.zip(share.upper);
+    let coarse =
+        ends.filter(|(lower, upper)| (upper - value).max(value - lower) > COARSE_OVERSHOOT);
+    Some(match coarse {
+        Some((lower, upper)) if lower < NO_OVERSHOOT_PERCENT => {
+            format!("overshoots by at most {} %", shown(upper))
+        }
+        Some((lower, upper)) => format!(
+            "overshoots by {} % ({} to {})",
+            shown(value),
+            shown(lower),
+            shown(upper)
+        ),
+        None if value < NO_OVERSHOOT_PERCENT => "does not overshoot".to_owned(),
+        None => format!("overshoots by {} %", shown(value)),
+    })
+}
+
+/// Half the width of the interval of an overshoot from which it does not stand alone \[% of the final value\].
+const COARSE_OVERSHOOT: f64 = 1.0;
 
 /// Where the response ends; or that it does not, as far as that can be judged.
 fn end(model: &Model, units: Units<'_>) -> Option<String> {
@@ -191,4 +243,38 @@ fn known_band(model: &Model) -> Option<String> {
         digits(most_degrees, 2),
         percent(bounds.level)
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_time_is_not_finer_than_it_is_known() {
+        let shown = |value, lower, upper| in_ms(Interval::new(value, lower, upper)).unwrap();
+        assert_eq!(shown(0.032, 0.031, 0.033), "32 ms");
+        assert_eq!(shown(0.1074, 0.0835, 0.1311), "107 ms (84 to 131)");
+        assert_eq!(shown(0.0089, 0.0, 0.02166), "at most 22 ms");
+        assert_eq!(shown(0.0015, 0.0012, 0.0017), "2 ms (1 to 2)");
+        let unknown = Interval {
+            value: Some(0.0132),
+            ..Interval::default()
+        };
+        assert_eq!(in_ms(unknown).unwrap(), "13 ms");
+    }
+
+    #[test]
+    fn an_overshoot_that_may_be_none_is_at_most_so_large() {
+        let shown = |value, lower, upper| overshoot(Interval::new(value, lower, upper)).unwrap();
+        assert_eq!(shown(4.46, 4.1, 4.8), "overshoots by 4.5 %");
+        assert_eq!(shown(3.92, 1.95, 8.9), "overshoots by 3.9 % (1.9 to 8.9)");
+        assert_eq!(shown(5.7, 0.0, 11.7), "overshoots by at most 11.7 %");
+        assert_eq!(shown(0.1, 0.0, 0.3), "does not overshoot");
+        let open = Interval {
+            value: Some(0.0),
+            lower: Some(0.0),
+            upper: None,
+        };
+        assert_eq!((overshoot(open), in_ms(open)), (None, None));
+    }
 }

@@ -97,12 +97,25 @@ pub(super) fn digits_beside(value: f64, count: usize, width: Option<f64>) -> Str
     }
     let most = enough.min(decimals(power, MOST_DIGITS));
     let decimals = (decimals(power, count).max(fewest).min(most)).clamp(0, 9) as usize;
-    // A small number of either sign may round to 0.
+    fixed(value, decimals)
+}
+
+/// A number with so many decimals; a small one of either sign may round to 0, which has none.
+pub(super) fn fixed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     let is_zero = text.chars().all(|letter| "-0.".contains(letter));
     match text.strip_prefix('-') {
         Some(zero) if is_zero => zero.to_owned(),
         _ => text,
+    }
+}
+
+/// The same with its sign; what rounds to 0 is "+0.00".
+pub(super) fn signed(value: f64, decimals: usize) -> String {
+    let text = fixed(value, decimals);
+    match text.starts_with('-') {
+        true => text,
+        false => format!("+{text}"),
     }
 }
 
@@ -125,6 +138,15 @@ mod tests {
     #[test]
     fn a_negative_zero_is_zero() {
         assert_eq!([digits(-0.0, 4), digits(0.0, 4)], ["0", "0"]);
+    }
+
+    #[test]
+    fn what_rounds_to_zero_has_no_minus() {
+        assert_eq!([fixed(-0.001, 2), fixed(-0.006, 2)], ["0.00", "-0.01"]);
+        assert_eq!(
+            [signed(-0.001, 2), signed(0.0, 1), signed(-3.0, 1)],
+            ["+0.00", "+0.0", "-3.0"]
+        );
     }
 
     #[test]

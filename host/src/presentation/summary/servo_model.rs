@@ -4,6 +4,7 @@ use super::layout::wrapped;
 use super::measured_limits::against_the_model;
 use super::numbers::{digits, four_digits};
 use super::quantity_table::quantities;
+use super::servo_sentence::shows_limit;
 use super::top_speeds::one_unreached;
 use super::what_to_record::advice_on_servo_model;
 use super::whole_stroke::whole_stroke;
@@ -22,7 +23,7 @@ pub fn of_servo_model(document: &ServoModelDocument, units: Units<'_>, explain: 
     let level = model.covariance.as_ref().map(|covariance| covariance.level);
     let mut text = format!(
         "\nservo model: {}\n  fit {:.2} %; of parts that it had not seen {:.2} % (a linear servo of second order: {:.2} %)\n",
-        terms_in_words(model.terms),
+        kind_in_words(model),
         model.fit.simulation_percent,
         model.fit.held_out_percent,
         model.fit.linear_held_out_percent
@@ -154,6 +155,26 @@ fn rung(tried: &LadderRung) -> String {
     )
 }
 
+const LIMIT_LEFT_OPEN: &str = "a limit of the drive that the recording leaves open";
+
+/// The terms of a model, as [`terms_in_words`]; friction and a dead band come with a limit of the drive, which the recording may leave open.
+pub(crate) fn kind_in_words(model: &ServoModel) -> String {
+    let terms = model.terms;
+    let is_open = terms.limit && !shows_limit(model);
+    if !is_open {
+        return terms_in_words(terms);
+    }
+    let others = Terms {
+        limit: false,
+        two_speeds: terms.two_speeds && terms.speed_limit,
+        ..terms
+    };
+    match others == Terms::default() {
+        true => LIMIT_LEFT_OPEN.to_owned(),
+        false => format!("{} (and {LIMIT_LEFT_OPEN})", terms_in_words(others)),
+    }
+}
+
 /// "limit of the drive, friction, weight on a hanging arm"
 pub(crate) fn terms_in_words(terms: Terms) -> String {
     let load = match terms.load {
@@ -179,5 +200,45 @@ pub(crate) fn terms_in_words(terms: Terms) -> String {
     match present.is_empty() {
         true => "linear, of second order".to_owned(),
         false => present.join(", "),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use servoid_identification::Record;
+    use servoid_identification::servo_model::{QuantityKind, ServoModelOptions, fit};
+
+    #[test]
+    fn a_limit_that_the_recording_leaves_open_is_no_kind_of_servo() {
+        let levels = [0.0, 5.0, -3.0, 1.0];
+        let input: Vec<f64> = (0..900).map(|k| levels[k / 60 % 4]).collect();
+        let follow = |y: &mut f64, u: &f64| {
+            *y += (0.2 * (u - *y)).clamp(-0.3, 0.3);
+            Some(*y)
+        };
+        let output: Vec<f64> = input.iter().scan(0.0, follow).collect();
+        let record = Record::of_run(0.01, input, output).unwrap();
+        let mut model = fit(&record, &ServoModelOptions::default()).unwrap();
+        model.terms = Terms {
+            limit: true,
+            ..Terms::default()
+        };
+        let mut kind = |is_shown: bool, friction: bool| {
+            model.terms.friction = friction;
+            for quantity in &mut model.quantities {
+                let of_limit = quantity
+                    .kind()
+                    .is_some_and(|kind| QuantityKind::OF_LIMIT.contains(&kind));
+                quantity.determined = is_shown || !of_limit;
+            }
+            kind_in_words(&model)
+        };
+        assert_eq!(kind(true, true), "limit of the drive, friction");
+        assert_eq!(
+            kind(false, true),
+            "friction (and a limit of the drive that the recording leaves open)"
+        );
+        assert_eq!(kind(false, false), LIMIT_LEFT_OPEN);
     }
 }

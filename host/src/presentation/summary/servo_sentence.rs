@@ -4,9 +4,7 @@ use super::layout::listed_words;
 use super::measured_limits::{limits_in_words, measured_limits};
 use super::numbers::{digits, four_digits};
 use super::sixty_degrees::turn_time_s;
-use super::speed_words::{
-    RAISED_BY_NOISE, assumed_units, measured_speed, noise_of_speed, speed_in_words, upwards,
-};
+use super::speed_words::{assumed_units, reached_speed, speed_in_words, upwards};
 use super::top_speeds::{determined, is_never_reached, top_speeds};
 use crate::data::units::Units;
 use servoid_identification::results::{Advice, Bounds, Model, Reason};
@@ -162,16 +160,23 @@ impl LinearBeside {
     }
 }
 
-/// Whether the servo is called linear: by its linear model, and by the servo model beside it where that is to be relied on.
+/// Whether the servo is called linear: by its linear model, and by what is said of it as a machine where that is to be relied on.
 #[must_use]
 pub fn is_called_linear(linear: &Model, servo: Option<&ServoModel>) -> bool {
-    let is_machine = |servo: &ServoModel| {
-        servo.predicts()
-            && !servo.is_linear()
-            && LinearBeside::of(servo, linear).is_none()
-            && !linear_is_as_good(servo)
-    };
-    linear.linear && !servo.is_some_and(is_machine)
+    let speaks =
+        servo.filter(|servo| servo.predicts() && LinearBeside::of(servo, linear).is_none());
+    linear.linear && speaks.is_none_or(|servo| is_said_linear(servo, linear))
+}
+
+/// Whether the sentence on the servo as a machine calls it linear, or much like that. Of a top speed that was never reached the recording has nothing.
+fn is_said_linear(model: &ServoModel, linear: &Model) -> bool {
+    let is_limited = measured_limits(model).iter().any(Option::is_some);
+    let lacks_a_stop = model.covariance.valid().is_none() && may_lack_a_stop(model);
+    match top_speeds(model) {
+        _ if is_limited || lacks_a_stop => false,
+        Some(speeds) => is_never_reached(model, &speeds) && linear_is_as_good(model),
+        None => KindOfServo::of(model, linear).is_linear(),
+    }
 }
 
 /// Whether its errors show that the model lacks something of the servo, or would if the steps of the sensor were smaller.
@@ -195,7 +200,10 @@ fn what_is_known(
 ) -> Vec<String> {
     let never_reached = speeds.filter(|speeds| is_never_reached(model, speeds));
     let parts = [
-        Some(limited_to(model, speeds, units, 4).unwrap_or_else(|| kind(model, linear).to_owned())),
+        Some(
+            limited_to(model, speeds, units, 4)
+                .unwrap_or_else(|| KindOfServo::of(model, linear).in_words().to_owned()),
+        ),
         never_reached.and_then(|_| moved_at(model, units)),
         below_any_limit(model, units),
         resting_error(model, units),
@@ -225,7 +233,7 @@ fn what_was_seen(
         Some(_) => "is limited in its speed".to_owned(),
         // A stop in the travel looks like a drive that a load holds.
         None if may_lack_a_stop(model) => "is not linear".to_owned(),
-        None => kind(model, linear).to_owned(),
+        None => KindOfServo::of(model, linear).in_words().to_owned(),
     });
     // A limit that was reached says how fast the servo moved.
     let at_limit = agreed.is_some_and(|speeds| !is_never_reached(model, &speeds));
@@ -233,7 +241,7 @@ fn what_was_seen(
     std::iter::once(kind).chain(moved).collect()
 }
 
-/// How fast the servo moved in the recording.
+/// How fast the servo moved in the recording at least.
 fn moved_at(model: &ServoModel, units: Units<'_>) -> Option<String> {
     let reached = model.reached?;
     let directions = [
@@ -243,11 +251,16 @@ fn moved_at(model: &ServoModel, units: Units<'_>) -> Option<String> {
     // A recording may have no stroke in one direction.
     let moved = directions.iter().filter(|(speed, _)| *speed > 0.0);
     let each = moved.map(|(speed, direction)| {
-        let speed = speed_in_words(model, measured_speed(model, *speed), units);
+        let speed = speed_in_words(model, reached_speed(*speed), units);
         format!("{speed} {direction}")
     });
     let each: Vec<String> = each.collect();
-    (!each.is_empty()).then(|| format!("moved at up to {} in this recording", listed_words(&each)))
+    (!each.is_empty()).then(|| {
+        format!(
+            "moved at more than {} in this recording",
+            listed_words(&each)
+        )
+    })
 }
 
 /// The same where the model has no limit, which it may have beyond.
@@ -260,8 +273,7 @@ fn below_any_limit(model: &ServoModel, units: Units<'_>) -> Option<String> {
 /// servos are compared.
 const SAME_SPEED: f64 = 0.05;
 
-/// Top speeds without intervals on which all fits agree, and which the servo has not exceeded by more than noise: a limit that was exceeded is
-/// none. Where errors show that the model lacks something, speeds may stand for that.
+/// Top speeds without intervals on which all fits agree, and which the servo has not surely exceeded: a limit that was exceeded is none. Where errors show that the model lacks something, speeds may stand for that.
 fn agreed<'q>(model: &ServoModel, speeds: [&'q Quantity; 2]) -> Option<[&'q Quantity; 2]> {
     let reason = model.covariance.withdrawn();
     if matches!(
@@ -271,11 +283,10 @@ fn agreed<'q>(model: &ServoModel, speeds: [&'q Quantity; 2]) -> Option<[&'q Quan
         return None;
     }
     let reached = model.reached?;
-    let by_noise = RAISED_BY_NOISE * noise_of_speed(model);
     let of = |(found, reached): (&Quantity, f64)| {
         let fits = found.other_fits;
         let same = |fits: Spread| fits.most - fits.least <= SAME_SPEED * found.value;
-        found.value + by_noise >= reached && fits.is_some_and(same)
+        found.value >= reached && fits.is_some_and(same)
     };
     let all = speeds.into_iter().zip([reached.upwards, reached.downwards]);
     all.into_iter().all(of).then_some(speeds)
@@ -300,21 +311,64 @@ fn limited_to(
     })
 }
 
-/// What kind of servo it is, without figures. One that the `linear` model shows not to be linear is not called so for want of a term.
-fn kind(model: &ServoModel, linear: &Model) -> &'static str {
-    let shown_not_linear = linear.advice.iter().any(Advice::is_of_linearity);
-    match model.covariance {
-        Bounds::Withdrawn(_) if is_nearly_linear(model) => "is much like a linear one",
-        _ if model.terms.speed_limit && shows_limit(model) => "is limited in its speed",
-        _ if model.terms.limit && shows_limit(model) => "is limited in its drive",
-        Bounds::Withdrawn(_) if shown_not_linear => "is not linear",
-        // Terms of the drive stand for what a linear servo of higher order has, too.
-        _ if model.terms.is_limited() && linear_is_as_good(model) => "is much like a linear one",
-        // Friction comes with a limit that the record may not reach.
-        _ if model.terms.is_limited() => "is not linear",
-        Bounds::Valid(_) if shown_not_linear => "is as a linear one to a model of it as a machine",
-        Bounds::Valid(_) => "is linear",
-        Bounds::Withdrawn(_) => "is much like a linear one",
+/// What kind of servo it is, without figures.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum KindOfServo {
+    Linear,
+    MuchLikeLinear,
+    /// To the model as a machine alone.
+    LinearAsMachine,
+    /// By so little that nobody need care.
+    NotQuiteLinear,
+    /// Without a term that shows how.
+    NotLinearUnshown,
+    NotLinear,
+    LimitedInSpeed,
+    LimitedInDrive,
+}
+
+impl KindOfServo {
+    /// One that the `linear` model shows not to be linear is not called so for want of a term.
+    fn of(model: &ServoModel, linear: &Model) -> Self {
+        let shown_not_linear = !linear.linear || linear.advice.iter().any(Advice::is_of_linearity);
+        let nearly = is_nearly_linear(model);
+        match model.covariance {
+            Bounds::Withdrawn(_) if nearly && shown_not_linear => Self::NotQuiteLinear,
+            Bounds::Withdrawn(_) if nearly => Self::MuchLikeLinear,
+            _ if model.terms.speed_limit && shows_limit(model) => Self::LimitedInSpeed,
+            _ if model.terms.limit && shows_limit(model) => Self::LimitedInDrive,
+            Bounds::Withdrawn(_) if shown_not_linear && model.is_linear() => Self::NotLinearUnshown,
+            Bounds::Withdrawn(_) if shown_not_linear => Self::NotLinear,
+            // Terms of the drive stand for what a linear servo of higher order has, too.
+            _ if model.terms.is_limited() && !shown_not_linear && linear_is_as_good(model) => {
+                Self::MuchLikeLinear
+            }
+            // Friction comes with a limit that the record may not reach.
+            _ if model.terms.is_limited() => Self::NotLinear,
+            Bounds::Valid(_) if shown_not_linear => Self::LinearAsMachine,
+            Bounds::Valid(_) => Self::Linear,
+            Bounds::Withdrawn(_) => Self::MuchLikeLinear,
+        }
+    }
+
+    fn is_linear(self) -> bool {
+        matches!(self, Self::Linear | Self::MuchLikeLinear)
+    }
+
+    /// What the servo does.
+    fn in_words(self) -> &'static str {
+        match self {
+            Self::Linear => "is linear",
+            Self::MuchLikeLinear => "is much like a linear one",
+            Self::LinearAsMachine => "is as a linear one to a model of it as a machine",
+            Self::NotQuiteLinear => "is not quite linear",
+            Self::NotLinearUnshown => {
+                "is not linear, in a way that no term of a model of it as a machine shows,"
+            }
+            Self::NotLinear => "is not linear",
+            Self::LimitedInSpeed => "is limited in its speed",
+            Self::LimitedInDrive => "is limited in its drive",
+        }
     }
 }
 
@@ -342,7 +396,7 @@ fn is_nearly_linear(model: &ServoModel) -> bool {
 const NEARLY_ALL_PERCENT: f64 = 99.9;
 
 /// Whether the record determines anything that a limit of the drive brings about.
-fn shows_limit(model: &ServoModel) -> bool {
+pub(super) fn shows_limit(model: &ServoModel) -> bool {
     let determined = model.quantities.iter().filter(|found| found.determined);
     let mut kinds = determined.filter_map(Quantity::kind);
     kinds.any(|kind| QuantityKind::OF_LIMIT.contains(&kind))

@@ -3,7 +3,7 @@
 use super::numbers::digits;
 use super::sixty_degrees::seconds_per_60_degrees;
 use crate::data::units::Units;
-use servoid_identification::servo_model::{ReachedSpeeds, ServoModel};
+use servoid_identification::servo_model::ServoModel;
 
 /// Upwards, and what that is where the position goes against the command.
 pub(super) fn upwards(model: &ServoModel) -> &'static str {
@@ -23,21 +23,13 @@ pub(super) fn speed_in_words(
     format!("{figure} {unit}/s{}", turn(model, speed, units))
 }
 
-/// The standard deviation of a measured speed by the noise of two readings.
-pub(super) fn noise_of_speed(model: &ServoModel) -> f64 {
-    std::f64::consts::SQRT_2 * model.noise.sigma
-        / model.sample_period_s.max(ReachedSpeeds::MEAN_OVER_S)
-}
-
-/// By so many standard deviations noise may raise the largest of many measured speeds.
-pub(super) const RAISED_BY_NOISE: f64 = 4.0;
-
-/// A measured speed and its figure, without the digits that the noise may have raised.
-pub(super) fn measured_speed(model: &ServoModel, speed: f64) -> (f64, String) {
-    let step = 10f64.powf((RAISED_BY_NOISE * noise_of_speed(model)).log10().floor());
-    let rounded = match step > 0.0 && step < speed {
-        true => (speed / step).floor() * step,
-        false => speed,
+/// A speed that was reached at least, and its figure: two digits, none of which says more than the recording.
+pub(crate) fn reached_speed(speed: f64) -> (f64, String) {
+    let step = 10f64.powf(speed.log10().floor() - 1.0);
+    let rounded = match speed > 0.0 {
+        // What is a number of two digits stays the one that it is.
+        true => (speed / step * (1.0 + f64::EPSILON)).floor() * step,
+        false => 0.0,
     };
     (rounded, digits(rounded, 2))
 }
@@ -61,4 +53,19 @@ pub(super) fn assumed_units(model: &ServoModel, units: Units<'_>) -> Option<Unit
         output: degrees,
     };
     (units == Units::default() && model.radians_per_command == 1f64.to_radians()).then_some(assumed)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_speed_that_was_reached_is_never_rounded_up() {
+        let figure = |speed| reached_speed(speed).1;
+        assert_eq!(figure(1607.1), "1600");
+        assert_eq!(figure(289.9), "280");
+        assert_eq!(figure(57.0), "57");
+        assert_eq!(figure(0.0159), "0.015");
+        assert_eq!(figure(0.0), "0");
+    }
 }

@@ -1,7 +1,7 @@
 //! The top speeds that a recording determines, and whether the servo reached them.
 
 use super::measured_limits::measured_limit;
-use super::speed_words::measured_speed;
+use super::speed_words::reached_speed;
 use crate::data::units::Units;
 use servoid_identification::servo_model::{Quantity, QuantityKind, ServoModel};
 
@@ -31,8 +31,8 @@ pub(super) fn is_never_reached(model: &ServoModel, speeds: &[&Quantity; 2]) -> b
 /// Whether a quantity is a top speed below which the servo stayed in all of the recording. Where larger strokes were no faster, it did not.
 pub(super) fn is_unreached(model: &ServoModel, quantity: &Quantity) -> bool {
     let reached = model.reached.and_then(|reached| match quantity.kind()? {
-        QuantityKind::TopSpeedUpwards => Some(reached.upwards),
-        QuantityKind::TopSpeedDownwards => Some(reached.downwards),
+        QuantityKind::TopSpeedUpwards => Some(reached.measured()[0]),
+        QuantityKind::TopSpeedDownwards => Some(reached.measured()[1]),
         _ => None,
     });
     let is_shown = measured_limit(model, quantity.kind()).is_some();
@@ -50,10 +50,13 @@ pub(super) fn one_unreached(model: &ServoModel, units: Units<'_>) -> Option<Stri
         [false, true] => ("downwards", reached.downwards),
         _ => return None,
     };
+    let moved = (reached > 0.0).then(|| {
+        let (figure, unit) = (reached_speed(reached).1, units.output.unwrap_or("units"));
+        format!(", in which the servo moved at more than {figure} {unit}/s {which}")
+    });
     Some(format!(
-        "The top speed {which} was not reached in this recording, in which the servo moved at up to {} {}/s {which}: it is extrapolated.",
-        measured_speed(model, reached).1,
-        units.output.unwrap_or("units")
+        "The top speed {which} was not reached in this recording{}: it is extrapolated.",
+        moved.unwrap_or_default()
     ))
 }
 

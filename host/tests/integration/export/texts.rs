@@ -302,7 +302,7 @@ fn a_linear_file_says_which_commands_and_speeds_were_recorded() {
         let said = text.replace(['\n', '#', '%', '*'], " ");
         let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
         let recorded =
-            "Recorded: commands from -5.00 to 5.00 deg, and the position moved at up to ";
+            "Recorded: commands from -5.00 to 5.00 deg, and the position moved at more than ";
         assert!(said.contains(recorded), "{target}: {said}");
         let warning = "WARNING: no limit of the speed was seen up to ";
         assert!(

@@ -48,7 +48,7 @@ pub(super) fn model_error(evidence: &Evidence<'_>) -> Option<Advice> {
             },
         ),
         None => (
-            "how well it simulates this record, as no part of it predicts another",
+            "how well it simulates this record, as none that was tried predicts parts not seen",
             "use this model as a picture of this recording alone".to_owned(),
         ),
     };

@@ -80,7 +80,7 @@ const RUNS_WITHOUT_BAND: &str = " Of three and more runs of such a reference tog
     contain how the runs differ, which is not computed in a band.";
 
 /// What to do about it.
-const EACH_RUN: &str = "For bounds of the frequency response, identify each run by itself, and look at how far the answers lie apart. ";
+const EACH_RUN: &str = "Each run by itself may have bounds of the frequency response: identify them one by one, and look at how far the answers lie apart. ";
 
 /// Whether the record has so many runs of a smooth reference that there are no bounds in its band.
 fn is_smooth_in_runs(evidence: &Evidence<'_>) -> bool {

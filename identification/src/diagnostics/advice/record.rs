@@ -51,14 +51,21 @@ pub(super) fn converged(evidence: &Evidence<'_>) -> Option<Advice> {
     })
 }
 
-/// A run against the common model.
-fn differences(run: &RunDifference) -> String {
-    format!(
-        "gain {:+.2} %, delay {:+.2} ms, offset {:+.3} against the common model",
-        run.gain_percent.value,
-        1000.0 * run.delay_s.value,
-        run.offset.value
-    )
+/// A run against the common model. Its delay is that of a small shift: one that is longer than the response is half way stands for something else.
+fn differences(run: &RunDifference, evidence: &Evidence<'_>) -> String {
+    let model = evidence.model;
+    let whole_s = model.structure.settling_samples as f64 * model.sample_period_s;
+    let longest_s = model.metrics.t50_s.value.unwrap_or(0.5 * whole_s);
+    let (gain, offset) = (run.gain_percent.value, run.offset.value);
+    match run.delay_s.value {
+        delay if delay.abs() <= longest_s => format!(
+            "gain {gain:+.2} %, delay {:+.2} ms, offset {offset:+.3} against the common model",
+            1000.0 * delay
+        ),
+        _ => format!(
+            "gain {gain:+.2} %, offset {offset:+.3} against the common model, and a motion that differs by more than a delay"
+        ),
+    }
 }
 
 pub(super) fn scatter(evidence: &Evidence<'_>) -> Option<Advice> {
@@ -133,7 +140,7 @@ fn farthest(evidence: &Evidence<'_>, runs: &RunComparison) -> Option<String> {
         " Run {} lies farthest from the others ({}; {:.1} of their standard deviations), which \
          {chance}.",
         evidence.run_name(run.run),
-        differences(run),
+        differences(run, evidence),
         farthest.distance
     ))
 }
@@ -147,7 +154,7 @@ pub(super) fn deviating(evidence: &Evidence<'_>) -> Option<Advice> {
         format!(
             "Run {} deviates from the others: {}.",
             evidence.run_name(run.run),
-            differences(run)
+            differences(run, evidence)
         ),
         deviating.distance,
         deviating.threshold,

@@ -1,14 +1,15 @@
 //! Findings on the response: whether it is over, and which part of it was left out.
 
 use super::evidence::{Evidence, two_digits};
-use crate::diagnostics::rise_at_end;
+use crate::diagnostics::{Misfit, rise_at_end};
 use crate::numerics::four_digits;
 use crate::options::Frequencies;
 use crate::results::{Advice, Bounds, Check, Reason, SelectedBy, Withheld};
 use crate::selection::{Choice, hidden_end};
 use crate::thresholds::{
     DETECTION, EXPLAINED_BY_LAG, GAIN_DRIFT_PERCENT, HIDDEN_TAIL, LAG_BESIDE_SETTLING,
-    LONGEST_SETTLING, MARGIN, ROWS_PER_SAMPLE, SLOW_END_SIGNIFICANCE, STILL_RISING,
+    LONGEST_SETTLING, MARGIN, POOR_PREDICTION_PERCENT, ROWS_PER_SAMPLE, SLOW_END_SIGNIFICANCE,
+    STILL_RISING,
 };
 
 /// The choice of the settling time, unless it was overruled because the errors are not noise.
@@ -268,7 +269,10 @@ pub(super) fn slow_end(evidence: &Evidence<'_>) -> Option<Advice> {
         ),
         None => (
             "beyond the settling time that was given",
-            "Leave the settling time to the automatic choice, or give a longer one.".to_owned(),
+            format!(
+                "Give a longer settling time; where that does not help, record holds of several times {seconds:.1} s, and at least {:.0} s in all.",
+                14.0 * seconds
+            ),
         ),
     };
     Some(Advice::new(
@@ -351,26 +355,48 @@ pub(super) fn responds(evidence: &Evidence<'_>) -> Option<Advice> {
     let choice = trusted_choice(evidence).filter(|choice| choice.detected <= 1)?;
     let gain = &evidence.model.metrics.dc_gain;
     let has_sign = |(lower, upper): (f64, f64)| lower * upper > 0.0;
-    let finding = if gain.lower.zip(gain.upper).is_some_and(has_sign) {
-        "The course of the response is not known: the output follows the input in its gain, but no moment of the \
-         response exceeds the noise."
+    const BELONG: &str = "Check that input and output belong together, and use larger steps.";
+    let (finding, remedy) = if gain.lower.zip(gain.upper).is_some_and(has_sign) {
+        (
+            "The course of the response is not known: the output follows the input in its gain, but no moment of the \
+             response exceeds the noise.",
+            "Record steps, or other commands with sharp edges, and larger ones.",
+        )
     } else if evidence.has_bounds() {
-        "The output shows no response to the input above the noise."
+        (
+            "The output shows no response to the input above the noise.",
+            BELONG,
+        )
     } else {
-        "No moment of the response exceeds the noise."
+        ("No moment of the response exceeds the noise.", BELONG)
     };
     Some(Advice::new(
         Check::Response,
         finding,
         choice.detected as f64,
         1.0,
-        "Check that input and output belong together, and use larger steps.",
+        remedy,
     ))
 }
 
-/// What frequencies that were left out for prediction are good for.
-const FOR_DETAIL: &str =
-    "Nothing needs to be done for prediction; ask for more frequencies to look at detail.";
+/// What the frequencies were chosen for, and what more of them are good for.
+fn chosen_for(misfit: Option<&Misfit>) -> (&'static str, &'static str) {
+    let best = misfit.and_then(|misfit| misfit.candidates.first());
+    match best.map(|best| best.cross_validated_percent >= POOR_PREDICTION_PERCENT) {
+        Some(true) => (
+            " that predict best",
+            "Nothing needs to be done for prediction; ask for more frequencies to look at detail.",
+        ),
+        Some(false) => (
+            " that predict best",
+            "More of them predict parts not seen no better; ask for more to look at detail.",
+        ),
+        None => (
+            " of this model",
+            "Ask for more frequencies to look at detail.",
+        ),
+    }
+}
 
 pub(super) fn truncated(evidence: &Evidence<'_>) -> Option<Advice> {
     let model = evidence.model;
@@ -386,6 +412,7 @@ pub(super) fn truncated(evidence: &Evidence<'_>) -> Option<Advice> {
     // The choice for prediction leaves out what does not help it, whether the input has it or not.
     let by_prediction = misfit.is_some_and(|misfit| misfit.unexcited_above_hz.is_none());
     let misses_metrics = model.metrics.withheld == Some(Withheld::FrequenciesLeftOut);
+    let (chosen, detail) = chosen_for(misfit);
     let reach = |which: &str| {
         format!(
             "The {} frequencies{which} reach up to {highest:.1} Hz only",
@@ -394,11 +421,11 @@ pub(super) fn truncated(evidence: &Evidence<'_>) -> Option<Advice> {
     };
     let (finding, remedy) = match evidence.options.frequencies {
         Frequencies::Auto if by_prediction && misses_metrics => (
-            reach(" that predict best")
+            reach(chosen)
                 + ", so delay, rise time, overshoot and the other metrics are left out: nothing bounds what the others change in the step response",
-            FOR_DETAIL,
+            detail,
         ),
-        Frequencies::Auto if by_prediction => (reach(" that predict best"), FOR_DETAIL),
+        Frequencies::Auto if by_prediction => (reach(chosen), detail),
         // From where on the reference lacks power has been said; the model may end before that.
         Frequencies::Auto if evidence.validity.unexcited_above_hz.is_some() => (
             match highest > 0.0 {

@@ -3,6 +3,7 @@
 mod bounds;
 mod runs;
 mod scales;
+mod shifts;
 mod verdicts;
 
 use servoid_identification::comparison::ComparisonOptions;

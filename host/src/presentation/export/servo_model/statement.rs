@@ -301,7 +301,7 @@ impl ServoExport<'_> {
         };
         let reached = self.reached_by(self.parameters.gain.abs().recip(), unit);
         let reached = reached.map(|speeds| format!(
-            " In the recording theta reached {speeds}; the limit need not be that, as it acts from the beginning of a stroke to its end, while a servo builds up its speed and brakes."
+            " In the recording theta reached {speeds} at least; the limit need not be that, as it acts from the beginning of a stroke to its end, while a servo builds up its speed and brakes."
         ));
         format!(
             "Rate: {limit}. Limits up to the top speed were tried, and with this one the file is closest to the servo in the staircase below, in the mean of squares.{one}{larger}{}",
