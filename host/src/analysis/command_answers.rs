@@ -53,16 +53,18 @@ pub(super) fn answers(index: usize, run: &Run<'_>, model: &Model) -> Vec<Command
         position: *position,
         speed,
     };
-    let rows: Vec<Row> = both.map(row).collect();
+    let commands = run.input().iter().copied();
+    let rows: Vec<(f64, Row)> = commands.zip(both.map(row)).collect();
     // The first hold answers what was before the run.
-    let holds: Vec<&[f64]> = run.input().chunk_by(|a, b| a == b).collect();
+    let holds: Vec<_> = rows.chunk_by(|(a, _), (b, _)| a == b).collect();
+    let pairs = holds.iter().zip(holds.iter().skip(1));
     let mut start = 0;
-    let pairs = holds.windows(2);
     pairs
-        .filter_map(|pair| {
-            start += pair[0].len();
-            let levels = [pair[0][0], pair[1][0]];
-            answer((index, start), levels, &rows[start..start + pair[1].len()])
+        .filter_map(|(before, hold)| {
+            start += before.len();
+            let levels = [before.first()?.0, hold.first()?.0];
+            let rows: Vec<Row> = hold.iter().map(|(_, row)| *row).collect();
+            answer((index, start), levels, &rows)
         })
         .collect()
 }

@@ -10,7 +10,7 @@
 //! there are courses (Bonferroni).
 
 use crate::data::{Moments, Record};
-use crate::diagnostics::run_blocks::{Block, Blocks, Course};
+use crate::diagnostics::run_blocks::{Block, BlockCourse, Blocks};
 use crate::estimation::GlsFit;
 use crate::thresholds::{GAIN_DRIFT_PERCENT, LAG_DRIFT_SIGNIFICANCE};
 
@@ -52,7 +52,7 @@ pub(crate) fn gain_drift(record: &Record, moments: &Moments, fit: &GlsFit) -> Op
 }
 
 /// The change over a `time`, as a part of the gain at its beginning: the values are parts of the gain of the model, which is the mean.
-fn of_beginning(course: Course, time: f64) -> f64 {
+fn of_beginning(course: BlockCourse, time: f64) -> f64 {
     course.slope * time / (1.0 - course.slope * course.mean_time)
 }
 
@@ -64,7 +64,7 @@ mod tests {
     /// From 1.00 to 0.88, which is 0.1277 of the mean, along 600 samples or at a third of them.
     #[test]
     fn a_change_is_a_part_of_the_gain_at_the_beginning() {
-        let course = |slope: f64, mean_time: f64| Course {
+        let course = |slope: f64, mean_time: f64| BlockCourse {
             slope,
             mean_time,
             p: 0.0,

@@ -98,7 +98,7 @@ impl Blocks {
     }
 
     /// How the values change with a `time` of each block.
-    pub(super) fn course(&self, time: &dyn Fn(&Block) -> f64) -> Option<Course> {
+    pub(super) fn course(&self, time: &dyn Fn(&Block) -> f64) -> Option<BlockCourse> {
         course(&self.blocks, self.runs, time)
     }
 }
@@ -157,7 +157,7 @@ fn keep_moving(blocks: &mut Vec<Block>) {
 
 /// How values change with a time.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Course {
+pub(super) struct BlockCourse {
     /// The coefficient of the time.
     pub(super) slope: f64,
     /// The mean of the time over the blocks.
@@ -167,7 +167,7 @@ pub(super) struct Course {
 }
 
 /// That of the values of `blocks`, each run with a mean of its own and all with one effect of the size of the motion.
-fn course(blocks: &[Block], runs: usize, time: &dyn Fn(&Block) -> f64) -> Option<Course> {
+fn course(blocks: &[Block], runs: usize, time: &dyn Fn(&Block) -> f64) -> Option<BlockCourse> {
     let degrees = blocks.len().checked_sub(runs + 3)? as f64;
     let of_noise: Vec<f64> = blocks.iter().map(|block| block.weight).collect();
     let by_noise = Line::of(blocks, &of_noise, runs, time);
@@ -178,7 +178,7 @@ fn course(blocks: &[Block], runs: usize, time: &dyn Fn(&Block) -> f64) -> Option
     // Without degrees of freedom, or without any scatter, nothing is known of chance.
     let distribution = StudentsT::new(0.0, 1.0, degrees).ok()?;
     let t = by_noise.t(degrees).abs().min(line.t(degrees).abs());
-    t.is_finite().then(|| Course {
+    t.is_finite().then(|| BlockCourse {
         slope: line.slope,
         mean_time: line.mean_time,
         p: 2.0 * distribution.sf(t),

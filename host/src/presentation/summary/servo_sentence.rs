@@ -9,7 +9,7 @@ use super::speed_words::{
 };
 use super::top_speeds::{determined, is_never_reached, top_speeds};
 use crate::data::units::Units;
-use servoid_identification::results::{Advice, Bounds, Check, Model, Reason};
+use servoid_identification::results::{Advice, Bounds, Model, Reason};
 use servoid_identification::servo_model::{
     LinearKind, LoadKind, Quantity, QuantityKind, ServoModel, Spread,
 };
@@ -138,8 +138,8 @@ impl LinearBeside {
         if is_settled || is_limited {
             return None;
         }
-        let has_noise = |advice: &Advice| advice.check == Check::CommandNoise;
-        if linear.advice.iter().any(has_noise) && lacks_something(model) {
+        let has_noise = linear.advice.iter().any(Advice::is_of_command_noise);
+        if has_noise && lacks_something(model) {
             return Some(Self::HiddenByCommand);
         }
         if !linear.linear {
