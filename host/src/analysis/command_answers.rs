@@ -48,13 +48,13 @@ pub(super) fn answers(index: usize, run: &Run<'_>, model: &Model) -> Vec<Command
     let end = || std::iter::once(f64::NAN);
     let speeds = end().chain(simulated.windows(3).map(speed)).chain(end());
     let both = run.output().iter().zip(&simulated).zip(speeds);
-    let row = |((measured, position), speed): ((&f64, &f64), f64)| Row {
+    let row = |((measured, position), speed): ((&f64, &f64), f64)| HeldRow {
         error: measured - position,
         position: *position,
         speed,
     };
     let commands = run.input().iter().copied();
-    let rows: Vec<(f64, Row)> = commands.zip(both.map(row)).collect();
+    let rows: Vec<(f64, HeldRow)> = commands.zip(both.map(row)).collect();
     // The first hold answers what was before the run.
     let holds: Vec<_> = rows.chunk_by(|(a, _), (b, _)| a == b).collect();
     let pairs = holds.iter().zip(holds.iter().skip(1));
@@ -63,7 +63,7 @@ pub(super) fn answers(index: usize, run: &Run<'_>, model: &Model) -> Vec<Command
         .filter_map(|(before, hold)| {
             start += before.len();
             let levels = [before.first()?.0, hold.first()?.0];
-            let rows: Vec<Row> = hold.iter().map(|(_, row)| *row).collect();
+            let rows: Vec<HeldRow> = hold.iter().map(|(_, row)| *row).collect();
             answer((index, start), levels, &rows)
         })
         .collect()
@@ -71,17 +71,17 @@ pub(super) fn answers(index: usize, run: &Run<'_>, model: &Model) -> Vec<Command
 
 /// A row of a hold: the error of the model, its output and the speed of that.
 #[derive(Clone, Copy)]
-struct Row {
+struct HeldRow {
     error: f64,
     position: f64,
     speed: f64,
 }
 
 /// The answer within a hold, by its rows.
-fn answer(at: (usize, usize), levels: [f64; 2], hold: &[Row]) -> Option<CommandAnswer> {
-    let is_known = |row: &&Row| !(row.error * row.speed).is_nan();
-    let known: Vec<Row> = hold.iter().filter(is_known).copied().collect();
-    let about_mean = |of: fn(&Row) -> f64| {
+fn answer(at: (usize, usize), levels: [f64; 2], hold: &[HeldRow]) -> Option<CommandAnswer> {
+    let is_known = |row: &&HeldRow| !(row.error * row.speed).is_nan();
+    let known: Vec<HeldRow> = hold.iter().filter(is_known).copied().collect();
+    let about_mean = |of: fn(&HeldRow) -> f64| {
         let mut values: Vec<f64> = known.iter().map(of).collect();
         let mean = mean(&values)?;
         values.iter_mut().for_each(|value| *value -= mean);
@@ -157,7 +157,7 @@ mod tests {
     fn a_shorter_stroke_is_no_later_one() {
         let way = |row: f64| 1.0 - (1.0 + row / 10.0) * (-row / 10.0).exp();
         let found = |measured: &dyn Fn(f64) -> f64| {
-            let rows = (0..100u32).map(f64::from).map(|row| Row {
+            let rows = (0..100u32).map(f64::from).map(|row| HeldRow {
                 error: measured(row) - way(row),
                 position: way(row),
                 speed: row / 100.0 * (-row / 10.0).exp(),
@@ -183,7 +183,7 @@ mod tests {
             let rows = (0..80u32).map(|row| {
                 noise = 0.9 * noise + random.random_range(-0.5..0.5);
                 let speed = (-f64::from(row) / 15.0).exp();
-                Row {
+                HeldRow {
                     error: noise,
                     position: -15.0 * speed,
                     speed,
