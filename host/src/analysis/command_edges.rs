@@ -4,7 +4,8 @@
 //! rows, these times fill an interval of a certain length evenly: one row where a logger with a clock of its own looks for the command, one
 //! frame where pulses have frames of their own. Noise, and a servo that is not linear, scatter them in another way: their kurtosis is that
 //! of a bell, 3, or more, and that of an even scatter is 1.8. A servo that is limited in its speed is later by more the longer the stroke: an
-//! even choice of strokes scatters its answers evenly, too, so times that follow the stroke do not count.
+//! even choice of strokes scatters its answers evenly, too, so times that follow the stroke do not count. Behind a dead band, strokes are shorter or longer, by which side of it
+//! they begin and end at: so times only count that are the same beside the size of each stroke.
 //!
 //! Where that is the time of one row, a logger polled the command: every answer is up to a row later than its row says, so no time holds, and
 //! errors that follow the motion are its consequence. That is a reason to have no bounds. A frame of pulses is part of what a simulation needs.
@@ -41,6 +42,10 @@ const LONGEST_FRAME_S: f64 = 0.05;
 
 /// Share of the scatter that may follow the size or the direction of the strokes.
 const MOST_BY_STROKE: f64 = 0.3;
+
+/// Squared correlation of the times with those beside the size of the stroke, below which they are of its size: of commands between rows it is 0.8 or more, and behind a
+/// dead band 0.1 or less.
+const SAME_TIMES: f64 = 0.5;
 
 /// When commands take effect, where that is not at their rows.
 pub(super) enum CommandEdges {
@@ -204,7 +209,9 @@ impl Scatter {
         let by_stroke: [fn(&CommandAnswer) -> f64; 2] =
             [CommandAnswer::stroke, |answer| answer.stroke().abs()];
         let mut by_stroke = by_stroke.into_iter();
+        let beside_size = |answer: &CommandAnswer| answer.late_beside_size;
         by_stroke.all(|of| squared_correlation(&self.answers, of) < MOST_BY_STROKE)
+            && squared_correlation(&self.answers, beside_size) > SAME_TIMES
     }
 
     /// Whether most strokes are others than those before. Where they repeat themselves under equal holds, a servo that is not linear answers each in its own time,
@@ -337,6 +344,37 @@ mod tests {
                 found.is_none_or(|found| !found.is_even() || !ONE_ROW.contains(&found.rows())),
                 "{top}"
             );
+        }
+    }
+
+    /// Two lags of 20 ms behind a dead band of 0.9 to each side, under levels of 300 to 900 ms in rows of 10 ms: how far the servo goes depends on the direction of the
+    /// stroke before.
+    #[test]
+    fn a_dead_band_is_no_wait() {
+        for seed in 0..12 {
+            let random = |k: u32| {
+                let k = f64::from(k + 1000 * seed);
+                (k * k * 0.7548776662).fract()
+            };
+            let (mut input, mut output) = (Vec::new(), Vec::new());
+            let (mut angle, mut speed) = (0.0, 0.0);
+            for stroke in 0..50 {
+                let level = 5.0 * (7.0 * random(7 * stroke + 1)).floor() - 15.0;
+                for row in 0..30 + (60.0 * random(3 * stroke + 2)) as u32 {
+                    input.push(level);
+                    output.push(angle + 0.1 * (random(91 * stroke + row) - 0.5));
+                    for _ in 0..100 {
+                        let error: f64 = level - angle;
+                        let beyond = error - error.clamp(-0.9, 0.9);
+                        speed += 1e-4 * (2500.0 * beyond - 100.0 * speed);
+                        angle += 1e-4 * speed;
+                    }
+                }
+            }
+            let record = Record::of_run(0.01, input, output).unwrap();
+            let model = identify(&record, &Options::default()).unwrap();
+            let found = Scatter::of(record.runs(), &model);
+            assert!(found.is_none_or(|found| !found.is_even()), "{seed}");
         }
     }
 

@@ -303,6 +303,40 @@ fn commands_that_change_between_rows_are_suspected_and_corrected() {
     assert!((value - truth).abs() < 0.005, "{value}");
 }
 
+/// A linear servo (60 rad/s, damping 0.7) in rows of 10 ms, whose column of the command has noise that it was not sent.
+fn with_noisy_command(path: &Path) {
+    let random = |k: usize| (0.7 * (k * k) as f64).sin();
+    let mut rows = "t,u_deg,y_deg\n".to_owned();
+    let (mut angle, mut speed, mut k) = (0.0, 0.0, 0);
+    for stroke in 0..70 {
+        let level = 5.0 * (3.0 * random(7 * stroke + 1)).round();
+        for _ in 0..(45.0 + 30.0 * random(3 * stroke + 2)) as usize {
+            let command = level + 0.5 * (random(11 * k + 3) + random(13 * k + 5));
+            let seen = angle + 0.1 * (random(17 * k + 1) + random(19 * k + 4));
+            rows += &format!("{:.2},{command:.3},{seen:.3}\n", 0.01 * k as f64);
+            k += 1;
+            for _ in 0..100 {
+                speed += 1e-4 * (3600.0 * (level - angle) - 84.0 * speed);
+                angle += 1e-4 * speed;
+            }
+        }
+    }
+    std::fs::write(path, rows).unwrap();
+}
+
+#[test]
+fn noise_in_the_column_of_the_command_is_no_fault_of_the_servo() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("noisy.csv");
+    with_noisy_command(&file);
+    let (text, document) = identified(&file, ["u_deg", "y_deg"], &[]);
+    let said = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(!said.contains("servo is not linear"), "{text}");
+    assert!(checks(&document).contains(&"command_noise"), "{text}");
+    let hides = "Noise in the column of the command hides whether this servo is linear";
+    assert!(said.contains(hides), "{text}");
+}
+
 /// What a rig file leaves open, or gets wrong, is said where the servo was captured or identified.
 #[test]
 fn the_scale_the_direction_and_the_place_of_a_servo_are_doubted() {

@@ -10,7 +10,7 @@
 //! Its slope over the run is that of the [blocks](super::run_blocks).
 
 use crate::data::{Moments, Record};
-use crate::diagnostics::run_blocks::Blocks;
+use crate::diagnostics::run_blocks::{BlockCourse, Blocks};
 use crate::estimation::GlsFit;
 use crate::thresholds::{LAG_DRIFT_SAMPLES, LAG_DRIFT_SIGNIFICANCE};
 
@@ -28,7 +28,7 @@ pub(crate) struct LagDrift {
 /// The change of the lag along the runs, where it is beyond chance and matters.
 pub(crate) fn lag_drift(record: &Record, moments: &Moments, fit: &GlsFit) -> Option<LagDrift> {
     let blocks = Blocks::of(record, moments, fit, |run| run.speed())?;
-    let (slope, p) = blocks.course(&|block| block.at)?;
+    let BlockCourse { slope, p, .. } = blocks.course(&|block| block.at)?;
     // Errors that go with the speed are those of a servo that is ahead.
     let slope = -slope;
     let change = slope * blocks.longest as f64;

@@ -5,11 +5,12 @@
 //! servo in the last four windows of L samples before each change, the last one first,
 //!
 //! ```text
-//! share_i = Σ Δu m_i / Σ Δu Δy,   i = 1 … 4,     Δu: change of the command,  Δy: motion of the servo from before the windows to the next change
+//! share_i = Σ Δu m_i / Σ Δu Δy,   i = 1 … 4,     Δu: change of the command,  Δy: motion of the servo from before the windows to those of the next change
 //! ```
 //!
 //! share_1 stands out against chance and against the other three. The windows that show it best are taken. It needs no model, so it also
-//! speaks of servos that are not linear.
+//! speaks of servos that are not linear. What the servo has made of its strokes by the change itself is the same share of its motion from before the windows to the row of the
+//! change.
 
 use crate::data::{EXACTLY, Hold, Record, Run, holds, usual_hold};
 use crate::thresholds::{
@@ -51,7 +52,7 @@ pub(crate) fn late_command(record: &Record, settling: usize) -> Option<LateComma
     let (length, _) = shown.iter().find(whole)?;
     Some(LateCommand {
         lead_s: *length as f64 * record.sample_period_s(),
-        share: clearest.shares[0],
+        share: clearest.made,
         changes: clearest.changes,
     })
 }
@@ -61,8 +62,16 @@ struct Change<'a> {
     by: f64,
     /// Of the hold before.
     before: &'a [f64],
-    /// At the end of the hold after.
-    end: f64,
+    /// Of the hold after.
+    after: &'a [f64],
+}
+
+impl Change<'_> {
+    /// The output so many samples before the next change; NaN where the hold after is not as long.
+    fn end_before(&self, samples: usize) -> f64 {
+        let last = self.after.len().checked_sub(1 + samples);
+        last.map_or(f64::NAN, |last| self.after[last])
+    }
 }
 
 fn changes_of<'a>(run: &'a Run<'_>) -> Vec<Change<'a>> {
@@ -73,17 +82,20 @@ fn changes_of<'a>(run: &'a Run<'_>) -> Vec<Change<'a>> {
     let change = |pair: &[Hold]| Change {
         by: pair[1].level - pair[0].level,
         before: &output[pair[0].samples.clone()],
-        end: output[pair[1].samples.end - 1],
+        after: &output[pair[1].samples.clone()],
     };
     adjoining.map(change).collect()
 }
 
-/// A change: by how much, the stroke that follows, and the motions before it.
-type Moved = (f64, f64, [f64; WINDOWS]);
+/// A change: by how much; the stroke from before the windows on and the part of it up to the row of the change, NaN where they are not seen; and the motions in the
+/// windows.
+type Moved = (f64, [f64; 2], [f64; WINDOWS]);
 
 /// The motion in windows of one length before the changes.
 struct Before {
     shares: [f64; WINDOWS],
+    /// The share of the strokes that is made in the row of the change.
+    made: f64,
     /// By how many standard deviations that of the last window stands out.
     deviations: f64,
     changes: usize,
@@ -95,9 +107,9 @@ impl Before {
             let last = change.before.len().checked_sub(1 + WINDOWS * length)? + WINDOWS * length;
             let at: [f64; WINDOWS + 1] = std::array::from_fn(|i| change.before[last - i * length]);
             let moved: [f64; WINDOWS] = std::array::from_fn(|i| at[i] - at[i + 1]);
-            let stroke = change.end - at[WINDOWS];
-            let is_known = !stroke.is_nan() && moved.iter().all(|moved| !moved.is_nan());
-            is_known.then_some((change.by, stroke, moved))
+            let is_known = moved.iter().all(|moved| !moved.is_nan());
+            let way = [change.end_before(WINDOWS * length), change.after[0]];
+            is_known.then_some((change.by, way.map(|end| end - at[WINDOWS]), moved))
         };
         let all: Vec<Moved> = changes.iter().filter_map(of_change).collect();
         if all.len() < EARLY_CHANGES {
@@ -105,13 +117,20 @@ impl Before {
         }
         let sum = |of: &dyn Fn(&Moved) -> f64| all.iter().map(of).sum::<f64>();
         let squares = sum(&|(by, ..)| by * by);
-        let strokes = sum(&|(by, stroke, _)| by * stroke);
+        // Short holds end in the motion to the next level: they show no stroke, and the others stand for all.
+        let whole: Vec<&Moved> = (all.iter())
+            .filter(|(_, [stroke, made], _)| !(stroke + made).is_nan())
+            .collect();
+        let of_whole = |of: &dyn Fn(&Moved) -> f64| whole.iter().map(|one| of(one)).sum::<f64>();
+        let of_strokes = of_whole(&|(by, [stroke, _], _)| by * stroke);
+        let strokes = of_strokes * squares / of_whole(&|(by, ..)| by * by);
         let products: [f64; WINDOWS] =
             std::array::from_fn(|i| sum(&|(by, _, moved)| by * moved[i]));
         // The scatter from change to change, whatever its cause.
         let scatter = sum(&|(by, _, moved)| (by * (moved[0] - products[0] / squares * by)).powi(2));
         Some(Self {
             shares: products.map(|product| product / strokes),
+            made: of_whole(&|(by, [_, made], _)| by * made) / of_strokes,
             deviations: products[0] * strokes.signum() / scatter.sqrt(),
             changes: all.len(),
         })
@@ -162,6 +181,19 @@ mod tests {
         (0..commands.len()).map(at).collect()
     }
 
+    /// The share of its strokes that the servo has made so many samples after the commands were sent, from rest to rest.
+    fn made_of_strokes(commands: &[f64], output: &[f64], later: usize) -> f64 {
+        let changes = (60..commands.len() - 60).filter(|k| commands[*k] != commands[k - 1]);
+        let way = |k: usize| {
+            let next = (k + 1..commands.len()).find(|next| commands[*next] != commands[k]);
+            let end = output[next.unwrap_or(commands.len()) - 1];
+            [output[k + later] - output[k], end - output[k]]
+        };
+        let ways: Vec<[f64; 2]> = changes.map(way).collect();
+        let square = |of: usize| ways.iter().map(|way| way[1] * way[of]).sum::<f64>();
+        square(0) / square(1)
+    }
+
     #[test]
     fn a_command_that_is_written_after_the_motion_began_is_late() {
         for (damping, top) in [(0.8, f64::INFINITY), (0.8, 0.1), (1.5, f64::INFINITY)] {
@@ -178,6 +210,8 @@ mod tests {
                 let found = late(6 + lead).unwrap();
                 let expected = 0.002 * (0.5 * lead as f64)..0.002 * (lead as f64 + 3.0);
                 assert!(expected.contains(&found.lead_s), "{lead}: {found:?}");
+                let made = made_of_strokes(&commands, &output, 6 + lead);
+                assert!((found.share - made).abs() < 0.05, "{made}: {found:?}");
             }
         }
     }

@@ -361,6 +361,12 @@ impl Advice {
         self.check == Check::Drift
     }
 
+    /// Whether it is of noise in the column of the command.
+    #[must_use]
+    pub fn is_of_command_noise(&self) -> bool {
+        self.check == Check::CommandNoise
+    }
+
     /// Whether it says that the servo is not linear.
     #[must_use]
     pub fn is_of_linearity(&self) -> bool {

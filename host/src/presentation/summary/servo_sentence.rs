@@ -123,6 +123,8 @@ enum LinearBeside {
     AsGood,
     /// Nothing speaks against the linear model, which has no bounds but predicts as well.
     WithoutBounds,
+    /// The command has noise that the servo may not have been sent: errors of any model follow the motion then.
+    HiddenByCommand,
 }
 
 impl LinearBeside {
@@ -131,7 +133,14 @@ impl LinearBeside {
     fn of(model: &ServoModel, linear: &Model) -> Option<Self> {
         let is_settled = model.is_linear() || model.covariance.valid().is_some();
         let is_limited = measured_limits(model).iter().any(Option::is_some);
-        if is_settled || is_limited || !linear.linear {
+        if is_settled || is_limited {
+            return None;
+        }
+        let has_noise = linear.advice.iter().any(Advice::is_of_command_noise);
+        if has_noise && lacks_something(model) {
+            return Some(Self::HiddenByCommand);
+        }
+        if !linear.linear {
             return None;
         }
         let (lacks, as_good) = (lacks_something(model), linear_is_as_good(model));
@@ -155,6 +164,9 @@ impl LinearBeside {
             }
             Self::WithoutBounds => {
                 "A linear servo describes this recording as well as a model of it as a machine."
+            }
+            Self::HiddenByCommand => {
+                "Noise in the column of the command hides whether this servo is linear."
             }
         }
     }

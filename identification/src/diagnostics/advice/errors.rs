@@ -145,16 +145,17 @@ fn reason_in_words(misfit: &Misfit, has_noise: bool) -> (String, f64, f64) {
             let Excess {
                 percent, shown_by, ..
             } = excess(&found);
-            let steps = match has_noise {
-                true => "the noise in the column of the command hides whether its steps are held until it has followed".to_owned(),
+            let words = match has_noise {
+                true => format!(
+                    "errors of {percent:.1} % of the motion (rms) follow it, as those of a servo that is not linear do, and of a linear one that was not sent the noise \
+                     in the column of its command; that noise hides whether steps are held until the servo has followed"
+                ),
                 false => format!(
-                    "only {:.0} % of the steps of the reference are held until it has followed: its response to a step was not seen",
+                    "the servo is not linear ({percent:.1} % of the motion, rms, {shown_by}), and only {:.0} % of the steps of the reference are held until it has \
+                     followed: its response to a step was not seen",
                     100.0 * seen
                 ),
             };
-            let words = format!(
-                "the servo is not linear ({percent:.1} % of the motion, rms, {shown_by}), and {steps}"
-            );
             (words, seen, STEPS_FOLLOWED)
         }
     }
@@ -205,6 +206,10 @@ pub(super) fn not_linear(evidence: &Evidence<'_>) -> Option<Advice> {
     let settling = evidence.explanation.settling.as_ref();
     let unsettled = settling.filter(|choice| !choice.settled && !evidence.has_bounds());
     let what = match unsettled {
+        _ if evidence.explanation.command_noise.is_some() => {
+            "The servo is not linear, or it was not sent the noise in the column of its command"
+                .to_owned()
+        }
         Some(choice) => format!(
             "The servo is not linear, or its response goes on beyond {:.3} s, the longest time that this recording shows",
             choice.longest as f64 * evidence.model.sample_period_s
