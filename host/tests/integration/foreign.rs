@@ -197,7 +197,7 @@ fn a_recording_without_steps_says_for_which_steps_it_stands() {
     let path = dir.path().join("stick.csv");
     std::fs::write(&path, format!("time_ms,u_deg,y_deg\n{rows}")).unwrap();
     let said = run(&[&["identify", "-q", arg(&path)][..], &IN_DEGREES].concat());
-    let words = "This recording is not one of steps: within the rise time of ";
+    let words = "This recording is not one of steps: in 99 % of it the servo moves no faster, ";
     assert!(said.contains(words), "{said}");
     let steps = dir.path().join("steps.csv");
     std::fs::write(&steps, logged(5, |command| command)).unwrap();

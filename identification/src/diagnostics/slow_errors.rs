@@ -69,8 +69,8 @@ impl SlowErrors {
     /// What may be the cause, as a sentence.
     pub(crate) fn in_words(self) -> String {
         format!(
-            "The errors are slow: the means over {:.1} s, of {STROKES} strokes, have {:.0} % of their square, so a sensor, a supply or a load that drifts is more \
-             likely than a servo that is not linear",
+            "The errors are slow: the means over {:.1} s, of {STROKES} strokes, have {:.0} % of their square, as those of a sensor, a supply or a load that \
+             drifts, and of a servo that friction, play or a dead band keeps off its commands",
             self.seconds,
             100.0 * self.share
         )

@@ -283,11 +283,10 @@ impl Described {
 
     /// Whether there are no bounds because the input is too smooth to determine all of the response. It then may be too smooth to show whether errors are noise, too.
     fn asks_for_band(&self, fitted: &Fitted) -> bool {
-        let withdrawn = self.model.level().withdrawn();
-        Excitation::of(&fitted.estimate.information.moments).is_smooth()
-            && matches!(
-                withdrawn,
-                Some(Reason::InputUnexcited | Reason::ErrorsNotNoise)
-            )
+        let may_be_smooth = matches!(
+            self.model.level().withdrawn(),
+            Some(Reason::InputUnexcited | Reason::ErrorsNotNoise)
+        );
+        may_be_smooth && Excitation::of(&fitted.estimate.information.moments).is_smooth()
     }
 }

@@ -234,9 +234,12 @@ fn what_was_seen(
     units: Units<'_>,
 ) -> Vec<String> {
     if let Some(limits) = limits_in_words(model, units) {
-        return vec![format!(
+        let limited = format!(
             "is limited to about {limits} in this recording, the speed of its larger strokes"
-        )];
+        );
+        return std::iter::once(limited)
+            .chain(stopped(model, units))
+            .collect();
     }
     let agreed = speeds.and_then(|speeds| agreed(model, speeds));
     let kind = limited_to(model, agreed, units, 3).unwrap_or_else(|| match speeds {
@@ -250,7 +253,23 @@ fn what_was_seen(
     // A limit that was reached says how fast the servo moved.
     let at_limit = agreed.is_some_and(|speeds| !is_never_reached(model, &speeds));
     let moved = moved_at(model, units).filter(|_| !at_limit);
-    std::iter::once(kind).chain(moved).collect()
+    let parts = [Some(kind), stopped(model, units), moved];
+    parts.into_iter().flatten().collect()
+}
+
+/// "runs into a stop at 12.01 deg".
+fn stopped(model: &ServoModel, units: Units<'_>) -> Option<String> {
+    let unit = with_space(units.output);
+    let at = |output: f64| format!("{}{unit}", four_digits(output));
+    match (model.stops.lower, model.stops.upper) {
+        (None, None) => None,
+        (Some(one), None) | (None, Some(one)) => Some(format!("runs into a stop at {}", at(one))),
+        (Some(lower), Some(upper)) => Some(format!(
+            "runs into stops at {} and {}",
+            at(lower),
+            at(upper)
+        )),
+    }
 }
 
 /// How fast the servo moved in the recording at least.
@@ -330,6 +349,8 @@ enum KindOfServo {
     MuchLikeLinear,
     /// To the model as a machine alone.
     LinearAsMachine,
+    /// But for a stop.
+    LinearToStop,
     /// By so little that nobody need care.
     NotQuiteLinear,
     /// Without a term that shows how.
@@ -349,6 +370,9 @@ impl KindOfServo {
             Bounds::Withdrawn(_) if nearly => Self::MuchLikeLinear,
             _ if model.terms.speed_limit && shows_limit(model) => Self::LimitedInSpeed,
             _ if model.terms.limit && shows_limit(model) => Self::LimitedInDrive,
+            Bounds::Withdrawn(_) if model.is_linear() && !model.stops.are_none() => {
+                Self::LinearToStop
+            }
             Bounds::Withdrawn(_) if shown_not_linear && model.is_linear() => Self::NotLinearUnshown,
             Bounds::Withdrawn(_) if shown_not_linear => Self::NotLinear,
             // Terms of the drive stand for what a linear servo of higher order has, too.
@@ -373,6 +397,7 @@ impl KindOfServo {
             Self::Linear => "is linear",
             Self::MuchLikeLinear => "is much like a linear one",
             Self::LinearAsMachine => "is as a linear one to a model of it as a machine",
+            Self::LinearToStop => "is much like a linear one until it is stopped",
             Self::NotQuiteLinear => "is not quite linear",
             Self::NotLinearUnshown => {
                 "is not linear, in a way that no term of a model of it as a machine shows,"
@@ -424,7 +449,7 @@ fn resting_error(model: &ServoModel, units: Units<'_>) -> Option<String> {
     (error.value > 0.0).then(|| {
         let command = with_space(units.input);
         format!(
-            "comes to rest up to {}{command} off by friction",
+            "comes to rest up to {}{command} off, as by friction or a dead band",
             digits(error.value, 2)
         )
     })

@@ -64,8 +64,8 @@ impl ExportedServo {
     ) -> Result<Self, ExportError> {
         let found = self.that_follows(export, || {
             format!(
-                "as {program} leaves out {}: export to c, python, julia or matlab (--servo-model), which have all of it",
-                export.names_of(terms)
+                "as {}: export to c, python, julia or matlab (--servo-model), which have all of it",
+                what_lacks(export, program, terms)
             )
         })?;
         Ok(found.warned_of_lack(export, program, terms))
@@ -95,10 +95,10 @@ impl ExportedServo {
         let is_far = self.largest_difference >= FAR * self.trial.largest_travel(&export.parameters);
         let warning = is_far.then(|| {
             format!(
-                "this file is up to {} % of the largest stroke away from the servo model in repeated reversals ({} % in strokes that are held or broken off once): {program} leaves out {}; c, python, julia and matlab have all of it",
+                "this file is up to {} % of the largest stroke away from the servo model in repeated reversals ({} % in strokes that are held or broken off once): {}; c, python, julia and matlab have all of it",
                 export.percent_of_largest(&self),
                 export.percent_of_strokes(&self),
-                export.names_of(terms)
+                what_lacks(export, program, terms)
             )
         });
         self.warned(warning)
@@ -116,5 +116,15 @@ impl ExportedServo {
             remarks: remarks.into_iter().collect(),
             ..self
         }
+    }
+}
+
+/// "JSBSim leaves out the load", or that it has all terms and moves in another way.
+fn what_lacks(export: &ServoExport<'_>, program: &str, terms: &[Term]) -> String {
+    match export.names_of(terms) {
+        names if names.is_empty() => {
+            format!("{program} has a servo of another kind, which moves in another way")
+        }
+        names => format!("{program} leaves out {names}"),
     }
 }
