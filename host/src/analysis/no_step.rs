@@ -62,9 +62,10 @@ fn largest_step(record: &Record, model: &Model) -> Option<f64> {
     step.extend(&model.step.value);
     let runs = record.runs().iter().map(|run| model.simulate(run));
     let runs: Vec<Vec<f64>> = runs.collect();
-    let of_order = |difference: fn(&[f64]) -> f64| {
+    let of_order = |difference: fn([f64; 3]) -> f64| {
         let sizes = |y: &Vec<f64>| -> Vec<f64> {
-            let sizes = y.windows(3).map(|y| difference(y).abs());
+            let threes = y.windows(3).filter_map(|y| <[f64; 3]>::try_from(y).ok());
+            let sizes = threes.map(|y| difference(y).abs());
             sizes.filter(|size| size.is_finite()).collect()
         };
         let mut recorded: Vec<f64> = runs.iter().flat_map(sizes).collect();
@@ -73,7 +74,7 @@ fn largest_step(record: &Record, model: &Model) -> Option<f64> {
         let of_step = sizes(&step).into_iter().fold(0.0, f64::max);
         (of_step > 0.0).then(|| recorded / of_step)
     };
-    let by_speed = of_order(|y| y[2] - y[1])?;
-    let by_acceleration = of_order(|y| y[2] - 2.0 * y[1] + y[0])?;
+    let by_speed = of_order(|[_, before, now]| now - before)?;
+    let by_acceleration = of_order(|[first, before, now]| now - 2.0 * before + first)?;
     Some(by_speed.min(by_acceleration))
 }
