@@ -146,20 +146,17 @@ fn a_servo_that_turns_the_other_way_is_no_doubt_and_signs_that_are_all_wrong_are
     assert!(said.contains("is doubtful"), "{said}");
 }
 
+/// A rig file of this port.
+fn init(rig: &std::path::Path, port: &str) {
+    run(&["init", "-q", "--yes", "--port", port, "-o", arg(rig)]);
+}
+
 /// The protractor slipped by a degree between the second and the third reading.
 #[test]
 fn a_calibration_worse_than_a_data_sheet_does_not_replace_a_good_one() {
     let dir = tempfile::tempdir().unwrap();
     let rig = dir.path().join("rig.toml");
-    run(&[
-        "init",
-        "-q",
-        "--yes",
-        "--port",
-        "sim:bench",
-        "-o",
-        arg(&rig),
-    ]);
+    init(&rig, "sim:bench");
     let update = [
         "calibrate",
         "-q",
@@ -207,8 +204,7 @@ fn a_staircase_alone_doubts_no_angles_and_the_next_capture_stays_within_its_limi
     );
     let dir = tempfile::tempdir().unwrap();
     let [rig, record] = ["rig.toml", "r.csv"].map(|name| dir.path().join(name));
-    let port = "sim:bench?stops-deg=-30:4";
-    run(&["init", "-q", "--yes", "--port", port, "-o", arg(&rig)]);
+    init(&rig, "sim:bench?stops-deg=-30:4");
     run(&[
         "calibrate",
         "-q",
@@ -445,15 +441,7 @@ fn a_servo_that_does_not_follow_is_said_to_not_follow() {
 fn a_stop_within_the_positions_is_answered_with_pulses_that_work() {
     let dir = tempfile::tempdir().unwrap();
     let rig = dir.path().join("rig.toml");
-    run(&[
-        "init",
-        "-q",
-        "--yes",
-        "--port",
-        "sim:bench?stops-deg=-30:4",
-        "-o",
-        arg(&rig),
-    ]);
+    init(&rig, "sim:bench?stops-deg=-30:4");
     let command = [
         "calibrate",
         "-q",

@@ -55,23 +55,15 @@ pub(super) fn against_the_model(model: &ServoModel, units: Units<'_>) -> Option<
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::presentation::summary::limited_servo::limited_servo;
     use crate::presentation::summary::top_speeds::has_unreached_top_speeds;
-    use servoid_identification::Record;
     use servoid_identification::nonlinear::SpeedLimits;
     use servoid_identification::results::{Bounds, Reason};
-    use servoid_identification::servo_model::{Covariance, ServoModelOptions, fit};
+    use servoid_identification::servo_model::Covariance;
 
     /// A servo of 30 a second at the most without intervals, with the limits that its strokes show.
     fn model(speed_limits: SpeedLimits) -> ServoModel {
-        let levels = [0.0, 5.0, -3.0, 1.0];
-        let input: Vec<f64> = (0..900).map(|k| levels[k / 60 % 4]).collect();
-        let follow = |y: &mut f64, u: &f64| {
-            *y += (0.2 * (u - *y)).clamp(-0.3, 0.3);
-            Some(*y)
-        };
-        let output: Vec<f64> = input.iter().scan(0.0, follow).collect();
-        let record = Record::of_run(0.01, input, output).unwrap();
-        let mut model = fit(&record, &ServoModelOptions::default()).unwrap();
+        let mut model = limited_servo();
         model.speed_limits = speed_limits;
         model.covariance = Bounds::Withdrawn(Reason::ErrorsNotNoise);
         // The model expects more than the servo did.

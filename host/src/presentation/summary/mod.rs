@@ -7,6 +7,8 @@ mod first_finding;
 mod headline;
 mod key_figures;
 mod layout;
+#[cfg(test)]
+mod limited_servo;
 mod linear_model;
 mod low_order;
 mod measured_limits;

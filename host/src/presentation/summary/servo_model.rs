@@ -206,20 +206,12 @@ pub(crate) fn terms_in_words(terms: Terms) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use servoid_identification::Record;
-    use servoid_identification::servo_model::{QuantityKind, ServoModelOptions, fit};
+    use crate::presentation::summary::limited_servo::limited_servo;
+    use servoid_identification::servo_model::QuantityKind;
 
     #[test]
     fn a_limit_that_the_recording_leaves_open_is_no_kind_of_servo() {
-        let levels = [0.0, 5.0, -3.0, 1.0];
-        let input: Vec<f64> = (0..900).map(|k| levels[k / 60 % 4]).collect();
-        let follow = |y: &mut f64, u: &f64| {
-            *y += (0.2 * (u - *y)).clamp(-0.3, 0.3);
-            Some(*y)
-        };
-        let output: Vec<f64> = input.iter().scan(0.0, follow).collect();
-        let record = Record::of_run(0.01, input, output).unwrap();
-        let mut model = fit(&record, &ServoModelOptions::default()).unwrap();
+        let mut model = limited_servo();
         model.terms = Terms {
             limit: true,
             ..Terms::default()

@@ -250,29 +250,27 @@ pub(super) fn slow_end(evidence: &Evidence<'_>) -> Option<Advice> {
         true => "the bounds are approximate",
         false => "no bounds can be given",
     };
-    let (time, remedy) = match evidence.explanation.settling {
-        Some(ref choice) => {
-            let record = format!(
-                "record holds of several times {seconds:.1} s, and at least {:.0} s in all.",
-                14.0 * seconds
-            );
-            let remedy = match is_at_the_cap(choice) {
-                true => format!("{}, {record}", stated(choice.longest)),
-                false => record.replacen('r', "R", 1),
-            };
-            ("slowly beyond the longest time that can be judged", remedy)
-        }
-        // What is tried by itself is no longer.
-        None if end.beyond >= LONGEST_SETTLING => (
-            "beyond the settling time that was given",
-            format!("Give a longer one, such as {} samples.", 2 * end.beyond + 1),
+    let holds = format!(
+        "holds of several times {seconds:.1} s, and at least {:.0} s in all.",
+        14.0 * seconds
+    );
+    let (time, remedy) = match &evidence.explanation.settling {
+        Some(choice) => (
+            "slowly beyond the longest time that can be judged",
+            match is_at_the_cap(choice) {
+                true => format!("{}, record {holds}", stated(choice.longest)),
+                false => format!("Record {holds}"),
+            },
         ),
         None => (
             "beyond the settling time that was given",
-            format!(
-                "Give a longer settling time; where that does not help, record holds of several times {seconds:.1} s, and at least {:.0} s in all.",
-                14.0 * seconds
-            ),
+            match end.beyond >= LONGEST_SETTLING {
+                // What is tried by itself is no longer.
+                true => format!("Give a longer one, such as {} samples.", 2 * end.beyond + 1),
+                false => {
+                    format!("Give a longer settling time; where that does not help, record {holds}")
+                }
+            },
         ),
     };
     Some(Advice::new(
