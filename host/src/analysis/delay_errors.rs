@@ -12,12 +12,21 @@ pub(super) fn allowed_for(
 ) -> ComparisonOptions {
     let [a, b] = sides.map(|side| side.sensor_delay_uncertainty_s);
     ComparisonOptions {
-        delay_errors: match of_one_sensor(sides) {
+        delay_errors: match are_shared(sides) {
             true => DelayErrors::Shared(a),
             false => DelayErrors::Apart([a, b]),
         },
         ..options
     }
+}
+
+/// Whether the error is the same in both: that of one sensor, or that of how a command was sent that moves on between the rows of both.
+fn are_shared(sides: [&ModelMetadata; 2]) -> bool {
+    let [a, b] = sides;
+    let are_sent_alike = a.moving_command
+        && b.moving_command
+        && a.sensor_delay_uncertainty_s == b.sensor_delay_uncertainty_s;
+    are_sent_alike || of_one_sensor(sides)
 }
 
 /// Whether both were recorded by one board with the same delay, and the same uncertainty: the error of one sensor is the same in both.
@@ -32,7 +41,7 @@ fn of_one_sensor([a, b]: [&ModelMetadata; 2]) -> bool {
 pub(super) fn advice(sides: [&ModelMetadata; 2]) -> Option<Advice> {
     let errors_s = sides.map(|side| side.sensor_delay_uncertainty_s);
     let apart_ms = 1e3 * errors_s.iter().sum::<f64>();
-    if of_one_sensor(sides) || apart_ms == 0.0 {
+    if are_shared(sides) || apart_ms == 0.0 {
         return None;
     }
     let [a, b] = sides.map(|side| side.sensor_delay_s);

@@ -24,7 +24,8 @@ pub(super) fn unlikely_period(seconds: f64) -> Option<Advice> {
         seconds,
         limit,
         format!(
-            "State it in seconds: --period {} if it is {} ms.",
+            "State the unit of the column of time with --time-unit s, ms or us; without such a column state the period in seconds: --period {} \
+             if it is {} ms.",
             six_digits(rather),
             six_digits(1e3 * rather)
         ),
@@ -40,7 +41,8 @@ mod tests {
         let said = unlikely_period(5.0).unwrap();
         assert_eq!(
             said.remedy,
-            "State it in seconds: --period 0.005 if it is 5 ms."
+            "State the unit of the column of time with --time-unit s, ms or us; without such a column state the period in seconds: \
+             --period 0.005 if it is 5 ms."
         );
         let said = unlikely_period(2e-6).unwrap();
         assert!(said.remedy.contains("--period 0.002"), "{}", said.remedy);

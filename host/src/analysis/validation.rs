@@ -333,7 +333,8 @@ fn of_its_own_period(error: Error) -> anyhow::Error {
     match error {
         Error::PeriodMismatch { expected, found } => anyhow!(
             "the model has samples every {} ms and the recording has them every {} ms: a response is known at its own samples alone, so \
-             record or resample every {} ms, identify this recording by itself, or identify the model with --servo-model: a servo model is continuous in time",
+             record or resample every {} ms, or identify this recording by itself; a servo model is continuous in time, and a model file with one \
+             (identify --servo-model) is validated in any rows",
             1e3 * expected,
             1e3 * found,
             1e3 * expected

@@ -43,8 +43,8 @@ pub(super) struct Compare {
     /// Standard deviation of the sensor's zero between the two sides (in the recording's unit)
     #[arg(long, default_value_t = 0.0, value_name = "SD", value_parser = super::value_parsers::finite)]
     zero_sd: f64,
-    /// Also compare the servos as machines. That is done by itself for models that both have a servo model, and where the
-    /// step responses have no bounds
+    /// Also compare the servos as machines. That is done by itself for models that both have a servo model, and where
+    /// the step responses leave the verdict open
     #[arg(long)]
     servo_model: bool,
     /// The result to write, as JSON

@@ -6,7 +6,9 @@ use super::servo_search::ServoSearch;
 use crate::analysis::{Identified, IdentifyRequest};
 use crate::data::dataset::suggested_columns::quoted;
 use crate::data::dataset::{Dataset, listed};
+use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::plots::{self, Figure};
+use crate::presentation::summary;
 use anyhow::Result;
 use clap::Args;
 use servoid_identification::{Detrend, Frequencies, NoiseOrder, Options, Prior, Settling};
@@ -22,6 +24,7 @@ use std::path::PathBuf;
   servoid identify bench.csv -o bench.json --plots plots
   servoid identify mine.csv --input u --output y --period 0.02
   servoid identify bench.csv --limits --level 95
+  servoid identify bench.csv --at 5,8
   servoid identify mine.csv --input u --output y --period 0.02 --servo-model")]
 pub(super) struct Identify {
     /// Recordings, or CSV files
@@ -64,6 +67,10 @@ pub(super) struct Identify {
     /// rest position, ends of the travel
     #[arg(long)]
     limits: bool,
+    /// Also print gain and phase of the linear model at these frequencies (Hz), separated by commas: how much of such a sine
+    /// arrives, and how late
+    #[arg(long, value_name = "HZ", value_delimiter = ',', value_parser = super::value_parsers::frequency)]
+    at: Vec<f64>,
     /// The model to write
     #[arg(long, short, value_name = "MODEL.json")]
     out: Option<PathBuf>,
@@ -105,6 +112,8 @@ impl Identify {
         let watch = || ServoSearch::begin("the servo as a machine", talk);
         let found = Identified::of(&data, &name, &request, watch)?;
         let mut text = found.as_text(&data, &name, !talk.quiet);
+        text +=
+            &summary::at_frequencies(&found.model, &ModelMetadata::from(&data.about), &self.at)?;
         let result = found.document(&data, self.table.options());
         if let Some(out) = &self.out {
             output.write_json(Some(out), &result)?;

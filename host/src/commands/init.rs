@@ -7,6 +7,7 @@ use super::output::{Output, Talk, typed_path};
 use super::ports;
 use super::prompts::Asker;
 use super::rig_args::FOUND;
+use super::rig_remarks::scale_of_another_rig;
 use super::rig_wizard::{
     Range, RigAnswers, check_condition, check_delay, check_name, check_neutral, check_pulse_rate,
     check_pulses, check_sensor_degrees, check_travel, check_us_per_degree, check_volts,
@@ -122,6 +123,9 @@ impl Init {
         }
         let answers = self.given.complete(&asker, self.output.talk)?;
         let (text, rig) = answers.to_rig_file(&self.out)?;
+        let port = answers.port.as_deref();
+        let remark = port.and_then(|address| scale_of_another_rig(address, &rig));
+        (remark.into_iter()).for_each(|remark| self.output.talk.say(remark));
         if let Some(kept) = keep_aside(&self.out)? {
             self.output
                 .talk

@@ -153,42 +153,39 @@ impl RigArgs {
             talk.say(rig_remarks::pulses_without_file(port)?);
         }
         if let Some(address) = port.or(source.file.port.as_deref()) {
-            let remark = rig_remarks::delay_of_another_rig(address, &source.file);
-            remark.into_iter().for_each(|remark| talk.say(remark));
+            let remarks = [
+                rig_remarks::scale_of_another_rig(address, &source.file),
+                rig_remarks::delay_of_another_rig(address, &source.file),
+            ];
+            (remarks.into_iter().flatten()).for_each(|remark| talk.say(remark));
         }
         Ok(source)
     }
 
-    /// That the condition is not that of the simulated servo.
-    fn other_condition(&self, condition: &str, servo: &str) -> Option<String> {
+    /// The simulated servo at `address` under its own condition, or under words of one's own: a name of the other one would be a lie in the
+    /// recording.
+    fn require_condition_of(&self, servo: &str, condition: &str, address: &str) -> Result<()> {
         let known = [BENCH, AIRCRAFT];
-        let by_file = || {
-            format!(
-                "the condition is {condition:?}, by the rig file, and the simulated servo is that of {servo:?}: --condition {servo} states it"
-            )
-        };
-        let stated = || {
-            format!(
-                "the condition is {condition:?}, as stated, and the simulated servo is that of {servo:?}, which is recorded under that name: --port sim:{condition} simulates the other one"
-            )
-        };
-        match self.condition {
-            None => (known.contains(&servo) && condition != servo).then(by_file),
-            // Words of one's own name no other simulated servo.
-            Some(_) => (known.contains(&servo) && known.contains(&condition) && condition != servo)
-                .then(stated),
+        if !known.contains(&servo) || !known.contains(&condition) || servo == condition {
+            return Ok(());
         }
+        let whose = match self.condition {
+            None => "by the rig file",
+            Some(_) => "as stated",
+        };
+        bail!(
+            "the servo was not moved: the condition is {condition:?}, {whose}, and {address} simulates the servo of {servo:?}: --port sim:{condition} simulates the other one, --condition {servo} records this one"
+        );
     }
 
     /// The rig of `file`, if its port is known and it may move.
-    pub(super) fn require(&self, file: RigFile, talk: Talk) -> Result<Rig> {
+    pub(super) fn require(&self, file: RigFile) -> Result<Rig> {
         let address = port_of(self.port.as_deref(), &file)?;
         let simulated = port::simulated_servo(&address);
         let condition = self.condition.clone().or_else(|| file.condition.clone());
         let condition = condition.unwrap_or_else(|| simulated.unwrap_or(BENCH).to_owned());
         if let Some(servo) = simulated {
-            let remark = self.other_condition(&condition, servo);
-            remark.into_iter().for_each(|remark| talk.say(remark));
+            self.require_condition_of(servo, &condition, &address)?;
         }
         // The servo may be loaded under any other condition.
         if condition != BENCH && simulated.is_none() && !self.arm {

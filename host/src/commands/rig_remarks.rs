@@ -1,6 +1,6 @@
 //! What is said of a rig before its servo moves: the pulses of a rig without a file, and a sensor's delay that is that of another rig.
 
-use crate::data::rig_file::RigFile;
+use crate::data::rig_file::{RigFile, SensorSection};
 use crate::data::sensor_preset::SensorKind;
 use crate::instrument::port;
 use anyhow::{Result, bail};
@@ -91,6 +91,22 @@ pub(super) fn delay_of_another_rig(address: &str, file: &RigFile) -> Option<Stri
     })
 }
 
+/// Ratio of two scales from which on they are of two kinds of sensor, and not of one before and after its calibration.
+const ANOTHER_SCALE: f64 = 1.5;
+
+/// That `file` is for another sensor than the simulated rig at `address` has: what it records is then no angle.
+pub(super) fn scale_of_another_rig(address: &str, file: &RigFile) -> Option<String> {
+    let simulated = SensorSection::default().degrees_per_count;
+    let ratio = file.sensor.degrees_per_count / simulated;
+    let alike = 1.0 / ANOTHER_SCALE..ANOTHER_SCALE;
+    (port::is_simulated(address) && !alike.contains(&ratio)).then(|| {
+        format!(
+            "the simulated sensor is a {}, and the rig file is for another one: angles come out {ratio:.1} times as large as they are; to rehearse, write a file with 'servoid init --yes --port sim:bench -o simulated.toml', and name it with --rig",
+            SensorKind::default().preset().name
+        )
+    })
+}
+
 /// How the number of a virtual board begins.
 const VIRTUAL: &[u8] = b"virt";
 
@@ -109,7 +125,6 @@ pub(super) fn delay_of_virtual_board(hello: &Hello, file: &RigFile) -> Option<St
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::rig_file::SensorSection;
 
     fn said(address: &str, delay_ms: f64, delay_uncertainty_ms: f64) -> Option<String> {
         let sensor = SensorSection {
@@ -122,6 +137,24 @@ mod tests {
             ..RigFile::default()
         };
         delay_of_another_rig(address, &file)
+    }
+
+    #[test]
+    fn a_file_for_another_sensor_than_the_simulated_one_is_named() {
+        let said = |address: &str, kind: SensorKind, calibrated: f64| {
+            let preset = kind.preset();
+            let mut sensor = preset.section(preset.volts, preset.degrees);
+            sensor.degrees_per_count *= calibrated;
+            let file = RigFile {
+                sensor,
+                ..RigFile::default()
+            };
+            scale_of_another_rig(address, &file)
+        };
+        let found = said("sim:bench", SensorKind::As5600, 1.0).unwrap();
+        assert!(found.contains("2.4 times as large"), "{found}");
+        assert_eq!(said("sim:bench", SensorKind::Rty, 1.05), None);
+        assert_eq!(said("/dev/ttyUSB0", SensorKind::As5600, 1.0), None);
     }
 
     #[test]

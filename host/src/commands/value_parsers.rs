@@ -37,6 +37,12 @@ pub(super) fn period(text: &str) -> Result<f64, String> {
     number(text, is_valid, "a number of seconds above 0")
 }
 
+/// A frequency (Hz).
+pub(super) fn frequency(text: &str) -> Result<f64, String> {
+    let is_valid = |hertz: f64| hertz > 0.0 && hertz.is_finite();
+    number(text, is_valid, "a number of hertz above 0, such as 8")
+}
+
 /// Any number but NaN and infinity.
 pub(super) fn finite(text: &str) -> Result<f64, String> {
     number(

@@ -46,6 +46,9 @@ pub struct ModelMetadata {
     /// That delay is at most this far from the true one \[s\].
     #[serde(default, skip_serializing_if = "is_zero")]
     pub sensor_delay_uncertainty_s: f64,
+    /// Whether the command moves on between the rows of a file of another program: the uncertainty of the delay is then that of how it was sent.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub moving_command: bool,
     /// Degrees for one count of the sensor, where all recordings state one and agree.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub degrees_per_count: Option<f64>,
@@ -70,6 +73,7 @@ impl ModelMetadata {
             sensor_delay_s: None,
             board_id: None,
             sensor_delay_uncertainty_s: 0.0,
+            moving_command: false,
             degrees_per_count: None,
             scale_sd_percent: 0.0,
             only_stroke: None,

@@ -45,24 +45,23 @@ fn the_rig_file_of_the_folder_is_found() {
         "{said}"
     );
     let aircraft = ["capture", "--rig", "rig.toml", "--port", "sim:aircraft"];
-    let other_condition = "the condition is \"bench\", by the rig file";
-    let said = here(&[&aircraft[..], &["-o", "doubtful.csv"]].concat());
-    assert!(said.contains(other_condition), "{said}");
-    let wrong = ["capture", "--condition", "aircraft", "-o", "found.csv"];
-    let refused = servoid(&wrong).current_dir(dir.path()).output().unwrap();
-    let said = String::from_utf8(refused.stderr).unwrap();
-    let [contradiction, exists] = [
-        "simulated servo is that of \"bench\", which is recorded",
-        "exists already",
-    ]
-    .map(|words| said.find(words).unwrap());
+    let refusal = |args: &[&str]| {
+        let refused = servoid(args).current_dir(dir.path()).output().unwrap();
+        assert!(!refused.status.success());
+        String::from_utf8(refused.stderr).unwrap()
+    };
+    let said = refusal(&[&aircraft[..], &["-q", "-o", "false.csv"]].concat());
     assert!(
-        contradiction < exists && said.contains("--port sim:aircraft"),
+        said.contains("the condition is \"bench\", by the rig file")
+            && said.contains("--condition aircraft records this one"),
         "{said}"
     );
+    let wrong = ["capture", "--condition", "aircraft"];
+    let said = refusal(&[&wrong[..], &["-q", "-o", "false.csv"]].concat());
+    assert!(said.contains("--port sim:aircraft simulates"), "{said}");
+    assert!(!dir.path().join("false.csv").exists());
     let stated = ["--condition", "aircraft", "-o", "stated.csv"];
-    let said = here(&[&aircraft[..], &stated[..]].concat());
-    assert!(!said.contains(other_condition), "{said}");
+    here(&[&aircraft[..], &stated[..]].concat());
     for (file, us_per_degree) in [("found", "11.0"), ("without", "10.0"), ("other", "10.0")] {
         let recording = std::fs::read_to_string(dir.path().join(format!("{file}.csv"))).unwrap();
         let expected = format!("us_per_degree = {us_per_degree}");

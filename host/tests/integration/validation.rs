@@ -67,7 +67,7 @@ fn milliseconds_under_a_name_in_seconds_come_before_all_that_follows_from_them()
     let files = model_and_other(dir.path());
     let said = said(dir.path(), &files, |[t, u, y]| [1e3 * t, u, y]);
     assert!(
-        said.contains("State it in seconds: --period 0.002 if it is 2 ms."),
+        said.contains("state the period in seconds: --period 0.002 if it is 2 ms."),
         "{said}"
     );
     for consequence in ["Nothing needs to be done", "does not hold here"] {

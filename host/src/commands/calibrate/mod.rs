@@ -183,8 +183,13 @@ impl Calibrate {
     }
 
     fn measure(&self, source: &RigSource) -> Result<Measured> {
-        let rig = self.rig.require(source.file.clone(), self.output.talk)?;
+        let rig = self.rig.require(source.file.clone())?;
         let pulses = self.positions(&rig.file);
+        if self.asks_for_angles() && port::is_simulated(&rig.address) {
+            self.output.talk.say(
+                "the servo is simulated, and there is no protractor to read: answer with the angle that the pulse asks for, or leave with Ctrl-C and take --by-servo",
+            );
+        }
         if !self.angles.is_empty() && self.angles.len() != pulses.len() {
             let angles = if self.angles.len() == 1 {
                 "angle"

@@ -93,7 +93,7 @@ impl CaptureArgs {
             file: rig,
             condition,
             inexact_clock,
-        } = self.rig.require(source.file, self.output.talk)?;
+        } = self.rig.require(source.file)?;
         let reference = self.reference.resolve(&rig, talk)?;
         ctrl_c::listen_in_a_run()?;
         let monitor = self.monitor.start(rig.train(), talk);

@@ -44,6 +44,8 @@ pub struct About {
     pub other_input: Option<String>,
     /// Whether a logger is stated to have polled the commands.
     pub polled: bool,
+    /// Whether the command moves on between the rows of a file of another program: whether the servo was held at each is not in it.
+    pub moving_command: bool,
     /// The delay that was taken out of the recordings (s), where all state one and agree.
     pub sensor_delay_s: Option<f64>,
     /// The number of the board that recorded them, where all state one and agree.
@@ -144,6 +146,7 @@ impl About {
         self.staircase &= other.staircase;
         self.commands_at_rows |= other.commands_at_rows;
         self.polled |= other.polled;
+        self.moving_command |= other.moving_command;
         self.inexact_clock |= other.inexact_clock;
         let (mine, theirs) = (
             self.sensor_delay_uncertainty_s,
@@ -204,6 +207,7 @@ impl From<&About> for ModelMetadata {
         metadata.sensor_delay_s = about.sensor_delay_s;
         metadata.board_id.clone_from(&about.board_id);
         metadata.sensor_delay_uncertainty_s = about.sensor_delay_uncertainty_s;
+        metadata.moving_command = about.moving_command;
         let scales = || about.calibrations.iter();
         let first = scales().next().map(|first| first.degrees_per_count);
         metadata.degrees_per_count =

@@ -103,7 +103,7 @@ pub enum DatasetFault {
     UnevenTime(String, TimeFault),
     /// A period that the column of time contradicts (s).
     #[error(
-        "has rows {found} s apart by its column {column:?}, and --period {stated} says {stated} s: leave --period out to take the column, or state {found} if seconds were meant; where the column is not the time, name another one with --time COLUMN"
+        "has rows {found} s apart by its column {column:?}, and --period {stated} says {stated} s: leave --period out to take the column; where it has another unit than its name says, state that one with --time-unit s, ms or us; where it is not the time, name another one with --time COLUMN"
     )]
     PeriodAgainstTime {
         /// As stated.

@@ -4,6 +4,7 @@ use super::about::About;
 use super::error::DatasetError;
 use super::from_tables::note_sentinel_value;
 use super::loaded::{Loaded, late_by_polling, run};
+use super::moving_command::unseen_within_rows;
 use super::wrapped_angle;
 use std::borrow::Cow;
 
@@ -86,7 +87,11 @@ impl<'a> Arrays<'a> {
             });
         }
         let late_s = late_by_polling(self.polled, self.period_s);
-        about.sensor_delay_uncertainty_s = late_s;
+        let unseen_s = match self.polled || self.exact_command {
+            true => 0.0,
+            false => unseen_within_rows(&runs, self.period_s, &mut about, ""),
+        };
+        about.sensor_delay_uncertainty_s = late_s + unseen_s;
         Ok(Loaded {
             runs,
             controllers: self.controllers,

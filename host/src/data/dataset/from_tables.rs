@@ -3,6 +3,7 @@
 use super::about::About;
 use super::error::DatasetFault;
 use super::loaded::{Loaded, late_by_polling, run};
+use super::moving_command::unseen_within_rows;
 use super::options::DatasetOptions;
 use super::time_column::{self, TimeUnit};
 use super::{run_labels, sentinel_values, suggested_columns, wrapped_angle};
@@ -73,7 +74,11 @@ pub(super) fn from_table(
         about.add_change(format!("{file}: {change}."), rows);
     }
     let phase_s = late_by_polling(options.polled, period_s);
-    about.sensor_delay_uncertainty_s = phase_s + uncertain_s;
+    let unseen_s = match options.polled || options.exact_command {
+        true => 0.0,
+        false => unseen_within_rows(&runs, period_s, &mut about, &format!("{file}: ")),
+    };
+    about.sensor_delay_uncertainty_s = phase_s + uncertain_s + unseen_s;
     if let Some(Doubt { finding, times }) = doubt {
         let remedy =
             "Make sure which of the two is right: all times and frequencies follow from it.";

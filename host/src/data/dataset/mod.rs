@@ -12,6 +12,7 @@ mod from_arrays;
 mod from_recordings;
 mod from_tables;
 mod loaded;
+mod moving_command;
 mod named_columns;
 mod options;
 mod run_labels;

@@ -23,7 +23,8 @@ pub fn answer_of_servo_model(
     speaks.then(|| servo_sentence(&servo.model, linear, units))
 }
 
-/// The results of one identification: the answer first, which is that of the servo model where there is one. `picture` is one of the step
+/// The results of one identification: the answer first, which is that of the servo model where there is one. Its figures come before those of a linear
+/// model that has no bounds where they have intervals. `picture` is one of the step
 /// response, and with `statistics` structure, residuals and widths are printed too. `low_order` completes the sentence on a band.
 #[must_use]
 pub fn of_both_models(
@@ -48,7 +49,14 @@ pub fn of_both_models(
         picture,
         statistics,
     };
-    let mut text = before.to_owned() + &of_model(source, model, of, extent);
-    text.extend(servo.map(|servo| of_servo_model(servo, units, statistics)));
-    text
+    let figures = servo.map(|servo| of_servo_model(servo, units, statistics));
+    let figures = figures.unwrap_or_default();
+    let is_sure = servo.is_some_and(|servo| servo.model.covariance.valid().is_some());
+    match is_sure && model.frequency.bounds.valid().is_none() && of_servo.is_empty() {
+        true => {
+            let linear = of_model(&format!("linear model of {source}"), model, of, extent);
+            format!("{before}{source}\n{figures}\n{linear}")
+        }
+        false => before.to_owned() + &of_model(source, model, of, extent) + &figures,
+    }
 }

@@ -13,7 +13,9 @@ use super::top_speeds::is_unreached;
 use super::what_to_record::shown_by;
 use crate::data::pulse_widths::is_pulse;
 use crate::data::units::Units;
-use servoid_identification::comparison::{Comparison, QuantityPair, ServoModelComparison};
+use servoid_identification::comparison::{
+    Comparison, QuantityDifference, QuantityPair, ServoModelComparison,
+};
 use servoid_identification::flight_model::FlightModel;
 use servoid_identification::results::{Advice, Interval, Metrics, Model};
 use servoid_identification::servo_model::{Quantity, QuantityKind, ServoModel};
@@ -362,7 +364,10 @@ pub(crate) fn of_both(models: [&Model; 2], gain: &str) -> Vec<KeyFigure> {
     entries.map(figure).collect()
 }
 
-/// Of two servos as machines.
+/// Share from which on two numbers without intervals are shown as different.
+const VISIBLY: f64 = 0.01;
+
+/// Of two servos as machines: what they differ in comes first.
 pub(crate) fn of_both_machines(
     found: &ServoModelComparison,
     models: [&ServoModel; 2],
@@ -401,18 +406,43 @@ pub(crate) fn of_both_machines(
             },
         }
     };
-    // What both recordings determine comes first.
-    let (both, one): (Vec<_>, Vec<_>) = OF_A_MACHINE
+    let mut pairs: Vec<(usize, &QuantityPair)> = OF_A_MACHINE
         .iter()
         .filter(|kind| !is_at_no_pulse(**kind, models[0], units))
         .filter_map(of_kind)
-        .partition(|(_, pair)| pair.a.is_some() && pair.b.is_some());
+        .collect();
+    // What differs comes first, and what one recording alone determines last.
+    pairs.sort_by_key(|(index, pair)| {
+        let difference = found
+            .bounds
+            .valid()
+            .and_then(|bounds| bounds.differences.get(*index));
+        place_of(pair, difference)
+    });
     let [a, b] = models.map(|model| format!("{:.1}", model.fit.held_out_percent));
     let fits = fit_figure(format!("{a} → {b} %"));
-    let mut all: Vec<KeyFigure> = both.into_iter().map(figure).collect();
+    let mut all: Vec<KeyFigure> = pairs.into_iter().map(figure).collect();
     all.truncate(KEY_FIGURES - 1);
     all.push(fits);
-    all.extend(one.into_iter().map(figure));
-    all.truncate(KEY_FIGURES);
     all
+}
+
+/// Where a pair of quantities stands among others: 0 where both servos differ in it, 1 where they are not known to, 2 where it is known of one alone.
+fn place_of(pair: &QuantityPair, difference: Option<&QuantityDifference>) -> u8 {
+    let interval = difference.and_then(|found| found.difference);
+    let bounds = interval.and_then(|interval| interval.lower.zip(interval.upper));
+    match (pair.a.zip(pair.b), bounds) {
+        (Some(_), Some((lower, upper))) => u8::from(lower <= 0.0 && upper >= 0.0),
+        (Some((a, b)), None) => u8::from((a - b).abs() <= VISIBLY * a.abs().max(b.abs())),
+        // A servo whose model does without such a term follows to the end.
+        (None, _)
+            if matches!(
+                pair.kind(),
+                Some(QuantityKind::DeadBand | QuantityKind::RestingError)
+            ) =>
+        {
+            0
+        }
+        (None, _) => 2,
+    }
 }

@@ -212,7 +212,10 @@ impl MetricEntry {
 pub(super) fn table(model: &Model, of: &ModelMetadata) -> String {
     let gain = of.units().gain().unwrap_or_default();
     let metrics = &model.metrics;
-    let head = head_of_bounds(metrics.bounds.as_ref().map(|bounds| bounds.level));
+    let mut head = head_of_bounds(metrics.bounds.as_ref().map(|bounds| bounds.level));
+    if metrics.bounds.valid().is_some() && !model.linear {
+        head += ", of this motion";
+    }
     let missing = "not reached, as far as this recording shows";
     let strokes = stroke_in_words(of).map(|stroke| format!("strokes of {stroke}"));
     let strokes = strokes.unwrap_or_default();

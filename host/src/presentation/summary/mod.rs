@@ -1,5 +1,6 @@
 //! Results as text for a terminal.
 
+mod at_frequencies;
 mod beyond_linear;
 mod both_models;
 mod comparison;
@@ -27,6 +28,7 @@ mod validation;
 mod what_to_record;
 mod whole_stroke;
 
+pub use at_frequencies::at_frequencies;
 pub(crate) use beyond_linear::STROKES_OF_ONE_DIRECTION;
 pub use beyond_linear::{of_flight_model, of_limits, of_strokes};
 pub use both_models::{answer_of_servo_model, of_both_models};

@@ -72,7 +72,7 @@ fn without_intervals(reason: Reason) -> String {
             ", so the servo or the recording has something that the model lacks"
         }
         Reason::QuantisationAboveNoise => {
-            ", and limits, loads and friction of the model may stand for them"
+            ", and limits, loads and friction of the model may stand for them; a finer sensor, or larger strokes, would help"
         }
         Reason::NeverAtRest => " (holds in which it comes to rest would)",
         _ => "",
