@@ -12,6 +12,7 @@ mod command_range;
 mod coordinates;
 mod covariance;
 mod current_limit;
+mod cut_crests;
 mod descent;
 mod descent_of_offsets;
 mod descent_step;
