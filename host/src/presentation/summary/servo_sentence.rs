@@ -123,6 +123,8 @@ enum LinearBeside {
     AsGood,
     /// Nothing speaks against the linear model, which has no bounds but predicts as well.
     WithoutBounds,
+    /// The same of strokes between two levels, whose answers a linear model learns by heart, whatever the servo does in others.
+    HiddenByLevels,
     /// The command has noise that the servo may not have been sent: errors of any model follow the motion then.
     HiddenByCommand,
 }
@@ -144,6 +146,9 @@ impl LinearBeside {
             return None;
         }
         let (lacks, as_good) = (lacks_something(model), linear_is_as_good(model));
+        if as_good && model.covariance.withdrawn() == Some(Reason::FewLevels) {
+            return Some(Self::HiddenByLevels);
+        }
         match linear.bounds.valid() {
             Some(_) if as_good && lacks => Some(Self::Alone),
             Some(_) if as_good => Some(Self::AsGood),
@@ -164,6 +169,9 @@ impl LinearBeside {
             }
             Self::WithoutBounds => {
                 "A linear servo describes this recording as well as a model of it as a machine."
+            }
+            Self::HiddenByLevels => {
+                "Strokes between two levels do not show whether this servo is linear: a linear one describes this recording as well as a model of it as a machine."
             }
             Self::HiddenByCommand => {
                 "Noise in the column of the command hides whether this servo is linear."
@@ -492,12 +500,25 @@ fn is_one_sided(quantity: &Quantity) -> bool {
 }
 
 fn delay(model: &ServoModel) -> Option<String> {
-    let delay = determined(model, QuantityKind::Delay)?.value;
-    Some(match delay < AT_ONCE * model.sample_period_s {
-        true => "answers at once".to_owned(),
-        false => format!("answers {} ms late", four_digits(1e3 * delay)),
+    let found = determined(model, QuantityKind::Delay)?;
+    let (delay, at_once) = (found.value, AT_ONCE * model.sample_period_s);
+    let interval = found.interval.valid();
+    let ends = interval.and_then(|interval| interval.lower.zip(interval.upper));
+    Some(match ends {
+        Some((lower, upper)) if upper - lower > VAGUE * delay && upper > at_once => {
+            let upper = digits(1e3 * upper, 3);
+            match lower < at_once {
+                true => format!("answers at most {upper} ms late"),
+                false => format!("answers {} to {upper} ms late", digits(1e3 * lower, 3)),
+            }
+        }
+        _ if delay < at_once => "answers at once".to_owned(),
+        _ => format!("answers {} ms late", four_digits(1e3 * delay)),
     })
 }
+
+/// A delay whose interval is wider than this part of it is said as that interval.
+const VAGUE: f64 = 0.5;
 
 /// A delay of so many samples does not show.
 const AT_ONCE: f64 = 0.01;

@@ -70,11 +70,11 @@ pub enum Withheld {
     ResponseNotOver,
     /// All of them: they rest on frequencies that the input does not excite.
     InputUnexcited,
-    /// All of them: they rest on frequencies that were left out because the caller asked for so few.
+    /// All but the interval of the gain, if there is one: they rest on frequencies that were left out.
     FrequenciesLeftOut,
     /// All but the gain, if that: plain and generalised least squares give different ones.
     EstimatorsDisagree,
-    /// All but the gain: they are relative to it, and it may be zero.
+    /// All but the interval of the gain, if there is one: they are relative to it, and it may be zero.
     GainMayBeZero,
 }
 
@@ -299,8 +299,11 @@ impl Metrics {
         ]
     }
 
-    /// The values without their bounds.
+    /// The values without their bounds. A gain that may be zero has none: only its interval says how little is known of it.
     pub(crate) fn withdrawn(mut self, reason: Reason) -> Self {
+        if let Some(Withheld::GainMayBeZero | Withheld::FrequenciesLeftOut) = self.withheld {
+            self.dc_gain = Interval::default();
+        }
         for interval in [
             &mut self.dc_gain,
             &mut self.rise_time_s,

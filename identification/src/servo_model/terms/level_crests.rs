@@ -1,0 +1,309 @@
+//! Crests of the output that are at one level though their commands are not, or that are [cut off](super::cut_crests): what a stop makes of a motion that never rests.
+//!
+//! A response that depends on frequency may do so by chance, so that this alone shows no stop: prediction decides.
+
+use std::ops::Range;
+
+use super::cut_crests::Tops;
+use crate::data::column::{extent, span};
+use crate::data::{Record, Run};
+use crate::numerics::median;
+
+/// Crests that show it at least: two are level by chance.
+const FEWEST: usize = 3;
+
+/// Rows of the means whose largest is the top of a crest. A single row has more noise.
+const MEAN_OF: usize = 3;
+
+/// Standard deviations of the noise of such a mean within which tops are level: noise raises the largest of many means by as much.
+const LEVEL: f64 = 4.0;
+
+/// The least and the largest share of the range of the output within which tops are level, whatever the noise is.
+const LEVEL_SHARES: [f64; 2] = [1e-3, 0.02];
+
+/// Share of the range of the command over which theirs must go: commands as level as the crests are those of a stick at its end.
+const APART: f64 = 0.05;
+
+/// The level of the lower and of the upper crests \[output\], where they have one. The output goes the way of the command, or, of a `gain` below 0, the other way.
+pub(crate) fn level_crests(record: &Record, gain: f64) -> [Option<f64>; 2] {
+    [-1.0, 1.0].map(|sign| {
+        let sides: Vec<Side<'_>> = (record.runs().iter())
+            .map(|run| Side::of(run, sign))
+            .collect();
+        let (low, high) = extent(outputs(record))?;
+        let middle = 0.5 * sign * (low + high);
+        let crests = (sides.iter()).flat_map(|side| side.crests(middle, sign * gain.signum()));
+        let crests: Vec<Crest<'_>> = crests.collect();
+        Level::of(&crests, record)?
+            .output()
+            .map(|level| sign * level)
+    })
+}
+
+/// One side of the motion in one run: outputs times -1 for the lower one.
+struct Side<'a> {
+    commands: &'a [f64],
+    outputs: Vec<f64>,
+    /// The mean around each output. The first and the last have none.
+    means: Vec<f64>,
+}
+
+impl<'a> Side<'a> {
+    fn of(run: &'a Run<'_>, sign: f64) -> Self {
+        let outputs: Vec<f64> = run.output().iter().map(|y| sign * y).collect();
+        let mut means = vec![f64::NAN; outputs.len()];
+        for (of, mean) in (outputs.windows(MEAN_OF)).zip(means.iter_mut().skip(MEAN_OF / 2)) {
+            *mean = of.iter().sum::<f64>() / MEAN_OF as f64;
+        }
+        Self {
+            commands: run.input(),
+            outputs,
+            means,
+        }
+    }
+
+    /// The stretches beyond the `middle`, where commands go `towards` -1 or 1.
+    fn crests(&self, middle: f64, towards: f64) -> Vec<Crest<'_>> {
+        let is_beyond: Vec<bool> = self.means.iter().map(|mean| *mean > middle).collect();
+        let crest = |rows: Range<usize>| {
+            let before = rows.start.saturating_sub(rows.len());
+            let commands = self.commands[before..rows.end].iter();
+            Crest {
+                command: commands.fold(f64::NEG_INFINITY, |far, u| far.max(towards * u)),
+                top: self.means[rows.clone()]
+                    .iter()
+                    .copied()
+                    .fold(middle, f64::max),
+                side: self,
+                rows,
+            }
+        };
+        stretches_of(&is_beyond).into_iter().map(crest).collect()
+    }
+}
+
+/// A stretch of outputs beyond the middle of the range.
+struct Crest<'a> {
+    side: &'a Side<'a>,
+    rows: Range<usize>,
+    /// The farthest command in it and in as many samples before, times the sign of the side.
+    command: f64,
+    /// The largest mean.
+    top: f64,
+}
+
+impl<'a> Crest<'a> {
+    /// The outputs of the top, if it is cut off.
+    fn cut_off(&self, tops: &Tops) -> Option<&'a [f64]> {
+        let side = self.side;
+        let rows = tops.cut_off(&side.means, side.commands, self.rows.clone())?;
+        // Around the corners some rows are beside it.
+        let corner = rows.len() / 4;
+        Some(&side.outputs[rows.start + corner..rows.end - corner])
+    }
+}
+
+/// The crests at the level of the farthest one.
+struct Level<'a> {
+    crests: Vec<&'a Crest<'a>>,
+    tops: Tops,
+    /// Range of the command of the record.
+    commands: f64,
+}
+
+impl<'a> Level<'a> {
+    fn of(crests: &'a [Crest<'a>], record: &Record) -> Option<Self> {
+        let (commands, range) = (span(inputs(record))?, span(outputs(record))?);
+        let [least, most] = LEVEL_SHARES.map(|share| share * range);
+        let noise = noise(record)? / (MEAN_OF as f64).sqrt();
+        let tolerance = (LEVEL * noise).clamp(least, most);
+        let farthest = crests.iter().map(|crest| crest.top).reduce(f64::max)?;
+        let is_level = |crest: &&Crest<'_>| crest.top > farthest - tolerance;
+        Some(Self {
+            crests: crests.iter().filter(is_level).collect(),
+            tops: Tops {
+                farthest,
+                tolerance,
+                range,
+                ratio: range / commands,
+            },
+            commands,
+        })
+    }
+
+    /// The output there, times the sign of the side, if it is a stop's.
+    fn output(mut self) -> Option<f64> {
+        self.of_cut_off().or_else(|| self.of_apart())
+    }
+
+    /// That of crests that are cut off.
+    fn of_cut_off(&self) -> Option<f64> {
+        let tops: Vec<&[f64]> = (self.crests.iter())
+            .filter_map(|crest| crest.cut_off(&self.tops))
+            .collect();
+        (tops.len() >= FEWEST).then(|| median(tops.concat()))?
+    }
+
+    /// That of crests whose commands are apart.
+    fn of_apart(&mut self) -> Option<f64> {
+        let Tops {
+            farthest,
+            tolerance,
+            ..
+        } = self.tops;
+        let apart = span(self.crests.iter().map(|crest| crest.command))?;
+        if self.crests.len() < FEWEST || apart <= APART * self.commands {
+            return None;
+        }
+        // The farther the command goes, the longer the output is at a stop.
+        (self.crests).sort_by(|a, b| b.command.total_cmp(&a.command));
+        let under_farther = self.crests[..self.crests.len().div_ceil(2)].iter();
+        // The top itself is raised by noise.
+        let is_there = |row: &usize, side: &Side<'_>| side.means[*row] > farthest - 2.0 * tolerance;
+        let there = under_farther.flat_map(|crest| {
+            let rows = crest.rows.clone().filter(|row| is_there(row, crest.side));
+            rows.map(|row| crest.side.outputs[row])
+        });
+        median(there.collect())
+    }
+}
+
+/// Standard deviation of white noise with the fourth differences of the outputs, which motion hardly has.
+fn noise(record: &Record) -> Option<f64> {
+    /// The median size of a normal variable, and the root of 1 + 16 + 36 + 16 + 1.
+    const OF_MEDIAN: f64 = 0.674_490;
+    const OF_DIFFERENCE: f64 = 8.366_600;
+    let of_run = |run: &Run<'_>| -> Vec<f64> {
+        let fives = run.output().windows(5);
+        let sizes = fives.map(|y| (y[0] - 4.0 * y[1] + 6.0 * y[2] - 4.0 * y[3] + y[4]).abs());
+        sizes.filter(|size| !size.is_nan()).collect()
+    };
+    let sizes = record.runs().iter().flat_map(of_run).collect();
+    median(sizes).map(|size| size / (OF_MEDIAN * OF_DIFFERENCE))
+}
+
+/// The places of `true` that follow one another.
+fn stretches_of(values: &[bool]) -> Vec<Range<usize>> {
+    let mut at = 0;
+    let chunks = values.chunk_by(|a, b| a == b).map(|chunk| {
+        at += chunk.len();
+        (chunk[0], at - chunk.len()..at)
+    });
+    chunks
+        .filter_map(|(value, place)| value.then_some(place))
+        .collect()
+}
+
+fn inputs(record: &Record) -> impl Iterator<Item = f64> {
+    record.runs().iter().flat_map(|run| run.input()).copied()
+}
+
+fn outputs(record: &Record) -> impl Iterator<Item = f64> {
+    record.runs().iter().flat_map(|run| run.output()).copied()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::StandardNormal;
+
+    /// Three sines behind a lag of five samples, up to `stop`, with the gain `gain`.
+    fn record(stop: f64, gain: f64) -> Record<'static> {
+        let wave = |k: f64| 4.0 * ((0.031 * k).sin() + (0.053 * k + 1.0).sin() + (0.017 * k).sin());
+        let input: Vec<f64> = (0..4000).map(|k| wave(f64::from(k))).collect();
+        let follow = |y: &mut f64, u: &f64| {
+            *y = f64::min(*y + (u - *y) / 5.0, stop);
+            Some(90.0 + gain * *y)
+        };
+        let output: Vec<f64> = input.iter().scan(0.0, follow).collect();
+        Record::of_run(0.005, input, output).unwrap()
+    }
+
+    #[test]
+    fn crests_at_a_stop_are_level() {
+        for gain in [1.0, 0.1] {
+            let [lower, upper] = level_crests(&record(6.0, gain), gain);
+            assert!((upper.unwrap() - 90.0 - 6.0 * gain).abs() < 1e-9);
+            assert_eq!(lower, None);
+        }
+        let [lower, upper] = level_crests(&record(6.0, -1.0), -1.0);
+        assert!((lower.unwrap() - 84.0).abs() < 1e-9);
+        assert_eq!(upper, None);
+    }
+
+    /// A stop that few crests touch for some rows, in noise of .01.
+    #[test]
+    fn a_stop_that_is_touched_for_a_moment_is_at_its_level() {
+        let clean = record(9.0, 1.0);
+        let run = &clean.runs()[0];
+        let mut random = ChaCha8Rng::seed_from_u64(3);
+        let noisy = |y: &f64| y + 0.01 * random.sample::<f64, _>(StandardNormal);
+        let output: Vec<f64> = run.output().iter().map(noisy).collect();
+        let record = Record::of_run(0.005, run.input().to_vec(), output).unwrap();
+        let [lower, upper] = level_crests(&record, 1.0);
+        assert!((upper.unwrap() - 99.0).abs() < 0.01, "{upper:?}");
+        assert_eq!(lower, None);
+    }
+
+    #[test]
+    fn crests_of_a_servo_that_is_free_are_not() {
+        assert_eq!(level_crests(&record(99.0, 1.0), 1.0), [None; 2]);
+    }
+
+    #[test]
+    fn nor_are_those_of_one_command() {
+        let input: Vec<f64> = (0..2000).map(|k| (0.03 * f64::from(k)).sin()).collect();
+        let record = Record::of_run(0.005, input.clone(), input).unwrap();
+        assert_eq!(level_crests(&record, 1.0), [None; 2]);
+    }
+
+    /// A sweep of one amplitude, from 0.3 to 4 Hz, as `servo` follows it from row to row.
+    fn swept(mut servo: impl FnMut(f64) -> f64) -> Record<'static> {
+        let phase = |t: f64| std::f64::consts::TAU * (0.3 + 0.5 * 3.7 * t / 20.0) * t;
+        let input: Vec<f64> = (0..4000)
+            .map(|k| 10.0 * phase(0.005 * f64::from(k)).sin())
+            .collect();
+        let output: Vec<f64> = input.iter().map(|u| servo(*u)).collect();
+        Record::of_run(0.005, input, output).unwrap()
+    }
+
+    #[test]
+    fn crests_of_one_command_that_are_cut_off_are_at_a_stop() {
+        let mut y = 0.0;
+        let record = swept(|u| {
+            y = f64::clamp(y + (u - y) / 5.0, -9.0, 6.0);
+            y
+        });
+        assert_eq!(level_crests(&record, 1.0), [Some(-9.0), Some(6.0)]);
+    }
+
+    /// Play or a dead band of a tenth of the sweep, a speed of half of its own, and coming to rest behind a clipped command: tops of the first are flat, of the last level.
+    #[test]
+    fn crests_at_which_other_servos_wait_are_not() {
+        let (mut play, mut dead, mut slow, mut clipped) = (0.0, 0.0, 0.0, 0.0);
+        let records = [
+            swept(|u| {
+                play = f64::clamp(play, u - 1.0, u + 1.0);
+                play
+            }),
+            swept(|u| {
+                let error: f64 = u - dead;
+                dead += (error.abs() - 1.0).max(0.0).copysign(error) / 5.0;
+                dead
+            }),
+            swept(|u| {
+                slow += ((u - slow) / 5.0).clamp(-0.3, 0.3);
+                slow
+            }),
+            swept(|u| {
+                clipped += (u.clamp(-6.0, 6.0) - clipped) / 20.0;
+                clipped
+            }),
+        ];
+        for record in records {
+            assert_eq!(level_crests(&record, 1.0), [None; 2]);
+        }
+    }
+}
