@@ -566,3 +566,30 @@ pub(crate) fn unlikely_speed(model: &ServoModel, units: Units<'_>) -> Option<Str
         model.sample_period_s
     ))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::presentation::summary::limited_servo::limited_servo;
+    use servoid_identification::results::Interval;
+
+    #[test]
+    fn a_delay_is_said_as_well_as_it_is_known() {
+        let model = limited_servo();
+        let words = |lower: f64, upper: f64| {
+            let mut model = model.clone();
+            let kind = Some(QuantityKind::Delay);
+            let found = model
+                .quantities
+                .iter_mut()
+                .find(|found| found.kind() == kind);
+            let found = found.unwrap();
+            (found.value, found.determined) = (0.008, true);
+            found.interval = Bounds::Valid(Interval::new(0.008, lower, upper));
+            delay(&model).unwrap()
+        };
+        assert_eq!(words(0.0078, 0.0081), "answers 8.000 ms late");
+        assert_eq!(words(0.0, 0.019), "answers at most 19.0 ms late");
+        assert_eq!(words(0.0031, 0.019), "answers 3.10 to 19.0 ms late");
+    }
+}

@@ -657,4 +657,22 @@ mod tests {
         assert_eq!(found(0.5), [0.5]);
         assert_eq!(found(3.0), [0.0; 0]);
     }
+
+    /// Levels up to one that is hardly beyond the stop at 6, where some holds end before the servo, which comes there slowly, is.
+    #[test]
+    fn holds_that_end_before_the_stop_do_not_move_it() {
+        let levels = [
+            -9.0, 6.1, -3.0, 9.0, 0.0, 8.0, 3.0, 6.1, -6.0, 8.5, -9.0, 6.1,
+        ];
+        let mut y = 0.0;
+        let mut random = ChaCha8Rng::seed_from_u64(3);
+        let input: Vec<f64> = (0..3840).map(|k| levels[k / 80 % 12]).collect();
+        let follow = |u: &f64| {
+            y = f64::min(y + (u - y) / 20.0, 6.0);
+            y + random.random_range(-0.01..0.01)
+        };
+        let output: Vec<f64> = input.iter().map(follow).collect();
+        let found = stops_of_rests(&Record::of_run(0.01, input, output).unwrap());
+        assert!((found[0] - 6.0).abs() < 0.003, "{found:?}");
+    }
 }

@@ -371,6 +371,18 @@ mod tests {
         assert_eq!(why_unknown(noisy, 0.094), Withheld::GainMayBeZero);
     }
 
+    #[test]
+    fn without_its_interval_a_gain_that_may_be_zero_has_no_value() {
+        let withdrawn = |why: Withheld| {
+            let (gain, level) = (Interval::new(1.3, -0.1, 2.7), MetricBounds { level: 0.99 });
+            let metrics = Metrics::withheld(gain, why, Bounds::Valid(level));
+            metrics.withdrawn(Reason::ErrorsNotNoise).dc_gain.value
+        };
+        assert_eq!(withdrawn(Withheld::GainMayBeZero), None);
+        assert_eq!(withdrawn(Withheld::FrequenciesLeftOut), None);
+        assert_eq!(withdrawn(Withheld::EstimatorsDisagree), Some(1.3));
+    }
+
     /// A delay of 10 ms and a lag of 20 ms: -90 degrees where ω 0.01 + atan(ω 0.02) is a quarter turn.
     #[test]
     fn a_delay_error_widens_times_from_the_edge_and_the_quarter_turn() {
