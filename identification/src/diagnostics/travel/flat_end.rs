@@ -372,12 +372,8 @@ impl Split {
         let (first, last) = (end.first()?, end.last()?);
         let known = self.runs.iter().filter(|(_, _, count)| *count > 0.0);
         let offsets: Vec<f64> = known.map(|(u, y, _)| y - self.slope * u).collect();
-        // A hold that ends just before the stop is among them. The farther the command goes, the sooner the output is there.
-        let middle = (first.command - end[end.len() / 2].command).abs();
-        let farther = end
-            .iter()
-            .filter(|rest| (rest.command - first.command).abs() >= middle);
-        let rest = median(farther.map(|rest| self.beside_run(rest)).collect())?;
+        // A mean is moved by a hold that ends just before the stop.
+        let rest = median(end.iter().map(|rest| self.beside_run(rest)).collect())?;
         let mut commands: Vec<f64> = end.iter().map(|rest| rest.command).collect();
         commands.dedup();
         Some(TravelEnd {

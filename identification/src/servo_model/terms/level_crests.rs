@@ -27,8 +27,8 @@ const APART: f64 = 0.05;
 /// The level of the lower and of the upper crests \[output\], where they have one. The output goes the way of the command, or, of a `gain` below 0, the other way.
 pub(crate) fn level_crests(record: &Record, gain: f64) -> [Option<f64>; 2] {
     [-1.0, 1.0].map(|sign| {
-        let sides: Vec<Side<'_>> = (record.runs().iter())
-            .map(|run| Side::of(run, sign))
+        let sides: Vec<OneSidedRun<'_>> = (record.runs().iter())
+            .map(|run| OneSidedRun::of(run, sign))
             .collect();
         let (low, high) = extent(outputs(record))?;
         let middle = 0.5 * sign * (low + high);
@@ -41,14 +41,14 @@ pub(crate) fn level_crests(record: &Record, gain: f64) -> [Option<f64>; 2] {
 }
 
 /// One side of the motion in one run: outputs times -1 for the lower one.
-struct Side<'a> {
+struct OneSidedRun<'a> {
     commands: &'a [f64],
     outputs: Vec<f64>,
     /// The mean around each output. The first and the last have none.
     means: Vec<f64>,
 }
 
-impl<'a> Side<'a> {
+impl<'a> OneSidedRun<'a> {
     fn of(run: &'a Run<'_>, sign: f64) -> Self {
         let outputs: Vec<f64> = run.output().iter().map(|y| sign * y).collect();
         let mut means = vec![f64::NAN; outputs.len()];
@@ -84,7 +84,7 @@ impl<'a> Side<'a> {
 
 /// A stretch of outputs beyond the middle of the range.
 struct Crest<'a> {
-    side: &'a Side<'a>,
+    side: &'a OneSidedRun<'a>,
     rows: Range<usize>,
     /// The farthest command in it and in as many samples before, times the sign of the side.
     command: f64,
@@ -159,7 +159,8 @@ impl<'a> Level<'a> {
         (self.crests).sort_by(|a, b| b.command.total_cmp(&a.command));
         let under_farther = self.crests[..self.crests.len().div_ceil(2)].iter();
         // The top itself is raised by noise.
-        let is_there = |row: &usize, side: &Side<'_>| side.means[*row] > farthest - 2.0 * tolerance;
+        let is_there =
+            |row: &usize, side: &OneSidedRun<'_>| side.means[*row] > farthest - 2.0 * tolerance;
         let there = under_farther.flat_map(|crest| {
             let rows = crest.rows.clone().filter(|row| is_there(row, crest.side));
             rows.map(|row| crest.side.outputs[row])
