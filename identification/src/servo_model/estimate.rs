@@ -392,7 +392,10 @@ fn describe(
     };
     let mut quantities = quantities(
         possible,
-        pointwise_critical(options.level),
+        (
+            pointwise_critical(options.level),
+            longest_delay_s(record.sample_period_s()),
+        ),
         level,
         &found.motion,
         &candidates.other_fits,

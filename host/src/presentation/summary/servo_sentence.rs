@@ -123,6 +123,8 @@ enum LinearBeside {
     AsGood,
     /// Nothing speaks against the linear model, which has no bounds but predicts as well.
     WithoutBounds,
+    /// The same of strokes between two levels, whose answers a linear model learns by heart, whatever the servo does in others.
+    HiddenByLevels,
     /// The command has noise that the servo may not have been sent: errors of any model follow the motion then.
     HiddenByCommand,
 }
@@ -144,6 +146,9 @@ impl LinearBeside {
             return None;
         }
         let (lacks, as_good) = (lacks_something(model), linear_is_as_good(model));
+        if as_good && model.covariance.withdrawn() == Some(Reason::FewLevels) {
+            return Some(Self::HiddenByLevels);
+        }
         match linear.bounds.valid() {
             Some(_) if as_good && lacks => Some(Self::Alone),
             Some(_) if as_good => Some(Self::AsGood),
@@ -164,6 +169,9 @@ impl LinearBeside {
             }
             Self::WithoutBounds => {
                 "A linear servo describes this recording as well as a model of it as a machine."
+            }
+            Self::HiddenByLevels => {
+                "Strokes between two levels do not show whether this servo is linear: a linear one describes this recording as well as a model of it as a machine."
             }
             Self::HiddenByCommand => {
                 "Noise in the column of the command hides whether this servo is linear."
@@ -492,12 +500,25 @@ fn is_one_sided(quantity: &Quantity) -> bool {
 }
 
 fn delay(model: &ServoModel) -> Option<String> {
-    let delay = determined(model, QuantityKind::Delay)?.value;
-    Some(match delay < AT_ONCE * model.sample_period_s {
-        true => "answers at once".to_owned(),
-        false => format!("answers {} ms late", four_digits(1e3 * delay)),
+    let found = determined(model, QuantityKind::Delay)?;
+    let (delay, at_once) = (found.value, AT_ONCE * model.sample_period_s);
+    let interval = found.interval.valid();
+    let ends = interval.and_then(|interval| interval.lower.zip(interval.upper));
+    Some(match ends {
+        Some((lower, upper)) if upper - lower > VAGUE * delay && upper > at_once => {
+            let upper = digits(1e3 * upper, 3);
+            match lower < at_once {
+                true => format!("answers at most {upper} ms late"),
+                false => format!("answers {} to {upper} ms late", digits(1e3 * lower, 3)),
+            }
+        }
+        _ if delay < at_once => "answers at once".to_owned(),
+        _ => format!("answers {} ms late", four_digits(1e3 * delay)),
     })
 }
+
+/// A delay whose interval is wider than this part of it is said as that interval.
+const VAGUE: f64 = 0.5;
 
 /// A delay of so many samples does not show.
 const AT_ONCE: f64 = 0.01;
@@ -544,4 +565,31 @@ pub(crate) fn unlikely_speed(model: &ServoModel, units: Units<'_>) -> Option<Str
         USUAL_TURNS_S.end(),
         model.sample_period_s
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::presentation::summary::limited_servo::limited_servo;
+    use servoid_identification::results::Interval;
+
+    #[test]
+    fn a_delay_is_said_as_well_as_it_is_known() {
+        let model = limited_servo();
+        let words = |lower: f64, upper: f64| {
+            let mut model = model.clone();
+            let kind = Some(QuantityKind::Delay);
+            let found = model
+                .quantities
+                .iter_mut()
+                .find(|found| found.kind() == kind);
+            let found = found.unwrap();
+            (found.value, found.determined) = (0.008, true);
+            found.interval = Bounds::Valid(Interval::new(0.008, lower, upper));
+            delay(&model).unwrap()
+        };
+        assert_eq!(words(0.0078, 0.0081), "answers 8.000 ms late");
+        assert_eq!(words(0.0, 0.019), "answers at most 19.0 ms late");
+        assert_eq!(words(0.0031, 0.019), "answers 3.10 to 19.0 ms late");
+    }
 }

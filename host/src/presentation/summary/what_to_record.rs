@@ -12,6 +12,7 @@ pub(crate) fn advice_on_servo_model(model: &ServoModel) -> Vec<&'static str> {
             let mut advice = what_to_record(&model.quantities);
             advice.extend(has_unreached_top_speeds(model).then_some(LARGER_STROKES));
             advice.extend(holds_alike(model).then_some(STAIRS_DO_NOT_SEPARATE));
+            advice.extend((!advice.is_empty()).then_some(WHERE_IT_ENDS));
             advice
         }
     }
@@ -33,7 +34,12 @@ const LARGER_STROKES: &str = "Strokes of this recording were too small to show t
 
 /// Said of a servo that a dead band or friction holds, where the record does not show which.
 const STAIRS_DO_NOT_SEPARATE: &str = "Dead band and friction rest alike, and stairs hardly distinguish them: a large slow motion that goes on does, such as \
-    sines of 0.1 to 3 Hz that add up to 30 degrees, for 20 s (in servoid: --reference multisine --amplitude 30 --frequencies 0.1:3 --length 20).";
+    sines of 0.1 to 3 Hz that add up to 30 degrees, for 20 s, with two seconds of rest before and after them (in servoid: --reference multisine --amplitude 30 \
+    --frequencies 0.1:3 --length 20).";
+
+/// Said last: whoever has followed the advice would be sent from one recording to the next otherwise.
+const WHERE_IT_ENDS: &str = "If this recording has what is asked for here, only a longer one or one with less noise may show more of it. A limit beyond the travel shows in \
+    none, and neither does what the model lacks, such as play.";
 
 /// Said of a servo model without any term beyond a linear servo.
 const LINEAR_IS_SHARPER: &str = "This recording needs no more than a linear servo: where the linear model has intervals, they are \

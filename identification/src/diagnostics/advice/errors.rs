@@ -256,7 +256,8 @@ pub(super) fn metrics(evidence: &Evidence<'_>) -> Option<Advice> {
 /// Metrics that are relative to a gain that may be none.
 pub(super) fn gain_may_be_zero(evidence: &Evidence<'_>) -> Option<Advice> {
     let metrics = &evidence.model.metrics;
-    let gain = metrics.dc_gain.value?;
+    // The metrics have no gain without bounds.
+    let gain = *evidence.model.step.value.last()?;
     let bounds = metrics.dc_gain.lower.zip(metrics.dc_gain.upper);
     let end_is_missing = matches!(
         evidence.validity.level,

@@ -13,7 +13,7 @@ use super::split_squares::{Rest, SplitSquares};
 use crate::data::column::span;
 use crate::data::{EXACTLY, Hold, Record, Run, holds, last_quarter, mean_output, sensor_step};
 use crate::diagnostics::runs::common_offset::common_offset;
-use crate::numerics::{dot, square_about_mean};
+use crate::numerics::{dot, median, square_about_mean};
 use crate::thresholds::{SHORT_LEVEL_SIGNIFICANCE, STOP_GAIN, STOP_SHORT};
 
 /// Commands that show a line and its end at least: those of the line, and those of an end that rest at one angle with another. With fewer, a
@@ -372,11 +372,12 @@ impl Split {
         let (first, last) = (end.first()?, end.last()?);
         let known = self.runs.iter().filter(|(_, _, count)| *count > 0.0);
         let offsets: Vec<f64> = known.map(|(u, y, _)| y - self.slope * u).collect();
-        let outputs: f64 = end.iter().map(|rest| self.beside_run(rest)).sum();
+        // A mean is moved by a hold that ends just before the stop.
+        let rest = median(end.iter().map(|rest| self.beside_run(rest)).collect())?;
         let mut commands: Vec<f64> = end.iter().map(|rest| rest.command).collect();
         commands.dedup();
         Some(TravelEnd {
-            rest: outputs / end.len() as f64 + common_offset(&offsets)?,
+            rest: rest + common_offset(&offsets)?,
             commands: (first.command, last.command),
             count: commands.len(),
             is_shown: true,
@@ -651,5 +652,23 @@ mod tests {
         };
         assert_eq!(found(0.5), [0.5]);
         assert_eq!(found(3.0), [0.0; 0]);
+    }
+
+    /// Levels up to one that is hardly beyond the stop at 6, where some holds end before the servo, which comes there slowly, is.
+    #[test]
+    fn holds_that_end_before_the_stop_do_not_move_it() {
+        let levels = [
+            -9.0, 6.1, -3.0, 9.0, 0.0, 8.0, 3.0, 6.1, -6.0, 8.5, -9.0, 6.1,
+        ];
+        let mut y = 0.0;
+        let mut random = ChaCha8Rng::seed_from_u64(3);
+        let input: Vec<f64> = (0..3840).map(|k| levels[k / 80 % 12]).collect();
+        let follow = |u: &f64| {
+            y = f64::min(y + (u - y) / 20.0, 6.0);
+            y + random.random_range(-0.01..0.01)
+        };
+        let output: Vec<f64> = input.iter().map(follow).collect();
+        let found = stops_of_rests(&Record::of_run(0.01, input, output).unwrap());
+        assert!((found[0] - 6.0).abs() < 0.003, "{found:?}");
     }
 }

@@ -70,11 +70,11 @@ pub enum Withheld {
     ResponseNotOver,
     /// All of them: they rest on frequencies that the input does not excite.
     InputUnexcited,
-    /// All of them: they rest on frequencies that were left out because the caller asked for so few.
+    /// All but the interval of the gain, if there is one: they rest on frequencies that were left out.
     FrequenciesLeftOut,
     /// All but the gain, if that: plain and generalised least squares give different ones.
     EstimatorsDisagree,
-    /// All but the gain: they are relative to it, and it may be zero.
+    /// All but the interval of the gain, if there is one: they are relative to it, and it may be zero.
     GainMayBeZero,
 }
 
@@ -299,8 +299,11 @@ impl Metrics {
         ]
     }
 
-    /// The values without their bounds.
+    /// The values without their bounds. A gain that may be zero has none: only its interval says how little is known of it.
     pub(crate) fn withdrawn(mut self, reason: Reason) -> Self {
+        if let Some(Withheld::GainMayBeZero | Withheld::FrequenciesLeftOut) = self.withheld {
+            self.dc_gain = Interval::default();
+        }
         for interval in [
             &mut self.dc_gain,
             &mut self.rise_time_s,
@@ -366,6 +369,18 @@ mod tests {
         assert_eq!(why_unknown(gain, 0.0), Withheld::GainMayBeZero);
         let noisy = Interval::new(0.094, -0.1, 0.288);
         assert_eq!(why_unknown(noisy, 0.094), Withheld::GainMayBeZero);
+    }
+
+    #[test]
+    fn without_its_interval_a_gain_that_may_be_zero_has_no_value() {
+        let withdrawn = |why: Withheld| {
+            let (gain, level) = (Interval::new(1.3, -0.1, 2.7), MetricBounds { level: 0.99 });
+            let metrics = Metrics::withheld(gain, why, Bounds::Valid(level));
+            metrics.withdrawn(Reason::ErrorsNotNoise).dc_gain.value
+        };
+        assert_eq!(withdrawn(Withheld::GainMayBeZero), None);
+        assert_eq!(withdrawn(Withheld::FrequenciesLeftOut), None);
+        assert_eq!(withdrawn(Withheld::EstimatorsDisagree), Some(1.3));
     }
 
     /// A delay of 10 ms and a lag of 20 ms: -90 degrees where ω 0.01 + atan(ω 0.02) is a quarter turn.

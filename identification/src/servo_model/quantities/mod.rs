@@ -20,9 +20,10 @@ pub(crate) use quantity::widen_delay;
 pub use quantity::{Quantity, Spread, Unit};
 
 /// The quantities of the first of `possible`, with intervals that hold those of all, where bounds hold; elsewhere with those of `others`.
+/// No delay beyond `longest_delay_s` was looked for.
 pub(super) fn quantities(
     possible: &[PossibleServo],
-    critical: f64,
+    (critical, longest_delay_s): (f64, f64),
     level: &Bounds<f64>,
     motion: &ServoMotion,
     others: &[Point],
@@ -35,6 +36,7 @@ pub(super) fn quantities(
         Unit::Output => commands * gain.abs(),
         // What the gears hold of themselves leaves nothing to turn them.
         Unit::One => 1.0,
+        Unit::Seconds => longest_delay_s,
         _ => f64::INFINITY,
     };
     let of = |definition: &Definition| {

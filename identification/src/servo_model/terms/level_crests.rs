@@ -1,10 +1,11 @@
-//! Crests of the output that are at one level though their commands are not: what a stop makes of a motion that never rests.
+//! Crests of the output that are at one level though their commands are not, or that are [cut off](super::cut_crests): what a stop makes of a motion that never rests.
 //!
 //! A response that depends on frequency may do so by chance, so that this alone shows no stop: prediction decides.
 
 use std::ops::Range;
 
-use crate::data::column::extent;
+use super::cut_crests::Tops;
+use crate::data::column::{extent, span};
 use crate::data::{Record, Run};
 use crate::numerics::median;
 
@@ -26,80 +27,146 @@ const APART: f64 = 0.05;
 /// The level of the lower and of the upper crests \[output\], where they have one. The output goes the way of the command, or, of a `gain` below 0, the other way.
 pub(crate) fn level_crests(record: &Record, gain: f64) -> [Option<f64>; 2] {
     [-1.0, 1.0].map(|sign| {
-        let crests = crests(record, sign, sign * gain.signum());
-        level_of(&crests, record).map(|level| sign * level)
+        let sides: Vec<OneSidedRun<'_>> = (record.runs().iter())
+            .map(|run| OneSidedRun::of(run, sign))
+            .collect();
+        let (low, high) = extent(outputs(record))?;
+        let middle = 0.5 * sign * (low + high);
+        let crests = (sides.iter()).flat_map(|side| side.crests(middle, sign * gain.signum()));
+        let crests: Vec<Crest<'_>> = crests.collect();
+        Level::of(&crests, record)?
+            .output()
+            .map(|level| sign * level)
     })
 }
 
-/// A stretch of outputs beyond the middle of the range.
-struct Crest {
-    /// The farthest command in it and in as many samples before, times the sign of the side.
-    command: f64,
-    /// The largest mean, times that sign.
-    top: f64,
-    /// Each mean with the output in its middle, times that sign.
-    means: Vec<(f64, f64)>,
+/// One side of the motion in one run: outputs times -1 for the lower one.
+struct OneSidedRun<'a> {
+    commands: &'a [f64],
+    outputs: Vec<f64>,
+    /// The mean around each output. The first and the last have none.
+    means: Vec<f64>,
 }
 
-/// The crests of one side, -1 the lower and 1 the upper one, whose commands go `towards` -1 or 1.
-fn crests(record: &Record, sign: f64, towards: f64) -> Vec<Crest> {
-    let Some((low, high)) = extent(outputs(record)) else {
-        return Vec::new();
-    };
-    let middle = 0.5 * sign * (low + high);
-    let of_run = |run: &Run<'_>| {
-        let means = means(run.output(), sign);
-        let is_beyond: Vec<bool> = means.iter().map(|(mean, _)| *mean > middle).collect();
-        let crest = |within: Range<usize>| {
-            let before = within.start.saturating_sub(within.len());
-            let commands = run.input()[before..within.end].iter();
-            let means = means[within].to_vec();
+impl<'a> OneSidedRun<'a> {
+    fn of(run: &'a Run<'_>, sign: f64) -> Self {
+        let outputs: Vec<f64> = run.output().iter().map(|y| sign * y).collect();
+        let mut means = vec![f64::NAN; outputs.len()];
+        for (of, mean) in (outputs.windows(MEAN_OF)).zip(means.iter_mut().skip(MEAN_OF / 2)) {
+            *mean = of.iter().sum::<f64>() / MEAN_OF as f64;
+        }
+        Self {
+            commands: run.input(),
+            outputs,
+            means,
+        }
+    }
+
+    /// The stretches beyond the `middle`, where commands go `towards` -1 or 1.
+    fn crests(&self, middle: f64, towards: f64) -> Vec<Crest<'_>> {
+        let is_beyond: Vec<bool> = self.means.iter().map(|mean| *mean > middle).collect();
+        let crest = |rows: Range<usize>| {
+            let before = rows.start.saturating_sub(rows.len());
+            let commands = self.commands[before..rows.end].iter();
             Crest {
                 command: commands.fold(f64::NEG_INFINITY, |far, u| far.max(towards * u)),
-                top: means.iter().map(|(mean, _)| *mean).fold(middle, f64::max),
-                means,
+                top: self.means[rows.clone()]
+                    .iter()
+                    .copied()
+                    .fold(middle, f64::max),
+                side: self,
+                rows,
             }
         };
-        let found = stretches_of(&is_beyond).into_iter().map(crest);
-        found.collect::<Vec<_>>()
-    };
-    record.runs().iter().flat_map(of_run).collect()
+        stretches_of(&is_beyond).into_iter().map(crest).collect()
+    }
 }
 
-/// The mean around each output and the output itself, times `sign`. The first and the last have no mean.
-fn means(outputs: &[f64], sign: f64) -> Vec<(f64, f64)> {
-    let mut means: Vec<(f64, f64)> = outputs.iter().map(|y| (f64::NAN, sign * y)).collect();
-    for (of, mean) in outputs
-        .windows(MEAN_OF)
-        .zip(means.iter_mut().skip(MEAN_OF / 2))
-    {
-        mean.0 = sign * of.iter().sum::<f64>() / MEAN_OF as f64;
-    }
-    means
+/// A stretch of outputs beyond the middle of the range.
+struct Crest<'a> {
+    side: &'a OneSidedRun<'a>,
+    rows: Range<usize>,
+    /// The farthest command in it and in as many samples before, times the sign of the side.
+    command: f64,
+    /// The largest mean.
+    top: f64,
 }
 
-/// The level at which the farthest crests are, times the sign of their side.
-fn level_of(crests: &[Crest], record: &Record) -> Option<f64> {
-    let (commands, outputs) = (extent(inputs(record))?, extent(outputs(record))?);
-    let range = outputs.1 - outputs.0;
-    let [least, most] = LEVEL_SHARES.map(|share| share * range);
-    let noise = noise(record)? / (MEAN_OF as f64).sqrt();
-    let tolerance = (LEVEL * noise).clamp(least, most);
-    let farthest = crests.iter().map(|crest| crest.top).reduce(f64::max)?;
-    let is_level = |crest: &&Crest| crest.top > farthest - tolerance;
-    let mut level: Vec<&Crest> = crests.iter().filter(is_level).collect();
-    let (least, most) = extent(level.iter().map(|crest| crest.command))?;
-    let are_apart = most - least > APART * (commands.1 - commands.0);
-    if level.len() < FEWEST || !are_apart {
-        return None;
+impl<'a> Crest<'a> {
+    /// The outputs of the top, if it is cut off.
+    fn cut_off(&self, tops: &Tops) -> Option<&'a [f64]> {
+        let side = self.side;
+        let rows = tops.cut_off(&side.means, side.commands, self.rows.clone())?;
+        // Around the corners some rows are beside it.
+        let corner = rows.len() / 4;
+        Some(&side.outputs[rows.start + corner..rows.end - corner])
     }
-    // The farther the command goes, the longer the output is at a stop.
-    level.sort_by(|a, b| b.command.total_cmp(&a.command));
-    let under_farther = level[..level.len().div_ceil(2)].iter();
-    // The top itself is raised by noise.
-    let is_there = |(mean, _): &&(f64, f64)| *mean > farthest - 2.0 * tolerance;
-    let there = under_farther.flat_map(|crest| crest.means.iter().filter(is_there));
-    median(there.map(|(_, output)| *output).collect())
+}
+
+/// The crests at the level of the farthest one.
+struct Level<'a> {
+    crests: Vec<&'a Crest<'a>>,
+    tops: Tops,
+    /// Range of the command of the record.
+    commands: f64,
+}
+
+impl<'a> Level<'a> {
+    fn of(crests: &'a [Crest<'a>], record: &Record) -> Option<Self> {
+        let (commands, range) = (span(inputs(record))?, span(outputs(record))?);
+        let [least, most] = LEVEL_SHARES.map(|share| share * range);
+        let noise = noise(record)? / (MEAN_OF as f64).sqrt();
+        let tolerance = (LEVEL * noise).clamp(least, most);
+        let farthest = crests.iter().map(|crest| crest.top).reduce(f64::max)?;
+        let is_level = |crest: &&Crest<'_>| crest.top > farthest - tolerance;
+        Some(Self {
+            crests: crests.iter().filter(is_level).collect(),
+            tops: Tops {
+                farthest,
+                tolerance,
+                range,
+                ratio: range / commands,
+            },
+            commands,
+        })
+    }
+
+    /// The output there, times the sign of the side, if it is a stop's.
+    fn output(mut self) -> Option<f64> {
+        self.of_cut_off().or_else(|| self.of_apart())
+    }
+
+    /// That of crests that are cut off.
+    fn of_cut_off(&self) -> Option<f64> {
+        let tops: Vec<&[f64]> = (self.crests.iter())
+            .filter_map(|crest| crest.cut_off(&self.tops))
+            .collect();
+        (tops.len() >= FEWEST).then(|| median(tops.concat()))?
+    }
+
+    /// That of crests whose commands are apart.
+    fn of_apart(&mut self) -> Option<f64> {
+        let Tops {
+            farthest,
+            tolerance,
+            ..
+        } = self.tops;
+        let apart = span(self.crests.iter().map(|crest| crest.command))?;
+        if self.crests.len() < FEWEST || apart <= APART * self.commands {
+            return None;
+        }
+        // The farther the command goes, the longer the output is at a stop.
+        (self.crests).sort_by(|a, b| b.command.total_cmp(&a.command));
+        let under_farther = self.crests[..self.crests.len().div_ceil(2)].iter();
+        // The top itself is raised by noise.
+        let is_there =
+            |row: &usize, side: &OneSidedRun<'_>| side.means[*row] > farthest - 2.0 * tolerance;
+        let there = under_farther.flat_map(|crest| {
+            let rows = crest.rows.clone().filter(|row| is_there(row, crest.side));
+            rows.map(|row| crest.side.outputs[row])
+        });
+        median(there.collect())
+    }
 }
 
 /// Standard deviation of white noise with the fourth differences of the outputs, which motion hardly has.
@@ -191,5 +258,53 @@ mod tests {
         let input: Vec<f64> = (0..2000).map(|k| (0.03 * f64::from(k)).sin()).collect();
         let record = Record::of_run(0.005, input.clone(), input).unwrap();
         assert_eq!(level_crests(&record, 1.0), [None; 2]);
+    }
+
+    /// A sweep of one amplitude, from 0.3 to 4 Hz, as `servo` follows it from row to row.
+    fn swept(mut servo: impl FnMut(f64) -> f64) -> Record<'static> {
+        let phase = |t: f64| std::f64::consts::TAU * (0.3 + 0.5 * 3.7 * t / 20.0) * t;
+        let input: Vec<f64> = (0..4000)
+            .map(|k| 10.0 * phase(0.005 * f64::from(k)).sin())
+            .collect();
+        let output: Vec<f64> = input.iter().map(|u| servo(*u)).collect();
+        Record::of_run(0.005, input, output).unwrap()
+    }
+
+    #[test]
+    fn crests_of_one_command_that_are_cut_off_are_at_a_stop() {
+        let mut y = 0.0;
+        let record = swept(|u| {
+            y = f64::clamp(y + (u - y) / 5.0, -9.0, 6.0);
+            y
+        });
+        assert_eq!(level_crests(&record, 1.0), [Some(-9.0), Some(6.0)]);
+    }
+
+    /// Play or a dead band of a tenth of the sweep, a speed of half of its own, and coming to rest behind a clipped command: tops of the first are flat, of the last level.
+    #[test]
+    fn crests_at_which_other_servos_wait_are_not() {
+        let (mut play, mut dead, mut slow, mut clipped) = (0.0, 0.0, 0.0, 0.0);
+        let records = [
+            swept(|u| {
+                play = f64::clamp(play, u - 1.0, u + 1.0);
+                play
+            }),
+            swept(|u| {
+                let error: f64 = u - dead;
+                dead += (error.abs() - 1.0).max(0.0).copysign(error) / 5.0;
+                dead
+            }),
+            swept(|u| {
+                slow += ((u - slow) / 5.0).clamp(-0.3, 0.3);
+                slow
+            }),
+            swept(|u| {
+                clipped += (u.clamp(-6.0, 6.0) - clipped) / 20.0;
+                clipped
+            }),
+        ];
+        for record in records {
+            assert_eq!(level_crests(&record, 1.0), [None; 2]);
+        }
     }
 }
