@@ -3,18 +3,18 @@
 use serde::{Deserialize, Serialize};
 
 use crate::data::Quantisation;
-use crate::diagnostics::feedback::Feedback;
-use crate::diagnostics::hold_scatter::HoldScatter;
-use crate::diagnostics::hum::Hum;
-use crate::diagnostics::initial_rest::Contradicted;
+use crate::diagnostics::causality::feedback::Feedback;
+use crate::diagnostics::commands::noisy_commands::CommandNoise;
+use crate::diagnostics::holds::hold_scatter::HoldScatter;
 use crate::diagnostics::linearity::Linearity;
 use crate::diagnostics::misfit::Misfit;
-use crate::diagnostics::noisy_commands::CommandNoise;
+use crate::diagnostics::noise::hum::Hum;
+use crate::diagnostics::noise::uneven_noise::UnevenNoise;
+use crate::diagnostics::outlying::taken_out::TakenOut;
 use crate::diagnostics::prior_outcome::PriorOutcome;
-use crate::diagnostics::run_scatter::RunComparison;
-use crate::diagnostics::slow_end::{AllowedEnd, SlowEnd};
-use crate::diagnostics::taken_out::TakenOut;
-use crate::diagnostics::uneven_noise::UnevenNoise;
+use crate::diagnostics::response_end::slow_end::{AllowedEnd, SlowEnd};
+use crate::diagnostics::runs::initial_rest::Contradicted;
+use crate::diagnostics::runs::run_scatter::RunComparison;
 use crate::estimation::{BankCandidate, Excitation, OrderCandidate, Solver};
 use crate::results::{Bounds, Model};
 use crate::selection::Choice;

@@ -1,120 +1,91 @@
 //! How far to trust a result: tests of its errors, and advice.
+//!
+//! | room | asks |
+//! |---|---|
+//! | `residuals` | what a fit leaves of a record, and whether it is white and free of the input |
+//! | `commands`, `causality`, `times` | whether the columns are what they are taken for |
+//! | `outlying`, `noise` | what the noise is, besides one stationary process |
+//! | `holds`, `runs` | what differs from hold to hold and from run to run |
+//! | `response_end`, `travel` | where the response ends, and where the servo does |
+//! | `linearity`, `misfit` | whether the errors are made by the model |
+//! | `validity` | which of the bounds hold after all of this |
+//! | `explanation`, `advice` | what people read of it |
 
 mod advice;
-mod answer_scatter;
-mod arrival;
-mod changed_servo;
-mod clustered_errors;
-mod command_errors;
-mod common_offset;
-mod correlogram;
-mod delayed_response;
+mod causality;
+mod commands;
 mod explanation;
-mod feedback;
-mod filtered_rows;
-mod flat_end;
-mod further_columns;
-mod gain_drift;
-mod held_output;
-mod held_run;
-mod hold_scatter;
-mod hum;
-mod inexact_commands;
-mod initial_rest;
-mod input_band;
-mod input_origin;
-mod lag_drift;
-mod late_command;
-mod level_answers;
-mod level_effects;
-mod level_scatter;
+mod holds;
 mod linearity;
 mod misfit;
-mod moves_again;
-mod noise_prediction;
-mod noisy_commands;
-mod other_strokes;
-mod outliers;
-mod output_lead;
-mod part_means;
+mod noise;
+mod outlying;
 mod prior_outcome;
-mod residual_tests;
-mod rests_within_holds;
-mod rise_at_end;
-mod rounded_commands;
-mod run_blocks;
-mod run_equations;
-mod run_offsets;
-mod run_scatter;
-mod run_trends;
-mod servo_mean;
-mod servo_stopped;
-mod simulation_error;
-mod slow_end;
-mod slow_errors;
-mod slow_servo;
-mod spikes;
-mod split_squares;
-mod standstill_noise;
-mod tails;
-mod taken_out;
-mod time_fault;
-mod travel_end;
-mod uneven_noise;
+mod residuals;
+mod response_end;
+mod runs;
+mod times;
+mod travel;
 mod validity;
 
 pub use crate::estimation::{Excitation, OrderCandidate, Solver};
 pub use crate::selection::{Choice, SettlingCandidate};
 pub(crate) use advice::{Evidence, gather_advice};
-pub use arrival::{Approach, Arrival};
-pub use correlogram::Correlogram;
+pub use causality::feedback::Feedback;
+pub(crate) use causality::feedback::feedback;
+pub(crate) use causality::input_origin::explained_by_output;
+pub(crate) use commands::inexact_commands::{
+    InexactCommands, allow_for_inexact_commands, noise_of_commands,
+};
+pub(crate) use commands::input_band::{comes_back, lowest_excited};
+pub use commands::noisy_commands::CommandNoise;
 pub use explanation::{Bank, Explanation, Resolution};
-pub use feedback::Feedback;
-pub(crate) use feedback::feedback;
-pub(crate) use flat_end::TravelEnd;
-pub use flat_end::stops_of_rests;
-pub(crate) use gain_drift::gain_drift;
-pub use hold_scatter::HoldScatter;
-pub(crate) use hold_scatter::allow_for_hold_scatter;
-pub use hum::Hum;
-pub(crate) use hum::{HumLine, hum};
-pub(crate) use inexact_commands::{InexactCommands, allow_for_inexact_commands, noise_of_commands};
-pub use initial_rest::Contradicted;
-pub(crate) use initial_rest::contradicted_rest;
-pub(crate) use input_band::{comes_back, lowest_excited};
-pub(crate) use input_origin::explained_by_output;
-pub(crate) use level_effects::LevelEffects;
+pub use holds::hold_scatter::HoldScatter;
+pub(crate) use holds::hold_scatter::allow_for_hold_scatter;
+pub(crate) use holds::level_effects::LevelEffects;
+pub(crate) use holds::moves_again::moves_again;
+pub(crate) use holds::rests_within_holds::{moves_after, rests_within};
 pub(crate) use linearity::test_linearity;
 pub use linearity::{BetweenRuns, Linearity};
+pub(crate) use misfit::slow_errors::SlowErrors;
 pub(crate) use misfit::{BothEstimators, followed_after, rank, settlings, unexcited_above_hz};
 pub use misfit::{Misfit, MisfitEvidence, Prediction};
-pub(crate) use moves_again::moves_again;
-pub use noisy_commands::CommandNoise;
-pub(crate) use outliers::{Outliers, outliers};
+pub use noise::hum::Hum;
+pub(crate) use noise::hum::{HumLine, hum};
+pub use noise::standstill_noise::StandstillNoise;
+pub(crate) use noise::standstill_noise::against_standstill;
+pub use noise::uneven_noise::UnevenNoise;
+pub(crate) use noise::uneven_noise::allow_for_uneven_noise;
+pub(crate) use outlying::outliers::{Outliers, outliers};
+pub use outlying::taken_out::TakenOut;
 pub use prior_outcome::PriorOutcome;
-pub use residual_tests::WHITENESS_LAGS;
-pub(crate) use residual_tests::{INPUT_LAGS, WHITENESS_SAMPLES, input_independence, whiteness};
-pub(crate) use rests_within_holds::{moves_after, rests_within};
-pub(crate) use rise_at_end::rise_at_end;
-pub(crate) use run_offsets::{RunOffsets, allow_for_run_offsets, differing_means, run_offsets};
-pub use run_scatter::{Deviation, Difference, RunComparison, RunDifference, Scatter};
-pub(crate) use run_trends::{RunTrends, allow_for_run_trends, drift, slopes_left, trend_at};
-pub(crate) use servo_mean::allow_for_scatter;
-pub use servo_stopped::ServoStopped;
-pub(crate) use simulation_error::{
+pub use residuals::correlogram::Correlogram;
+pub use residuals::residual_tests::WHITENESS_LAGS;
+pub(crate) use residuals::residual_tests::{
+    INPUT_LAGS, WHITENESS_SAMPLES, input_independence, whiteness,
+};
+pub(crate) use residuals::simulation_error::{
     Simulated, beginnings, one_step_errors, simulated, simulated_whole, square,
 };
-pub use slow_end::{AllowedEnd, SlowEnd};
-pub(crate) use slow_end::{
+pub(crate) use response_end::rise_at_end::rise_at_end;
+pub use response_end::slow_end::{AllowedEnd, SlowEnd};
+pub(crate) use response_end::slow_end::{
     EstimatedEnd, Regression, RegressionRun, SlowColumns, is_unseen as end_is_unseen,
 };
-pub(crate) use slow_errors::SlowErrors;
-pub(crate) use slow_servo::SlowServo;
-pub use standstill_noise::StandstillNoise;
-pub(crate) use standstill_noise::against_standstill;
-pub(crate) use tails::Tails;
-pub use taken_out::TakenOut;
-pub(crate) use time_fault::TimeFault;
-pub use uneven_noise::UnevenNoise;
-pub(crate) use uneven_noise::allow_for_uneven_noise;
+pub(crate) use response_end::slow_servo::SlowServo;
+pub(crate) use response_end::tails::Tails;
+pub(crate) use runs::gain_drift::gain_drift;
+pub use runs::initial_rest::Contradicted;
+pub(crate) use runs::initial_rest::contradicted_rest;
+pub(crate) use runs::run_offsets::{
+    RunOffsets, allow_for_run_offsets, differing_means, run_offsets,
+};
+pub use runs::run_scatter::{Deviation, Difference, RunComparison, RunDifference, Scatter};
+pub(crate) use runs::run_trends::{RunTrends, allow_for_run_trends, drift, slopes_left, trend_at};
+pub(crate) use runs::servo_mean::allow_for_scatter;
+pub(crate) use times::time_fault::TimeFault;
+pub use travel::arrival::{Approach, Arrival};
+pub(crate) use travel::flat_end::TravelEnd;
+pub use travel::flat_end::stops_of_rests;
+pub use travel::servo_stopped::ServoStopped;
 pub(crate) use validity::{Validity, ValidityEvidence};

@@ -3,14 +3,14 @@
 //! This is the one place where that is decided, from the evidence alone, before anything is drawn or written.
 //! Nothing else makes bounds valid; everything else derives its own from the level that is given here.
 
-use crate::diagnostics::flat_end::TravelEnd;
-use crate::diagnostics::gain_drift::GainDrift;
-use crate::diagnostics::inexact_commands::Inexact;
+use crate::diagnostics::commands::inexact_commands::Inexact;
 use crate::diagnostics::misfit::Misfit;
-use crate::diagnostics::rise_at_end::rise_at_end;
-use crate::diagnostics::servo_stopped::ServoStopped;
-use crate::diagnostics::slow_servo::SlowServo;
-use crate::diagnostics::time_fault::TimeFault;
+use crate::diagnostics::response_end::rise_at_end::rise_at_end;
+use crate::diagnostics::response_end::slow_servo::SlowServo;
+use crate::diagnostics::runs::gain_drift::GainDrift;
+use crate::diagnostics::times::time_fault::TimeFault;
+use crate::diagnostics::travel::flat_end::TravelEnd;
+use crate::diagnostics::travel::servo_stopped::ServoStopped;
 use crate::estimation::{Excitation, FsfBasis};
 use crate::results::{Bounds, Interval, Metrics, Reason, SelectedBy, Withheld};
 use crate::thresholds::DISAGREEMENT;

@@ -1,18 +1,13 @@
 //! Linear models beside the servo model, in its own measure: the fit of parts of the record that each has not seen.
 //!
-//! The parts are the folds of the [ladder](super::ladder). For each fold, every model is identified again from the record
+//! The parts are the folds of the [ladder](crate::servo_model::terms::ladder). For each fold, every model is identified again from the record
 //! without the outputs of the fold, with the structure or the terms that the whole record gave it. It is simulated from the input
 //! alone and predicts the fold. A run that the servo model begins at rest at its first output begins so in a linear model. The
 //! samples that count are those that all models predict: of a run that begins in motion, a linear model knows nothing for N samples.
 
-use super::coordinates::Point;
 use super::estimate::{CLIP, ServoModelOptions, fit_watched, longest_delay_s};
-use super::fit::{Problem, clipped_square};
-use super::initial_state::find_starts;
 use super::model::{LinearKind, LinearModelFit, LinearModels, ServoModel};
 use super::search_progress::Watch;
-use super::starting_values::Shown;
-use super::stretches::{FOLDS, Stretch, stretches};
 use crate::data::{Moments, Record, Run};
 use crate::error::Error;
 use crate::estimation::{Coordinates, accurate_fit};
@@ -20,6 +15,11 @@ use crate::nonlinear::{split_by_direction, split_with};
 use crate::numerics::{causal_filter, square_about_mean};
 use crate::options::NoiseOrder;
 use crate::results::{Model, command_before, fit_percent};
+use crate::servo_model::descent::coordinates::Point;
+use crate::servo_model::descent::fit::{Problem, clipped_square};
+use crate::servo_model::descent::initial_state::find_starts;
+use crate::servo_model::descent::starting_values::Shown;
+use crate::servo_model::stretches::{FOLDS, Stretch, stretches};
 use servoid_dynamics::{Grid, simulate};
 
 /// Steps of the descent without a fold, from the servo of the whole record.

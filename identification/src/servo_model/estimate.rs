@@ -1,30 +1,30 @@
 //! From a record to a servo.
 //!
-//! The terms are chosen by the [ladder](super::ladder), the parameters of the chosen ones are polished, and the evidence decides
+//! The terms are chosen by the [ladder](crate::servo_model::terms::ladder), the parameters of the chosen ones are polished, and the evidence decides
 //! whether bounds hold.
 
 use super::candidates::Candidates;
-use super::coordinates::{LoadKind, Point, Terms};
-use super::covariance::Uncertainty;
-use super::descent::Descent;
-use super::ladder::{Climbed, Ladder, Rung, misses};
-use super::limit_at_work::LimitsAtWork;
 use super::model::{Alternative, Covariance, LadderRung, MOST_CONTROLLERS, ServoFit, ServoModel};
-use super::motion::largest_error;
-use super::possible_servo::PossibleServo;
 use super::quantities::quantities;
-use super::reached_speeds::ReachedSpeeds;
-use super::run_offsets;
 use super::search_progress::Watch;
-use super::starting_values::Shown;
-use super::stops::PossibleStops;
-use super::stretches::{Stretch, stretches};
-use super::validity::against;
 use crate::data::column::span;
 use crate::data::{Quantisation, Record};
 use crate::error::Error;
 use crate::nonlinear::SpeedLimits;
 use crate::results::{Bounds, Noise, Reason, fit_percent, pointwise_critical};
+use crate::servo_model::descent::chosen_terms::Descent;
+use crate::servo_model::descent::coordinates::{LoadKind, Point, Terms};
+use crate::servo_model::descent::starting_values::Shown;
+use crate::servo_model::motion::reached_speeds::ReachedSpeeds;
+use crate::servo_model::motion::simulated_motion::largest_error;
+use crate::servo_model::quantities::limit_at_work::LimitsAtWork;
+use crate::servo_model::stretches::{Stretch, stretches};
+use crate::servo_model::terms::ladder::{Climbed, Ladder, Rung, misses};
+use crate::servo_model::terms::stops::PossibleStops;
+use crate::servo_model::uncertainty::covariance::Uncertainty;
+use crate::servo_model::uncertainty::possible_servo::PossibleServo;
+use crate::servo_model::uncertainty::run_offsets;
+use crate::servo_model::uncertainty::validity::against;
 use crate::thresholds::RUN_OFFSETS_LEAVE;
 use faer::Mat;
 use servoid_dynamics::{Grid, Stops};

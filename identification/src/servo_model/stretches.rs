@@ -16,21 +16,21 @@ const SHORTEST: usize = 4;
 
 /// Consecutive samples of one run with all inputs known.
 #[derive(Clone, Debug)]
-pub(super) struct Stretch {
+pub(crate) struct Stretch {
     /// Index of the run in the record.
-    pub(super) run: usize,
+    pub(crate) run: usize,
     /// Its first sample in the run.
-    pub(super) first: usize,
+    pub(crate) first: usize,
     /// The commands.
-    pub(super) input: Vec<f64>,
+    pub(crate) input: Vec<f64>,
     /// The outputs, NaN where missing.
-    pub(super) output: Vec<f64>,
+    pub(crate) output: Vec<f64>,
     /// Which of the controllers drove it.
-    pub(super) controller: usize,
+    pub(crate) controller: usize,
     /// The servo stood still before it, under this command.
-    pub(super) at_rest: Option<f64>,
+    pub(crate) at_rest: Option<f64>,
     /// The state at its first sample.
-    pub(super) start: Start<f64>,
+    pub(crate) start: Start<f64>,
     /// Number of its first block in the record.
     first_block: usize,
     /// Samples in each of its blocks, but for the last.
@@ -39,18 +39,18 @@ pub(super) struct Stretch {
 
 impl Stretch {
     /// The block of sample `k`.
-    pub(super) fn block(&self, k: usize) -> usize {
+    pub(crate) fn block(&self, k: usize) -> usize {
         self.first_block + k / self.block_length
     }
 
     /// Its blocks.
-    pub(super) fn blocks(&self) -> Range<usize> {
+    pub(crate) fn blocks(&self) -> Range<usize> {
         self.first_block..self.first_block + self.input.len().div_ceil(self.block_length)
     }
 }
 
 /// The stretches of a record, and the fold that each of their blocks belongs to. `controllers` has the controller of each run.
-pub(super) fn stretches(record: &Record, controllers: &[usize]) -> (Vec<Stretch>, Vec<usize>) {
+pub(crate) fn stretches(record: &Record, controllers: &[usize]) -> (Vec<Stretch>, Vec<usize>) {
     let record = &record.with_bridged_inputs();
     let block_length = (record.samples() / BLOCKS).max(1);
     let mut all: Vec<Stretch> = Vec::new();
@@ -130,7 +130,7 @@ fn first_rest(input: &[f64], output: &[f64], at_rest: Option<f64>) -> f64 {
 
 /// Standard deviation of what changes from sample to sample without a trend, from third differences: robust against
 /// strokes, whose share of the samples is small.
-pub(super) fn noise_sd(output: &[f64]) -> f64 {
+pub(crate) fn noise_sd(output: &[f64]) -> f64 {
     let third = |w: &[f64]| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).abs();
     let mut differences: Vec<f64> = output
         .windows(4)
@@ -146,7 +146,7 @@ pub(super) fn noise_sd(output: &[f64]) -> f64 {
 }
 
 /// Parts that the choice of terms leaves out in turn.
-pub(super) const FOLDS: usize = 4;
+pub(crate) const FOLDS: usize = 4;
 
 /// Deals the blocks to the folds, or whole runs where there is one for each fold. Dealing by the sum of the digits in base
 /// [`FOLDS`] (the generalised Thue-Morse sequence) has no period, so no fold gets all strokes of one direction.

@@ -25,15 +25,22 @@ fn every_path_in_the_glossary_exists() {
     assert!(missing.is_empty(), "{missing:#?}");
 }
 
+/// `folder` and all folders in it, at any depth.
+fn folders_below(folder: &Path) -> Vec<PathBuf> {
+    let inner = std::fs::read_dir(folder).unwrap();
+    let inner = inner.map(|entry| entry.unwrap().path());
+    let mut all: Vec<PathBuf> = inner
+        .filter(|path| path.is_dir())
+        .flat_map(|path| folders_below(&path))
+        .collect();
+    all.push(folder.to_owned());
+    all
+}
+
 #[test]
 fn every_module_that_the_method_names_exists() {
     let text = document("method.md");
-    let sources = workspace().join("identification/src");
-    let rooms: Vec<PathBuf> = std::fs::read_dir(&sources)
-        .unwrap()
-        .map(|entry| entry.unwrap().path())
-        .chain([sources])
-        .collect();
+    let rooms = folders_below(&workspace().join("identification/src"));
     let exists = |module: &String| {
         rooms
             .iter()

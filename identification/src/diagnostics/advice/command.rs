@@ -1,6 +1,6 @@
 //! Findings on the column of the command: whether it is what the servo was sent.
 
-use super::evidence::{Evidence, two_digits};
+use crate::diagnostics::advice::evidence::{Evidence, two_digits};
 use crate::results::{Advice, Check};
 use crate::thresholds::NOISE_MATTERS;
 

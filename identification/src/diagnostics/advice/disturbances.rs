@@ -1,9 +1,9 @@
 //! Findings on what was taken out of the record: glitches and hum.
 
-use super::evidence::{Evidence, two_digits};
-use crate::diagnostics::hum::Hum;
-use crate::diagnostics::other_strokes::LASTING;
-use crate::diagnostics::taken_out::TakenOut;
+use crate::diagnostics::advice::evidence::{Evidence, two_digits};
+use crate::diagnostics::noise::hum::Hum;
+use crate::diagnostics::outlying::other_strokes::LASTING;
+use crate::diagnostics::outlying::taken_out::TakenOut;
 use crate::results::{Advice, Check, Withheld};
 use crate::thresholds::ABOVE_NEIGHBOURS;
 

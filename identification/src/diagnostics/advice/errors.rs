@@ -1,10 +1,10 @@
 //! Findings on the errors: whether they are noise, and whether the noise model fits them.
 
-use super::evidence::Evidence;
+use crate::diagnostics::advice::evidence::Evidence;
 use crate::diagnostics::linearity::Linearity;
+use crate::diagnostics::misfit::slow_errors::SlowErrors;
 use crate::diagnostics::misfit::{Misfit, MisfitEvidence};
-use crate::diagnostics::run_scatter::RunComparison;
-use crate::diagnostics::slow_errors::SlowErrors;
+use crate::diagnostics::runs::run_scatter::RunComparison;
 use crate::options::{MAX_AUTO_ORDER, NoiseOrder};
 use crate::results::{Advice, Bounds, Check, Reason, Withheld};
 use crate::thresholds::{

@@ -4,7 +4,7 @@ use crate::data::{Record, Run};
 use crate::diagnostics::explanation::Explanation;
 use crate::diagnostics::linearity::Linearity;
 use crate::diagnostics::misfit::Misfit;
-use crate::diagnostics::slow_errors::SlowErrors;
+use crate::diagnostics::misfit::slow_errors::SlowErrors;
 use crate::diagnostics::validity::Validity;
 use crate::numerics::with_unit;
 use crate::options::Options;

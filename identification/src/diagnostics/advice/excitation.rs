@@ -1,9 +1,9 @@
 //! Findings on the input and the frequencies taken from it: whether they determine the response.
 
-use super::evidence::{Evidence, two_digits};
-use crate::diagnostics::held_output::input_held_for;
-use crate::diagnostics::inexact_commands::Inexact;
-use crate::diagnostics::output_lead::output_lead;
+use crate::diagnostics::advice::evidence::{Evidence, two_digits};
+use crate::diagnostics::causality::output_lead::output_lead;
+use crate::diagnostics::commands::inexact_commands::Inexact;
+use crate::diagnostics::times::held_output::input_held_for;
 use crate::estimation::Excitation;
 use crate::numerics::four_digits;
 use crate::results::{Advice, Check, Withheld};

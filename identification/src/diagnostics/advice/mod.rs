@@ -13,7 +13,7 @@ mod response;
 mod strokes;
 mod time_fault;
 
-pub(crate) use evidence::Evidence;
+pub(crate) use crate::diagnostics::advice::evidence::Evidence;
 
 use crate::results::Advice;
 

@@ -1,7 +1,7 @@
 //! Findings on the record: whether it is enough, sound for the arithmetic, and of one piece.
 
-use super::evidence::Evidence;
-use crate::diagnostics::run_scatter::{RunComparison, RunDifference};
+use crate::diagnostics::advice::evidence::Evidence;
+use crate::diagnostics::runs::run_scatter::{RunComparison, RunDifference};
 use crate::estimation::{Solver, WELL_CONDITIONED};
 use crate::numerics::two_digits;
 use crate::results::{Advice, Check};

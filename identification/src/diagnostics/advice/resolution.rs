@@ -1,6 +1,6 @@
 //! Findings on the sensor: whether its steps are small enough for the noise.
 
-use super::evidence::{Evidence, two_digits};
+use crate::diagnostics::advice::evidence::{Evidence, two_digits};
 use crate::estimation::Excitation;
 use crate::results::{Advice, Check};
 use crate::thresholds::DITHERED;

@@ -1,6 +1,6 @@
 //! Findings on the response: whether it is over, and which part of it was left out.
 
-use super::evidence::{Evidence, two_digits};
+use crate::diagnostics::advice::evidence::{Evidence, two_digits};
 use crate::diagnostics::{Misfit, rise_at_end};
 use crate::numerics::four_digits;
 use crate::options::Frequencies;

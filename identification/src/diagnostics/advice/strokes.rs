@@ -1,8 +1,8 @@
 //! Finding on strokes of a size that few others in the recording have.
 
-use super::evidence::{Evidence, two_digits};
 use crate::data::{EXACTLY, holds, stroke_sizes};
-use crate::diagnostics::taken_out::TakenOut;
+use crate::diagnostics::advice::evidence::{Evidence, two_digits};
+use crate::diagnostics::outlying::taken_out::TakenOut;
 use crate::numerics::median;
 use crate::results::{Advice, Check};
 

@@ -1,7 +1,7 @@
 //! Findings on times that are not what they are taken for.
 
-use super::evidence::{Evidence, two_digits};
-use crate::diagnostics::time_fault::TimeFault;
+use crate::diagnostics::advice::evidence::{Evidence, two_digits};
+use crate::diagnostics::times::time_fault::TimeFault;
 use crate::results::{Advice, Check};
 use crate::thresholds::LAG_DRIFT_SIGNIFICANCE;
 

@@ -35,11 +35,11 @@ mod reset_test;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
-use crate::diagnostics::simulation_error::{Simulated, explained_by_runs};
-use crate::diagnostics::standstill_noise::StandstillNoise;
+use crate::diagnostics::linearity::reset_test::{ResetTest, RunRows, slower_speed_over};
+use crate::diagnostics::noise::standstill_noise::StandstillNoise;
+use crate::diagnostics::residuals::simulation_error::{Simulated, explained_by_runs};
 use crate::estimation::{GlsFit, RowInformation};
 use crate::thresholds::{MATERIAL_MISFIT_PERCENT, MISFIT_SIGNIFICANCE};
-use reset_test::{ResetTest, RunRows, slower_speed_over};
 
 /// Result of the test.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -5,10 +5,10 @@ use std::ops::Range;
 use faer::Mat;
 
 use crate::data::{EXACTLY, Moments, Run, holds};
-use crate::diagnostics::filtered_rows::{filtered, only, present, with_history};
-use crate::diagnostics::further_columns::FurtherColumns;
-use crate::diagnostics::residual_tests::ScoreTest;
-use crate::diagnostics::simulation_error::Simulated;
+use crate::diagnostics::residuals::filtered_rows::{filtered, only, present, with_history};
+use crate::diagnostics::residuals::further_columns::FurtherColumns;
+use crate::diagnostics::residuals::residual_tests::ScoreTest;
+use crate::diagnostics::residuals::simulation_error::Simulated;
 use crate::estimation::{GlsFit, noise_filter};
 use crate::numerics::{causal_filter, dot, times};
 

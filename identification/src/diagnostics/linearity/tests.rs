@@ -3,7 +3,7 @@
 use super::*;
 use crate::data::{Moments, Record, Run};
 use crate::diagnostics::linearity::reset_test::FUNCTIONS;
-use crate::diagnostics::simulation_error::simulated;
+use crate::diagnostics::residuals::simulation_error::simulated;
 use crate::estimation::{Coordinates, FsfBasis, GlsFit, GlsOptions, noise_filter};
 use crate::numerics::{dot, times};
 use crate::options::NoiseOrder;

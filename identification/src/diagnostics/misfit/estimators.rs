@@ -3,7 +3,7 @@
 use super::evidence::MisfitEvidence;
 use crate::data::Moments;
 use crate::diagnostics::linearity::Linearity;
-use crate::diagnostics::simulation_error::square;
+use crate::diagnostics::residuals::simulation_error::square;
 use crate::estimation::{
     Coordinates, FIRST_ORDER, FsfBasis, GlsFit, GlsOptions, NestedBanks, RowInformation,
     complete_bank_rss,

@@ -17,6 +17,7 @@
 mod estimators;
 mod evidence;
 mod ranking;
+pub(super) mod slow_errors;
 
 pub(crate) use estimators::{BothEstimators, followed_after, unexcited_above_hz};
 pub use evidence::{Misfit, MisfitEvidence, Prediction};

@@ -3,7 +3,7 @@
 use super::estimators::plain;
 use super::evidence::Prediction;
 use crate::data::{MomentStream, Moments, Record};
-use crate::diagnostics::simulation_error::square;
+use crate::diagnostics::residuals::simulation_error::square;
 use crate::estimation::{
     Coordinates, FIRST_ORDER, FsfBasis, GlsFit, GlsOptions, NestedBanks, RowInformation,
 };

@@ -8,9 +8,9 @@ mod table;
 mod trial;
 mod truth;
 
-use super::coordinates::Terms;
 use super::{ServoModelOptions, fit};
 use crate::data::Record;
+use crate::servo_model::descent::coordinates::Terms;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;

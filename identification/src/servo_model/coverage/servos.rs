@@ -1,7 +1,9 @@
 //! Servos drawn at random, within the model's class and a little outside of it.
 
 use super::truth::{Beyond, Truth};
-use crate::servo_model::coordinates::{Coordinate, FRICTION_SPEED_SHARE, LoadKind, Point, Terms};
+use crate::servo_model::descent::coordinates::{
+    Coordinate, FRICTION_SPEED_SHARE, LoadKind, Point, Terms,
+};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use servoid_dynamics::Stops;

@@ -1,6 +1,6 @@
 //! Servos that are computed apart from the model: their own scheme, finer steps, and parts that the equation does not have.
 
-use crate::servo_model::coordinates::Point;
+use crate::servo_model::descent::coordinates::Point;
 use servoid_dynamics::ServoParameters;
 
 /// Step of the integration \[s\]: a tenth of the shortest that the model takes.

@@ -7,7 +7,7 @@ use rand_distr::{Distribution, StandardNormal};
 use super::{PERIOD_S, point, require_intervals, response, value};
 use crate::data::Record;
 use crate::results::Interval;
-use crate::servo_model::coordinates::{Coordinate, Terms};
+use crate::servo_model::descent::coordinates::{Coordinate, Terms};
 use crate::servo_model::{QuantityKind, ServoModelOptions, fit, quantities};
 
 #[test]

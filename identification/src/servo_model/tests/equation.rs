@@ -3,7 +3,7 @@
 use servoid_dynamics::{Dual, Grid, Scalar, Start, simulate};
 
 use super::{PERIOD_S, point, response, strokes, value};
-use crate::servo_model::coordinates::{LoadKind, Terms};
+use crate::servo_model::descent::coordinates::{LoadKind, Terms};
 
 fn largest(a: &[f64], b: &[f64]) -> f64 {
     a.iter()

@@ -14,9 +14,9 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use servoid_dynamics::{Grid, Start, Stops, simulate};
 
-use super::coordinates::{Coordinate, FRICTION_SPEED_SHARE, Point, Terms};
 use super::{ServoModelOptions, fit, quantities};
 use crate::data::Record;
+use crate::servo_model::descent::coordinates::{Coordinate, FRICTION_SPEED_SHARE, Point, Terms};
 
 const PERIOD_S: f64 = 0.002;
 

@@ -3,7 +3,7 @@
 use super::{PERIOD_S, noisy, point, strokes, value};
 use crate::data::Record;
 use crate::results::{Bounds, Interval, Reason};
-use crate::servo_model::coordinates::{Coordinate, Terms};
+use crate::servo_model::descent::coordinates::{Coordinate, Terms};
 use crate::servo_model::{Alternative, ServoModel, ServoModelOptions, Spread, fit};
 
 /// A shaft that is held has no gain, and a model of it has errors that are noise.

@@ -2,7 +2,7 @@
 
 use super::{PERIOD_S, noisy, point, require_intervals, strokes, value};
 use crate::data::{Record, Run};
-use crate::servo_model::coordinates::{Coordinate, LoadKind, Point, Terms};
+use crate::servo_model::descent::coordinates::{Coordinate, LoadKind, Point, Terms};
 use crate::servo_model::{ServoModelOptions, fit, quantities};
 
 #[test]

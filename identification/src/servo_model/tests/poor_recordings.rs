@@ -2,7 +2,7 @@
 
 use super::{PERIOD_S, noisy, point, strokes, value};
 use crate::data::{Record, Run};
-use crate::servo_model::coordinates::Terms;
+use crate::servo_model::descent::coordinates::Terms;
 use crate::servo_model::{ServoModelOptions, fit};
 
 /// Missing samples, a stop in the middle of the travel, a servo that is switched off half-way, a single stroke, a glitch: numbers

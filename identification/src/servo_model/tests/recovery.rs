@@ -6,7 +6,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::{PERIOD_S, noisy, point, response, strokes, value, with_noise};
 use crate::data::Record;
-use crate::servo_model::coordinates::{Coordinate, Terms};
+use crate::servo_model::descent::coordinates::{Coordinate, Terms};
 use crate::servo_model::{QuantityKind, ServoModelOptions, fit, quantities};
 
 #[test]

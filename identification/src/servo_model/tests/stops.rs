@@ -2,7 +2,7 @@
 
 use super::{PERIOD_S, noisy, point, strokes, value};
 use crate::data::Record;
-use crate::servo_model::coordinates::Terms;
+use crate::servo_model::descent::coordinates::Terms;
 use crate::servo_model::{ServoModelOptions, fit};
 
 /// The servo stops at 2 degrees upwards. Downwards it goes to -5, and what is said to be a stop at -3 is none.

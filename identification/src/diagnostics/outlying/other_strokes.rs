@@ -1,0 +1,102 @@
+//! Stretches of outlying samples that belong to strokes of another size.
+//!
+//! A servo whose speed is limited answers all strokes of one size alike, and a linear model describes that without an error. The few strokes of another
+//! size in such a recording, as the half ones from rest and back to it, are then outlying from their beginning on. Glitches of the sensor begin
+//! anywhere, so stretches that begin with these few strokes are no glitches: the servo answers strokes of that size differently, and is not linear.
+
+use std::ops::Range;
+
+use statrs::distribution::{Binomial, DiscreteCDF};
+
+use super::taken_out::TakenOut;
+use crate::data::{EXACTLY, holds};
+use crate::diagnostics::residuals::simulation_error::Simulated;
+use crate::numerics::median;
+use crate::thresholds::{EQUALLY_LARGE, RESIDUAL_SIGNIFICANCE};
+
+/// Samples in a row of which glitches are seldom made.
+pub(crate) const LASTING: usize = 3;
+
+/// A hold, and where the servo is half way through its answer to the stroke that leads into it.
+struct Answer {
+    run: usize,
+    samples: Range<usize>,
+    half: usize,
+    size: f64,
+}
+
+impl Answer {
+    /// Whether these samples begin with the answer.
+    fn begins_with(&self, found: &TakenOut) -> bool {
+        found.samples >= LASTING
+            && found.run == self.run + 1
+            && (self.samples.start..=self.half).contains(&found.sample)
+    }
+
+    fn contains(&self, found: &TakenOut) -> bool {
+        found.run == self.run + 1 && self.samples.contains(&found.sample)
+    }
+}
+
+/// Marks what of `found` belongs to strokes of a size that few others have, where chance would not put as many lasting stretches at their
+/// beginnings; with the q of each sample, which is above `moving` in motion.
+pub(super) fn mark_other_strokes(
+    found: &mut [TakenOut],
+    runs: &[Simulated<'_>],
+    motions: &[Vec<f64>],
+    moving: f64,
+) {
+    let answers = answers(runs, motions, moving);
+    let Some(usual) = median(answers.iter().map(|answer| answer.size).collect()) else {
+        return;
+    };
+    let unlike =
+        |answer: &&Answer| (answer.size - usual).abs() > EQUALLY_LARGE * answer.size.max(usual);
+    let others: Vec<&Answer> = answers.iter().filter(unlike).collect();
+    let is_met = |answer: &&Answer| found.iter().any(|found| answer.begins_with(found));
+    let met: Vec<&Answer> = others.iter().copied().filter(is_met).collect();
+    // Those of one answer are one event.
+    let lasting_in = |answer: &&Answer| {
+        let mut lasting = found.iter().filter(|found| found.samples >= LASTING);
+        lasting.any(|found| answer.contains(found))
+    };
+    let events = answers.iter().filter(lasting_in).count() as u64;
+    let samples: usize = motions.iter().map(Vec::len).sum();
+    let beginnings: usize = (others.iter())
+        .map(|answer| answer.half + 1 - answer.samples.start)
+        .sum();
+    let chance = Binomial::new(beginnings as f64 / samples.max(1) as f64, events);
+    let (Some(least), Ok(chance)) = ((met.len() as u64).checked_sub(1), chance) else {
+        return;
+    };
+    if chance.sf(least) > RESIDUAL_SIGNIFICANCE {
+        return;
+    }
+    for found in found.iter_mut() {
+        found.other_stroke = met.iter().any(|answer| answer.contains(found));
+    }
+}
+
+/// The answers to all strokes in which the servo moves.
+fn answers(runs: &[Simulated<'_>], motions: &[Vec<f64>], moving: f64) -> Vec<Answer> {
+    let mut answers = Vec::new();
+    for (index, (simulated, motion)) in runs.iter().zip(motions).enumerate() {
+        for hold in holds(&simulated.run, EXACTLY) {
+            let Some(before) = hold.before else {
+                continue;
+            };
+            let in_motion: Vec<usize> = (hold.samples.clone())
+                .filter(|k| motion.get(*k).is_some_and(|q| *q > moving))
+                .collect();
+            if let Some(half) = in_motion.get(in_motion.len() / 2) {
+                answers.push(Answer {
+                    run: index,
+                    half: *half,
+                    size: (hold.level - before).abs(),
+                    samples: hold.samples,
+                });
+            }
+        }
+    }
+    answers
+}

@@ -1,0 +1,129 @@
+//! A trend of each run.
+//!
+//! Where the output drifts as the input does not explain, each run has a straight line of its own in the regression, about
+//! the middle of the run. Estimates of the slopes are taken out of the output, fit and slopes in turns, and the covariance of the
+//! response is that of the regression with a column for each run, as for [offsets](crate::diagnostics::runs::run_offsets).
+
+use faer::Mat;
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+
+use crate::data::{Moments, Run};
+use crate::diagnostics::residuals::filtered_rows::{filtered, only, present, with_history};
+use crate::diagnostics::residuals::further_columns::FurtherColumns;
+use crate::diagnostics::residuals::part_means::part_means;
+use crate::diagnostics::residuals::simulation_error::Simulated;
+use crate::estimation::{GlsFit, noise_filter};
+use crate::numerics::{cholesky, dot, inverse_of_square, times};
+use crate::thresholds::{DRIFT_SIGNIFICANCE, SHORTEST_SETTLING};
+
+/// The slope of each run \[output per sample\]; empty where there is none.
+pub(crate) type RunTrends = Vec<f64>;
+
+/// Parts of the longest run whose means are compared. Noise that lasts longer than one of them is drift to any test.
+const PARTS: usize = 16;
+
+/// Whether `runs` drift beyond chance.
+pub(crate) fn drift(runs: &[Simulated<'_>]) -> bool {
+    let longest = runs.iter().map(|run| run.errors.len()).max().unwrap_or(0);
+    let length = (longest / PARTS).max(2 * SHORTEST_SETTLING);
+    let (mut explained, mut left, mut count) = (0.0, 0.0, 0);
+    for run in runs {
+        let parts = part_means(&run.errors, length);
+        let mean = |of: fn(&(f64, f64)) -> f64| {
+            parts.iter().map(of).sum::<f64>() / parts.len().max(1) as f64
+        };
+        let (at, level) = (mean(|p| p.0), mean(|p| p.1));
+        let spread: f64 = parts.iter().map(|p| (p.0 - at).powi(2)).sum();
+        let product: f64 = parts.iter().map(|p| (p.0 - at) * (p.1 - level)).sum();
+        let slope = if spread > 0.0 { product / spread } else { 0.0 };
+        explained += slope * product;
+        let off = |p: &(f64, f64)| (p.1 - level - slope * (p.0 - at)).powi(2);
+        left += parts.iter().map(off).sum::<f64>();
+        count += parts.len();
+    }
+    let degrees = (runs.len() as f64, count as f64 - 2.0 * runs.len() as f64);
+    // Without errors there is no drift, and no ratio of their sums.
+    left > 0.0
+        && degrees.1 >= 3.0
+        && FisherSnedecor::new(degrees.0, degrees.1)
+            .is_ok_and(|f| f.sf(explained / degrees.0 / (left / degrees.1)) < DRIFT_SIGNIFICANCE)
+}
+
+/// The trend of slope 1 of a run at sample `k`.
+pub(crate) fn trend_at(run: &Run, k: usize) -> f64 {
+    k as f64 - (run.len() as f64 - 1.0) / 2.0
+}
+
+/// The columns of the trends beside the regression of `fit`, all behind the noise filter.
+struct Columns {
+    /// Of each run: its trend.
+    trends: Vec<Vec<f64>>,
+    /// (Z'Z)^-1 Z'W, with the rows Z of the regression, the offset last, and the trends W.
+    weighted: Mat<f64>,
+    /// (W'W - W'Z (Z'Z)^-1 Z'W)^-1.
+    inverse: Mat<f64>,
+}
+
+impl Columns {
+    /// `None` where the input explains a trend by itself.
+    fn new<'a>(
+        runs: impl Iterator<Item = &'a Run<'a>>,
+        moments: &Moments,
+        fit: &GlsFit,
+    ) -> Option<Self> {
+        let d = noise_filter(&fit.ar);
+        let history = fit.coordinates.basis.settling() + fit.ar.len();
+        let (mut trends, mut crosses) = (Vec::new(), Vec::new());
+        for run in runs {
+            let input = with_history(run, history, moments.centre.0);
+            let rows = run.complete_rows(moments.input_lags(), moments.output_lags());
+            let trend: Vec<f64> = (0..run.len()).map(|k| trend_at(run, k)).collect();
+            let trend = only(&rows, filtered(&trend, &d));
+            // Each by itself: products with several columns at once are rounded otherwise.
+            let mut column = FurtherColumns::new(fit, 1);
+            column.add(&filtered(&input, &d), &[0], &[&trend]);
+            crosses.push(column.cross_moments());
+            trends.push(trend);
+        }
+        let cross = Mat::from_fn(crosses.first()?.nrows(), crosses.len(), |i, r| {
+            crosses[r][(i, 0)]
+        });
+        let weighted = &fit.solution.inverse * &cross;
+        let explained = cross.transpose() * &weighted;
+        let left = Mat::from_fn(trends.len(), trends.len(), |i, j| {
+            let own = if i == j {
+                dot(&trends[i], &trends[i])
+            } else {
+                0.0
+            };
+            own - explained[(i, j)]
+        });
+        Some(Self {
+            inverse: inverse_of_square(&cholesky(&left)?),
+            trends,
+            weighted,
+        })
+    }
+}
+
+/// The slopes that the errors of `fit` leave for a regression with a trend of each of `runs`.
+pub(crate) fn slopes_left(runs: &[Simulated<'_>], moments: &Moments, fit: &GlsFit) -> RunTrends {
+    let Some(columns) = Columns::new(runs.iter().map(|run| &run.run), moments, fit) else {
+        return vec![0.0; runs.len()];
+    };
+    let d = noise_filter(&fit.ar);
+    let score = |(run, trend): (&Simulated<'_>, &Vec<f64>)| {
+        let errors: Vec<f64> = run.errors.iter().copied().map(present).collect();
+        dot(trend, &filtered(&errors, &d))
+    };
+    let scores: Vec<f64> = runs.iter().zip(&columns.trends).map(score).collect();
+    times(&columns.inverse, &scores)
+}
+
+/// The covariance of `fit` becomes that with a trend of each of `runs`.
+pub(crate) fn allow_for_run_trends(runs: &[Run], moments: &Moments, fit: &mut GlsFit) {
+    if let Some(columns) = Columns::new(runs.iter(), moments, fit) {
+        let more = &columns.weighted * &columns.inverse * columns.weighted.transpose();
+        fit.spread_further(1.0, Some(more));
+    }
+}

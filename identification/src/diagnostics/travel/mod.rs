@@ -1,0 +1,7 @@
+//! Where the travel of the servo ends: stops, arrivals, and a servo that stops following.
+
+pub(super) mod arrival;
+pub(super) mod flat_end;
+pub(super) mod servo_stopped;
+pub(super) mod split_squares;
+pub(super) mod travel_end;

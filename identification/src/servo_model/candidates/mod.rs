@@ -1,0 +1,115 @@
+//! The servos that a record may come from: the best one, those that it does not distinguish from it, and whether intervals hold.
+
+pub(super) mod other_fits;
+pub(super) mod other_valleys;
+
+use crate::results::{Bounds, Reason};
+use crate::servo_model::descent::chosen_terms::{Descent, STEPS};
+use crate::servo_model::descent::coordinates::Point;
+use crate::servo_model::descent::fit::Problem;
+use crate::servo_model::descent::starting_values::{Shown, other_starts};
+use crate::servo_model::stretches::Stretch;
+use crate::servo_model::terms::ladder::Climbed;
+use crate::servo_model::uncertainty::covariance::{Uncertainty, uncertainty};
+use crate::servo_model::uncertainty::possible_servo::PossibleServo;
+use crate::servo_model::uncertainty::validity::against;
+use other_fits::fits_of_folds;
+use other_valleys::{with_quick_drive, with_soft_drive, with_sticking};
+
+/// A relative gain below this ends the descent to the best servo.
+const FINE: f64 = 1e-7;
+
+/// What a record says of its servo.
+pub(super) struct Candidates {
+    /// The level of intervals, if they hold.
+    pub(super) level: Bounds<f64>,
+    /// The best servo, and those that the record does not distinguish from it.
+    pub(super) possible: Vec<PossibleServo>,
+    /// Those of other fits, where intervals do not hold.
+    pub(super) other_fits: Vec<Point>,
+    /// The uncertainty of the best one.
+    pub(super) found: Uncertainty,
+}
+
+impl Candidates {
+    /// Finds them in `parts`, whose starts are found anew.
+    pub(super) fn of(
+        parts: &mut [Stretch],
+        fold_of: &[usize],
+        shown: &Shown,
+        climbed: &Climbed,
+        descent: &Descent<'_>,
+        level: Bounds<f64>,
+    ) -> Self {
+        let starts = other_starts(&climbed.best().fit, &descent.problem(parts), shown);
+        let (_, from) = descent.problem(parts).best_descent(starts, STEPS);
+        let fine = Descent {
+            converged: FINE,
+            ..*descent
+        };
+        let best = fine.polished(parts, from);
+        let found = uncertainty(&fine.problem(parts), &best, fold_of.len());
+        let level = level.unless(against(parts, &best, &found));
+        let problem = descent.problem(parts);
+        let mut candidates = Self {
+            level,
+            possible: vec![found.servo_at(best.clone())],
+            other_fits: Vec::new(),
+            found,
+        };
+        let mut others = with_other_terms(&problem, climbed);
+        if candidates.level.valid().is_some() {
+            candidates.add_sticking(&problem, &best, fold_of.len());
+            others.extend(candidates.soft_drive(&problem, &best, climbed, fold_of.len()));
+            // With the covariance of the best: its own knows no end of how quick the drive may be.
+            let quick = with_quick_drive(&problem, &best, fold_of.len());
+            let quick = quick.map(|point| candidates.found.servo_at(point));
+            candidates.possible.extend(quick);
+        }
+        let of = |point: Point| uncertainty(&problem, &point, fold_of.len()).servo_at(point);
+        candidates.possible.extend(others.into_iter().map(of));
+        if candidates.level.withdrawn().is_some() {
+            let members = candidates.possible[1..].iter();
+            let members = members.map(|servo| servo.point.clone());
+            let of_folds = fits_of_folds(&problem, &best, shown, fold_of);
+            candidates.other_fits = members.chain(of_folds).collect();
+        }
+        candidates
+    }
+
+    /// Servos whose friction at rest is gone at lower speeds: possible ones where they fit as well, and the end of the level where they
+    /// fit better.
+    fn add_sticking(&mut self, problem: &Problem<'_>, best: &Point, blocks: usize) {
+        for point in with_sticking(problem, best) {
+            let other = uncertainty(problem, &point, blocks);
+            let is_better = self.found.is_beaten_by(&other);
+            self.level = self
+                .level
+                .unless(is_better.then_some(Reason::ErrorsNotNoise));
+            if !other.is_beaten_by(&self.found) {
+                self.possible.push(other.servo_at(point));
+            }
+        }
+    }
+
+    fn soft_drive(
+        &self,
+        problem: &Problem<'_>,
+        best: &Point,
+        climbed: &Climbed,
+        blocks: usize,
+    ) -> Option<Point> {
+        let linear = &climbed.linear()?.fit;
+        with_soft_drive(problem, best, linear, &self.found.motion.simulated, blocks)
+    }
+}
+
+/// The servos with other terms that predict as well.
+fn with_other_terms(problem: &Problem<'_>, climbed: &Climbed) -> Vec<Point> {
+    let descended = |rung: &usize| {
+        let mut point = climbed.tried[*rung].fit.clone();
+        problem.descend(&mut point, STEPS);
+        point
+    };
+    climbed.others.iter().map(descended).collect()
+}

@@ -1,0 +1,117 @@
+//! Servos with the same terms in other valleys of the surface, which the record hardly distinguishes from the best one.
+//!
+//! The covariance of a fit knows its own valley alone. Three others are known to hide below the noise. Where all strokes are alike,
+//! a limit of the drive acts as a linear servo does: a low top speed and a stiff drive, or a soft drive that is never full. And
+//! friction at rest may be gone at a far lower speed than the equation has it: then a stroke that the record does not have, a small
+//! one, may not move the shaft. A drive that is there at once differs from a quick one by a delay of less than a sample.
+
+use crate::servo_model::descent::coordinates::{Coordinate, Point};
+use crate::servo_model::descent::fit::Problem;
+use crate::servo_model::motion::simulated_motion::largest_error;
+use crate::servo_model::terms::ladder::misses;
+
+/// Steps of each descent.
+const STEPS: usize = 30;
+
+/// The error of full drive from which the soft drive is looked for, as a share of the largest error in the record: where no error
+/// reaches it, nothing shows how the fit depends on it.
+const FULL_AT: f64 = 0.7;
+
+/// Logarithm of the factor by which a drive that is there at once is stiffer and more damped.
+const QUICKER: f64 = 2.0;
+
+/// Speeds at which half of the excess of friction at rest is gone, as shares of the top speed, and the excess from which such
+/// friction is looked for.
+const LOW_SPEED_SHARES: [f64; 2] = [0.01, 0.003];
+const EXCESS: f64 = 1.0;
+
+/// The servo as `point` with a soft drive, unless it misses the record by more than chance beside it. `linear` is the linear servo
+/// of the record, `simulated` are the outputs of `point` by stretch, `blocks` the number of blocks.
+pub(super) fn with_soft_drive(
+    problem: &Problem<'_>,
+    point: &Point,
+    linear: &Point,
+    simulated: &[Vec<f64>],
+    blocks: usize,
+) -> Option<Point> {
+    let servo = point.physics(0, |_, value| value);
+    let errors = (problem.stretches.iter().zip(simulated))
+        .map(|(stretch, output)| largest_error(&servo, &stretch.input, output));
+    let full_at = FULL_AT * errors.fold(0.0, f64::max);
+    let mut soft = soft_drive(point, linear, full_at)?;
+    problem.descend(&mut soft, STEPS);
+    let [own, other] = [point, &soft].map(|servo| problem.by_block(servo, blocks));
+    (!misses(&other, &own)).then_some(soft)
+}
+
+/// The servo as `point` with a drive that brings it to its speed at once, unless it misses the record by more than chance beside it. Where the
+/// motor takes less than a sample period for that, a longer delay makes nearly the same motion, and the logarithm of an endless
+/// drive is beyond any interval.
+pub(super) fn with_quick_drive(
+    problem: &Problem<'_>,
+    point: &Point,
+    blocks: usize,
+) -> Option<Point> {
+    let motor_lag_s = 1.0 / point.physics(0, |_, value| value).limit?.motor_damping;
+    if motor_lag_s > problem.grid.period_s {
+        return None;
+    }
+    let mut quick = point.clone();
+    for faster in [Coordinate::LnStiffness, Coordinate::LnDamping] {
+        let (_, most) = faster.range(problem.longest_delay_s);
+        quick.set(faster, (point.get(faster)? + QUICKER).min(most));
+    }
+    let gained_s = motor_lag_s * (1.0 - (-QUICKER).exp());
+    let delay_s = point.get(Coordinate::Delay)? + gained_s;
+    quick.set(Coordinate::Delay, delay_s.min(problem.longest_delay_s));
+    problem.descend(&mut quick, STEPS);
+    let [own, other] = [point, &quick].map(|servo| problem.by_block(servo, blocks));
+    (!misses(&other, &own)).then_some(quick)
+}
+
+/// The servos as `point` whose friction at rest is gone at lower speeds.
+pub(super) fn with_sticking(problem: &Problem<'_>, point: &Point) -> Vec<Point> {
+    let mut all = sticking(point);
+    for sticking in &mut all {
+        problem.descend(sticking, STEPS);
+    }
+    all
+}
+
+/// `point` with the drive of the linear servo, full beyond the error `full_at`; `None` where its own drive is as soft.
+fn soft_drive(point: &Point, linear: &Point, full_at: f64) -> Option<Point> {
+    let of_servo = point.physics(0, |_, value| value);
+    if of_servo.limit?.up > full_at * of_servo.stiffness {
+        return None;
+    }
+    let mut soft = point.clone();
+    for shared in [
+        Coordinate::Delay,
+        Coordinate::LnStiffness,
+        Coordinate::LnDamping,
+    ] {
+        soft.set(shared, linear.get(shared)?);
+    }
+    // A+/B with A+ = E k and B = share c.
+    let servo = linear.physics(0, |_, value| value);
+    let motor_damping = point.get(Coordinate::MotorShare)? * servo.damping;
+    let top_speed = full_at * servo.stiffness / motor_damping;
+    soft.set(Coordinate::LnTopSpeed, top_speed.ln());
+    top_speed.ln().is_finite().then_some(soft)
+}
+
+/// `point` with friction at rest that is gone at lower speeds.
+fn sticking(point: &Point) -> Vec<Point> {
+    let Some(excess) = point.get(Coordinate::FrictionAtRest) else {
+        return Vec::new();
+    };
+    let with = |friction_speed_share: f64| {
+        let mut sticking = Point {
+            friction_speed_share,
+            ..point.clone()
+        };
+        sticking.set(Coordinate::FrictionAtRest, excess.max(EXCESS));
+        sticking
+    };
+    LOW_SPEED_SHARES.map(with).to_vec()
+}

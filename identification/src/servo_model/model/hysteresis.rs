@@ -1,0 +1,36 @@
+//! Positions of rest that depend on the direction of approach, in the record and by a model of the servo.
+
+use super::ServoModel;
+use crate::results::Reason;
+use crate::servo_model::quantities::quantity_kind::QuantityKind;
+
+/// Rests that are farther apart in the record than the model shows why, or than it is sure to show why: it has friction and a dead band, but no play of
+/// the gears.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UnexplainedHysteresis {
+    /// Between rests that are reached from above and from below, in the record \[output\].
+    pub shown: f64,
+    /// What friction and dead band of the model make of it at the most, as far as the record determines these \[output\].
+    pub explained: f64,
+}
+
+impl ServoModel {
+    /// The hysteresis of the record, where friction and dead band that it determines do not make as much, or where errors that are not noise show that
+    /// they are not all.
+    #[must_use]
+    pub fn unexplained_hysteresis(&self) -> Option<UnexplainedHysteresis> {
+        let shown = self.hysteresis?.value?;
+        let each_side = [QuantityKind::RestingError, QuantityKind::DeadBand]
+            .into_iter()
+            .filter_map(|kind| self.quantity(kind))
+            .filter(|found| found.determined)
+            .map(|found| found.value)
+            .sum::<f64>();
+        let explained = 2.0 * each_side * self.parameters(0).gain.abs();
+        let lacks_something = self.covariance.withdrawn() == Some(Reason::ErrorsNotNoise);
+        (explained < shown || lacks_something).then_some(UnexplainedHysteresis {
+            shown,
+            explained: explained.min(shown),
+        })
+    }
+}

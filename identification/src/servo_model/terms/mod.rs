@@ -1,0 +1,7 @@
+//! Which terms the servo has.
+
+pub(super) mod ladder;
+pub(super) mod level_crests;
+pub(super) mod neighbouring_terms;
+pub(super) mod speed_on_ladder;
+pub(super) mod stops;

@@ -1,0 +1,152 @@
+//! The stops that a servo may have.
+//!
+//! Their angles are not estimated: the shaft rests there. Whether they are stops, prediction decides, as it does for terms: a load that full
+//! drive does not overcome holds the shaft as well.
+
+use super::level_crests::level_crests;
+use crate::data::Record;
+use crate::data::column::mean;
+use crate::diagnostics::stops_of_rests;
+use servoid_dynamics::Stops;
+
+/// Stops that are tried.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct PossibleStops {
+    /// All of them.
+    pub(super) all: Stops,
+    /// Those among them that the record shows by itself.
+    pub(super) shown: Stops,
+}
+
+impl PossibleStops {
+    /// Those at the outputs `known`, or else where the rests of the record show them; and where its crests are level, of a servo with the sign of this `gain`.
+    pub(crate) fn of(record: &Record, known: &[f64], gain: f64) -> Self {
+        let shown = match known {
+            [] => among(record, &stops_of_rests(record)),
+            _ => among(record, known),
+        };
+        let level: Vec<f64> = level_crests(record, gain).into_iter().flatten().collect();
+        let level = among(record, &level);
+        let all = Stops {
+            lower: shown.lower.or(level.lower),
+            upper: shown.upper.or(level.upper),
+        };
+        Self { all, shown }
+    }
+
+    /// The choices among them: each is taken or left by its own evidence.
+    pub(crate) fn choices(&self) -> Vec<Stops> {
+        let lower = Stops {
+            upper: None,
+            ..self.all
+        };
+        let upper = Stops {
+            lower: None,
+            ..self.all
+        };
+        let mut choices = vec![Stops::default()];
+        for choice in [lower, upper, self.all] {
+            if !choices.contains(&choice) {
+                choices.push(choice);
+            }
+        }
+        choices
+    }
+
+    /// How many that are shown are not among the `chosen`: without one the servo has other terms in its place.
+    pub(crate) fn missing(&self, chosen: Stops) -> usize {
+        beyond(self.shown, chosen)
+    }
+
+    /// How many of the `chosen` are not shown.
+    pub(crate) fn not_shown(&self, chosen: Stops) -> usize {
+        beyond(chosen, self.shown)
+    }
+}
+
+/// How many of some stops are not among others.
+fn beyond(some: Stops, others: Stops) -> usize {
+    let more = |a: Option<f64>, b: Option<f64>| usize::from(a.is_some() && b.is_none());
+    more(some.lower, others.lower) + more(some.upper, others.upper)
+}
+
+/// The lower and the upper stop among some outputs: the output is nowhere beyond a stop, so its mean is between them.
+fn among(record: &Record, at: &[f64]) -> Stops {
+    let outputs = record.runs().iter().flat_map(|run| run.output());
+    let middle = mean(&outputs.copied().collect::<Vec<f64>>());
+    let of = |is_beyond: fn(f64, f64) -> bool| {
+        at.iter()
+            .copied()
+            .find(|end| middle.is_some_and(|middle| is_beyond(*end, middle)))
+    };
+    Stops {
+        lower: of(|end, middle| end < middle),
+        upper: of(|end, middle| end > middle),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Levels that are held for 40 samples behind a lag of three, up to a stop at 6.
+    fn record() -> Record<'static> {
+        let levels = [
+            0.0, 5.0, -10.0, 10.0, -5.0, 8.0, -7.0, 3.0, 9.0, -2.0, 7.0, 1.0,
+        ];
+        let input: Vec<f64> = (0..960).map(|k| levels[k / 40 % 12]).collect();
+        let mut y = 0.0;
+        let follow = |(k, u): (usize, &f64)| {
+            y = f64::min(y + (u - y) / 3.0, 6.0);
+            y + 0.01 * (0.7 * (k * k) as f64).sin()
+        };
+        let output: Vec<f64> = input.iter().enumerate().map(follow).collect();
+        Record::of_run(0.01, input, output).unwrap()
+    }
+
+    #[test]
+    fn stops_that_are_known_are_taken_and_else_those_of_the_rests() {
+        let record = record();
+        let possible = |known: &[f64]| {
+            let found = PossibleStops::of(&record, known, 1.0);
+            assert_eq!(found.all, found.shown);
+            found.all
+        };
+        let found = possible(&[]);
+        assert_eq!(found.lower, None);
+        assert!((found.upper.unwrap() - 6.0).abs() < 0.01, "{found:?}");
+        let known = possible(&[4.0, -8.0]);
+        assert_eq!((known.lower, known.upper), (Some(-8.0), Some(4.0)));
+        let lower = possible(&[-8.0]);
+        assert_eq!((lower.lower, lower.upper), (Some(-8.0), None));
+    }
+
+    #[test]
+    fn each_stop_is_tried_with_and_without_the_other() {
+        let counts = |lower, upper| {
+            let all = Stops { lower, upper };
+            let choices = PossibleStops { all, shown: all }.choices();
+            choices.iter().map(Stops::count).collect::<Vec<_>>()
+        };
+        assert_eq!(counts(None, None), [0]);
+        assert_eq!(counts(Some(-1.0), None), [0, 1]);
+        assert_eq!(counts(None, Some(1.0)), [0, 1]);
+        assert_eq!(counts(Some(-1.0), Some(1.0)), [0, 1, 1, 2]);
+    }
+
+    #[test]
+    fn a_record_whose_rests_follow_has_none() {
+        let record = record();
+        let run = &record.runs()[0];
+        let free: Vec<f64> = run
+            .input()
+            .iter()
+            .scan(0.0, |y, u| {
+                *y += (u - *y) / 3.0;
+                Some(*y)
+            })
+            .collect();
+        let record = Record::of_run(0.01, run.input().to_vec(), free).unwrap();
+        assert!(PossibleStops::of(&record, &[], 1.0).all.are_none());
+    }
+}

@@ -1,0 +1,15 @@
+//! How sure the estimate is, and what the equation lacks.
+
+pub(super) mod covariance;
+pub(super) mod current_limit;
+pub(super) mod discrepancy;
+pub(super) mod hidden_parts;
+pub(super) mod lack_of_fit;
+pub(super) mod noise_at_rest;
+pub(super) mod possible_servo;
+pub(super) mod run_offsets;
+pub(super) mod score_test;
+pub(super) mod stepped_outputs;
+pub(super) mod stiction;
+pub(super) mod unequal_sides;
+pub(super) mod validity;

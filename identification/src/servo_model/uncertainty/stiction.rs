@@ -1,0 +1,47 @@
+//! Friction at rest that is gone at a lower speed than the equation has it, or that the fit has left out.
+
+use crate::servo_model::stretches::Stretch;
+use servoid_dynamics::{AtRest, Friction, Grid, ServoParameters, simulate};
+
+/// The speed at which half of the excess is gone, as a share of the top speed: a fifth of the equation's. One share stands for all:
+/// below it the shaft hardly moves.
+const SPEED_SHARE: f64 = 0.01;
+
+/// The excess over friction in motion, where the fit has found less.
+const EXCESS: f64 = 1.0;
+
+/// What such friction would take from the output of `servo` in each sample of a stretch \[output\]; `None` for a servo without friction or
+/// without a top speed.
+pub(super) fn shortfall(
+    servo: &ServoParameters,
+    stretch: &Stretch,
+    grid: &Grid,
+) -> Option<Vec<[f64; 1]>> {
+    let sticking = ServoParameters {
+        friction: Some(sticking(servo)?),
+        ..*servo
+    };
+    let [free, stuck] = [servo, &sticking].map(|servo| outputs(servo, stretch, grid));
+    Some(free.iter().zip(stuck).map(|(y, z)| [y - z]).collect())
+}
+
+/// The friction of a servo, with more of it at rest and at the lowest speeds alone.
+fn sticking(servo: &ServoParameters) -> Option<Friction<f64>> {
+    let friction = servo.friction?;
+    let speed = SPEED_SHARE * servo.free_speed()?;
+    let excess = friction
+        .at_rest
+        .map_or(EXCESS, |found| found.excess.max(EXCESS));
+    speed.is_finite().then_some(Friction {
+        at_rest: Some(AtRest { excess, speed }),
+        ..friction
+    })
+}
+
+fn outputs(servo: &ServoParameters, stretch: &Stretch, grid: &Grid) -> Vec<f64> {
+    let mut outputs = Vec::with_capacity(stretch.input.len());
+    simulate(servo, grid, &stretch.start, &stretch.input, |_, y| {
+        outputs.push(y);
+    });
+    outputs
+}
