@@ -33,14 +33,18 @@ fn main() {
     let first = std::env::args().nth(2).and_then(|text| text.parse().ok());
     let first = first.unwrap_or(0);
     println!(
-        "| the second servo beside the first | with bounds | a shift alone | more than a shift |"
+        "| the second servo beside the first | with bounds | a shift alone | more than a shift | intervals of the shift hold |"
     );
-    println!("|---|---|---|---|");
+    println!("|---|---|---|---|---|");
     for (label, second) in SECOND {
         let said = second.said(pairs, first);
+        let held = match said.intervals {
+            0 => String::new(),
+            all => format!("{} of {all}", said.held),
+        };
         println!(
-            "| {label} | {} of {} | {} | {} |",
-            said.claimed, said.pairs, said.shift_alone, said.more
+            "| {label} | {} of {} | {} | {} | {} |",
+            said.claimed, said.pairs, said.shift_alone, said.more, held
         );
     }
 }

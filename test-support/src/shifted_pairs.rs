@@ -48,11 +48,14 @@ pub struct Said {
     pub shift_alone: usize,
     /// Pairs that are said to differ by more than a shift.
     pub more: usize,
+    /// Intervals of the shift of pairs whose second servo is later, or earlier, or alike; and how many of them hold.
+    pub intervals: usize,
+    pub held: usize,
 }
 
 /// Commands: levels that are held, or a stick.
 fn command(random: &mut ChaCha8Rng, rows: usize, period_s: f64) -> Vec<f64> {
-    let kind = random.random_range(0..4);
+    let kind = random.random_range(0..5);
     let hold = match kind {
         0 => random.random_range(0.3..1.0),
         _ => random.random_range(0.08..0.3),
@@ -65,19 +68,29 @@ fn command(random: &mut ChaCha8Rng, rows: usize, period_s: f64) -> Vec<f64> {
             _ => random.random_range(-SIZE..SIZE),
         })
         .collect();
-    let held = (0..rows).map(|k| levels[k / hold]);
-    if kind < 3 {
-        return held.collect();
+    let held: Vec<f64> = (0..rows).map(|k| levels[k / hold]).collect();
+    match kind {
+        3 => by_hand(held, 0.05, period_s),
+        4 => {
+            let noise = (0..rows).map(|_| normal(random)).collect();
+            let moved = by_hand(noise, random.random_range(0.05..0.2), period_s);
+            let largest = moved.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
+            moved.into_iter().map(|u| SIZE / largest * u).collect()
+        }
+        _ => held,
     }
-    // A hand: levels behind two lags.
-    let keep = (-period_s / 0.05).exp();
+}
+
+/// Behind two lags.
+fn by_hand(wanted: Vec<f64>, lag_s: f64, period_s: f64) -> Vec<f64> {
+    let keep = (-period_s / lag_s).exp();
     let mut lags = [0.0; 2];
-    let hand = |u: f64| {
+    let follow = |u: f64| {
         lags[0] += (1.0 - keep) * (u - lags[0]);
         lags[1] += (1.0 - keep) * (lags[0] - lags[1]);
         lags[1]
     };
-    held.map(hand).collect()
+    wanted.into_iter().map(follow).collect()
 }
 
 /// The answer to commands each held for a row, from rest at zero.
@@ -126,7 +139,7 @@ impl Second {
         let mut random = random(seed);
         let servos = self.beside(&mut random);
         let period_s = [0.002, 0.004, 0.005, 0.01, 0.02][random.random_range(0..5)];
-        let rows = (random.random_range(10.0..30.0) / period_s) as usize;
+        let rows = (random.random_range(10.0..40.0) / period_s) as usize;
         let sd = SIZE * [0.0005, 0.002, 0.005, 0.01, 0.02][random.random_range(0..5)];
         let common = command(&mut random, rows, period_s);
         let of_its_own = random.random_range(0..3) == 0;
@@ -143,16 +156,29 @@ impl Second {
         compare(&a, &b, &ComparisonOptions::default()).expect("long enough for a response")
     }
 
+    /// Whether the intervals of the shift hold it, where it is one number whatever it is counted by.
+    fn held(self, found: &Comparison) -> Vec<bool> {
+        let Self::Later(by) = self else {
+            return Vec::new();
+        };
+        let intervals = found.curves.iter().map(|curve| curve.delay_shift_s);
+        let known = intervals.filter(|shift| shift.lower.is_some());
+        known.map(|shift| shift.contains(by)).collect()
+    }
+
     /// What is said of as many pairs, of seeds from `first` on.
     #[must_use]
     pub fn said(self, pairs: u64, first: u64) -> Said {
         let one = |seed| {
             let found = self.compare(seed);
+            let held = self.held(&found);
             Said {
                 pairs: 1,
                 claimed: usize::from(found.bounds.valid().is_some()),
                 shift_alone: usize::from(found.summary.contains("Apart from that shift in time")),
                 more: usize::from(found.summary.contains("That is not all")),
+                intervals: held.len(),
+                held: held.iter().filter(|held| **held).count(),
             }
         };
         let add = |all: Said, one: Said| Said {
@@ -160,6 +186,8 @@ impl Second {
             claimed: all.claimed + one.claimed,
             shift_alone: all.shift_alone + one.shift_alone,
             more: all.more + one.more,
+            intervals: all.intervals + one.intervals,
+            held: all.held + one.held,
         };
         let said = (first..first + pairs).into_par_iter().map(one);
         said.reduce(Said::default, add)

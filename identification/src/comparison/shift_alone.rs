@@ -36,7 +36,8 @@ impl ShiftIs {
                 .shift_leaves_percent
                 .zip(curve.shift_between_rows_percent);
             let left = left.filter(|_| curve.shift_leaves_noise);
-            is_sure(curve) && left.is_some_and(|(left, more)| left + more < LEFT_BY_A_SHIFT_PERCENT)
+            let is_little = |(left, more): (f64, f64)| left + more < LEFT_BY_A_SHIFT_PERCENT;
+            is_sure(curve) && left.is_some_and(is_little)
         };
         let no_slower = curves
             .iter()
