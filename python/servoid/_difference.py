@@ -70,7 +70,9 @@ class DifferenceCurve:
     delay_shift_s : Interval
         By how much the second is later (s).
     shift_leaves_percent : float or None
-        What such a delay leaves unexplained (% of the final value).
+        What such a delay surely leaves unexplained (% of the final value).
+    shift_between_rows_percent : float or None
+        By how much more that may be, as nobody knows a response between its samples.
     """
 
     stroke: str
@@ -81,6 +83,7 @@ class DifferenceCurve:
     withdrawn: Withdrawn | None
     delay_shift_s: Interval
     shift_leaves_percent: float | None
+    shift_between_rows_percent: float | None
 
 
 @dataclass(frozen=True)
@@ -142,6 +145,7 @@ def difference_curve(fields: dict[str, Any]) -> DifferenceCurve:
         withdrawn(fields),
         interval(fields["delay_shift_s"]),
         fields["shift_leaves_percent"],
+        fields["shift_between_rows_percent"],
     )
 
 

@@ -15,6 +15,7 @@
 //! - [`smooth_inputs`]: sweeps and sums of sines, whose answer is known in a band.
 //! - [`loggers`]: recordings of one servo by loggers with faults of time.
 //! - [`compared_ends`]: comparisons of servos whose responses have slow ends.
+//! - [`shifted_pairs`]: comparisons of recordings that differ by a shift in time alone, or otherwise.
 //! - [`servo_means`]: comparisons of servos whose runs scatter.
 //! - [`arguments`]: the arguments of these examples.
 //! - [`tools`]: what a test does whose tool is not there.
@@ -48,6 +49,7 @@ pub mod scattering_holds;
 pub mod scattering_runs;
 pub mod servo_means;
 pub mod servos;
+pub mod shifted_pairs;
 pub mod smooth_inputs;
 #[cfg(feature = "board")]
 pub mod stepped;

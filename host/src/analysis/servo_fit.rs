@@ -4,6 +4,7 @@ use super::identified::identified;
 use crate::data::dataset::Dataset;
 use crate::data::held_out::{HeldOut, HeldOutPrediction};
 use crate::data::model_file::ServoModelDocument;
+use crate::presentation::summary::sixty_degrees;
 use servoid_identification::comparison::{Comparison, Verdict};
 use servoid_identification::diagnostics::TakenOut;
 use servoid_identification::nonlinear::Hysteresis;
@@ -156,7 +157,9 @@ fn fit(
         hysteresis: (hysteresis.found == Some(true)).then_some(hysteresis.size),
         ..model
     };
+    let stroke = sixty_degrees(data.about.units());
     Ok(ServoModelDocument {
+        stroke_of_60_degrees_s: stroke.and_then(|size| model.stroke_times_s(size)),
         model,
         controller_names: names,
     })

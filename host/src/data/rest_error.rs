@@ -58,6 +58,9 @@ pub(crate) fn rests_of(record: &Record) -> Vec<CommandedRest> {
     runs.iter().flat_map(of_run).collect()
 }
 
+/// What is less reads as nothing \[output\].
+const LEAST_SHOWN: f64 = 0.005;
+
 /// Advice where the servo rests off its command by more than its friction explains.
 pub(super) fn advice(record: &Record, units: Units<'_>) -> Option<Advice> {
     let is_known = match [units.input, units.output].map(|unit| unit.and_then(unit_meant)) {
@@ -96,11 +99,14 @@ pub(super) fn advice(record: &Record, units: Units<'_>) -> Option<Advice> {
     let chance = BEYOND_CHANCE * off_sd;
     let is_off = off.abs() > beside.max(least).max(chance).max(2.0 * line.drift());
     let unit = (units.output).map_or_else(String::new, |unit| format!(" {unit}"));
-    let friction = line.friction.map_or(String::new(), |friction| {
-        format!(
-            "; what changes with the direction of the stroke, as friction does, is {friction:.2}{unit} to each side"
-        )
-    });
+    let friction = line
+        .friction
+        .map_or(String::new(), |friction| match friction.abs() < LEAST_SHOWN {
+            true => "; it does not change with the direction of the stroke, as by friction".to_owned(),
+            false => format!(
+                "; what changes with the direction of the stroke, as friction does, is {friction:.2}{unit} to each side"
+            ),
+        });
     is_off.then(|| {
         Advice::new(
             Check::Zeros,
@@ -371,7 +377,9 @@ mod tests {
     fn a_gain_is_no_friction() {
         let linear = five_levels(0.9, 0.0, 2.0, 0.0).unwrap();
         assert!(
-            linear.finding.contains("is 0.00 deg to each side"),
+            linear
+                .finding
+                .contains("does not change with the direction"),
             "{}",
             linear.finding
         );

@@ -210,6 +210,46 @@ fn what_cannot_be_simulated_is_refused_in_a_sentence() {
     run(&[&args[..], &["-q", "--controller", "800"]].concat());
 }
 
+/// The lines below "servo model:" of the terminal that are no row of its table, each joined to one.
+fn remarks(text: &str) -> Vec<String> {
+    let (_, of_servo) = text.split_once("\nservo model: ").unwrap();
+    let words: Vec<&str> = of_servo.split_whitespace().collect();
+    let joined = words.join(" ");
+    let sentences = ["A stroke of 60 degrees takes ", "No intervals can be given"];
+    let of = |start: &&str| Some(joined[joined.find(start)?..].split_once('.')?.0.to_owned());
+    sentences.iter().filter_map(of).collect()
+}
+
+#[test]
+fn a_page_says_of_a_servo_what_the_terminal_says() {
+    let dir = tempfile::tempdir().unwrap();
+    let model = modelled(dir.path(), "bench", "bench", &SHORT_STAIRS);
+    let mut document = json(&model);
+    document["servo_model"]["stops"] = serde_json::json!({ "upper": 12.3 });
+    std::fs::write(&model, document.to_string()).unwrap();
+    let page = dir.path().join("page.html");
+    run(&["report", "-q", arg(&model), "-o", arg(&page)]);
+    let page = std::fs::read_to_string(&page).unwrap();
+    let (_, of_servo) = page.split_once("The servo as a machine: ").unwrap();
+    assert!(of_servo.contains("The servo has a stop at 12.3 deg."));
+    assert!(of_servo.contains("<td>0.") && of_servo.contains("s/60°</td>"));
+    let said = run(&[
+        "identify",
+        "--servo-model",
+        arg(&dir.path().join("bench.csv")),
+    ]);
+    let remarks = remarks(&said);
+    assert!(!remarks.is_empty(), "{said}");
+    for remark in remarks {
+        assert!(of_servo.contains(&remark), "{remark}");
+    }
+    let [up, down] = [0, 1].map(|way| &document["servo_model"]["stroke_of_60_degrees_s"][way]);
+    assert!(
+        up.as_f64() > Some(0.05) && down.as_f64() > Some(0.05),
+        "{up} {down}"
+    );
+}
+
 #[test]
 fn a_report_begins_with_the_servo_and_shows_a_stretch_that_it_has_not_seen() {
     let dir = tempfile::tempdir().unwrap();

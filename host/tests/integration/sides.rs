@@ -311,7 +311,7 @@ fn a_page_says_that_the_second_rests_elsewhere() {
     let screen = page.split("id=\"verdict\"").nth(1).unwrap();
     let (verdict, _) = screen.split_once("</p>").unwrap();
     assert!(
-        verdict.contains("<b>same</b>") && verdict.contains("The second rests -"),
+        verdict.contains("<b>same</b>") && verdict.contains("The second stands -"),
         "{verdict}"
     );
 }

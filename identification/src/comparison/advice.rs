@@ -30,11 +30,18 @@ pub(super) fn different_references(motions: &Sides<Motion>, linear: bool, unit: 
     )
 }
 
-/// That both sides rest apart where the step responses, which are of changes alone, agree.
-fn different_zeros(levels: &Sides<Levels>, margin_percent: f64, unit: &str) -> Option<Advice> {
-    let middle = |side: &Levels| Some((side.plus.value? + side.minus.value?) / 2.0);
-    let stroke = (levels.a.plus.value? - levels.a.minus.value?).abs();
-    let apart = middle(&levels.b)? - middle(&levels.a)?;
+/// That both sides stand apart where the step responses, which are of changes alone, agree.
+fn different_zeros(
+    levels: &Sides<Levels>,
+    sides: &[&Identified<'_>],
+    margin_percent: f64,
+    unit: &str,
+) -> Option<Advice> {
+    let &[a, b] = sides else { return None };
+    let [low_a, high_a] = a.stands_at(&levels.a)?;
+    let [low_b, high_b] = b.stands_at(&levels.b)?;
+    let stroke = (high_a - low_a).abs();
+    let apart = f64::midpoint(low_b, high_b) - f64::midpoint(low_a, high_a);
     let commanded = |side: &Levels| side.command_plus + side.command_minus;
     let same_command =
         (commanded(&levels.a) - commanded(&levels.b)).abs() / 2.0 < margin_percent / 100.0 * stroke;
@@ -43,7 +50,7 @@ fn different_zeros(levels: &Sides<Levels>, margin_percent: f64, unit: &str) -> O
         Advice::new(
             Check::Zeros,
             format!(
-                "The second rests {} from the first, {percent:.0} % of the stroke, under the same commands. The verdict is on \
+                "The second stands {} from the first, {percent:.0} % of the stroke, under the same commands. The verdict is on \
                  step responses, which are of changes alone; the over-prediction counts from zero and contains it.",
                 with_unit(format!("{apart:+.3}"), unit)
             ),
@@ -167,11 +174,9 @@ pub(super) fn gather(
         }));
     }
     advice.extend(other_way(comparison));
-    advice.extend(
-        comparison
-            .levels
-            .and_then(|levels| different_zeros(&levels, comparison.margin_percent, output_unit)),
-    );
+    advice.extend(comparison.levels.and_then(|levels| {
+        different_zeros(&levels, sides, comparison.margin_percent, output_unit)
+    }));
     let fewest = comparison.runs[0].min(comparison.runs[1]);
     // Models have lost their runs, and the advice on models says so.
     if comparison.of == Subject::Runs && !sides.is_empty() {

@@ -108,6 +108,15 @@ impl DifferenceSpread {
         dot(&times(&self.map, weights), &times(&self.weighted, weights))
     }
 
+    /// Variance of the changes from point to point of one curve, all added up; `which` are its points.
+    pub(super) fn variance_of_changes(&self, which: std::ops::Range<usize>) -> f64 {
+        let change = |m: usize| {
+            let both = self.variance[m] + self.variance[m + 1];
+            not_negative(both - 2.0 * self.neighbour[m])
+        };
+        (which.start..which.end.saturating_sub(1)).map(change).sum()
+    }
+
     /// Half widths of the difference to another, for all points at once.
     fn half_widths(&self, other: &Self, level: f64) -> Vec<f64> {
         let count = self.variance.len();

@@ -2,14 +2,23 @@
 
 use super::difference::Differences;
 use super::outcome::{CurveBounds, DifferenceCurve, Direction};
+use super::shift::Remains;
 use crate::data::Timing;
 use crate::results::Interval;
 
-/// The curves; `shift_of` gives the delay shift of some of them \[s\], and what it leaves of them, sample by sample \[share of the final value\].
+/// The largest of what remains \[%\].
+fn most(remains: &[Remains], of: fn(Remains) -> f64) -> Option<f64> {
+    remains
+        .iter()
+        .map(|left| 100.0 * of(*left))
+        .reduce(f64::max)
+}
+
+/// The curves; `shift_of` gives the delay shift of some of them \[s\], and what it leaves of them, sample by sample.
 pub(super) fn difference_curves(
     differences: &Differences,
     timing: Timing,
-    shift_of: impl Fn(std::ops::Range<usize>) -> (Interval, Vec<f64>),
+    shift_of: impl Fn(std::ops::Range<usize>) -> (Interval, Vec<Remains>),
 ) -> Vec<DifferenceCurve> {
     let strokes: &[Direction] = match differences.curves() {
         1 => &[Direction::Both],
@@ -30,7 +39,7 @@ pub(super) fn difference_curves(
         let (delay_shift_s, remains) = shift_of(index..index + 1);
         let is_noise = half.valid().is_some_and(|half| {
             let mut points = remains.iter().zip(*half);
-            !remains.is_empty() && points.all(|(left, half)| left <= half)
+            !remains.is_empty() && points.all(|(left, half)| left.surely() <= *half)
         });
         DifferenceCurve {
             stroke,
@@ -38,7 +47,8 @@ pub(super) fn difference_curves(
             percent: value.iter().map(|d| 100.0 * d).collect(),
             bounds,
             delay_shift_s,
-            shift_leaves_percent: remains.iter().map(|left| 100.0 * left).reduce(f64::max),
+            shift_leaves_percent: most(&remains, Remains::surely),
+            shift_between_rows_percent: most(&remains, |left| left.by_interpolation),
             shift_leaves_noise: is_noise,
         }
     };

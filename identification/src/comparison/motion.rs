@@ -5,9 +5,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::data::{HELD, Record, Run, hold_lengths, usual_hold};
-use crate::numerics::with_unit;
-use crate::thresholds::{EQUALLY_LARGE, EQUALLY_LONG, HELD_WITHIN, RANDOM_ENDS};
+use super::pair::ends;
+use crate::data::{HELD, Hold, Record, Run, hold_lengths, holds, measured_within, usual_hold};
+use crate::numerics::{median, with_unit};
+use crate::thresholds::{EQUALLY_LARGE, EQUALLY_LONG, RANDOM_ENDS};
 
 /// More levels than this are many.
 const MOST_LEVELS: usize = 16;
@@ -37,29 +38,10 @@ pub struct Motion {
 impl Motion {
     /// That of a record.
     pub(super) fn of(record: &Record) -> Self {
-        let mut inputs: Vec<f64> = record
-            .runs()
-            .iter()
-            .flat_map(Run::input)
-            .copied()
-            .filter(|u| !u.is_nan())
-            .collect();
-        inputs.sort_by(f64::total_cmp);
         // A record has an input that moves.
-        let lowest = inputs.first().copied().unwrap_or(0.0);
-        let highest = inputs.last().copied().unwrap_or(0.0);
-        let apart = HELD_WITHIN * (highest - lowest);
-        let further = |pair: &&[f64]| pair[1] - pair[0] > apart;
-        let levels = 1 + inputs.windows(2).filter(further).count();
-        let hold = usual_hold(record);
-        // Of an input that is held, every value is a level; of one that was measured, values that lie together are one.
-        inputs.dedup();
-        let levels = match hold >= HELD && inputs.len() <= record.samples() / hold {
-            true => inputs.len(),
-            false => levels,
-        };
-        // Values all over the range leave no gaps; values of a fine grid leave many.
-        let stepped = (2..=MOST_LEVELS).contains(&levels);
+        let (lowest, highest) = ends(record);
+        let held = is_held(record);
+        let levels = levels_of(record, held);
         let lengths = hold_lengths(record);
         let mean = lengths.iter().sum::<usize>() as f64 / lengths.len().max(1) as f64;
         let shortest = lengths.iter().min().copied().unwrap_or(0);
@@ -68,9 +50,9 @@ impl Motion {
             highest,
             mean_hold_s: mean * record.sample_period_s(),
             shortest_hold_s: shortest as f64 * record.sample_period_s(),
-            levels: stepped.then_some(levels),
-            hold_s: hold as f64 * record.sample_period_s(),
-            held: hold >= HELD,
+            levels: (2..=MOST_LEVELS).contains(&levels).then_some(levels),
+            hold_s: usual_hold(record) as f64 * record.sample_period_s(),
+            held,
         }
     }
 
@@ -163,6 +145,59 @@ impl Motion {
     }
 }
 
+/// Whether the input is held between changes. What moves slowly stays within the tolerance of a hold for some samples, too: then it goes on from
+/// one hold to the next by a small part of that, and not by a step.
+fn is_held(record: &Record) -> bool {
+    let tolerance = measured_within(record);
+    let step = |run: &Run, pair: &[Hold]| {
+        let before = run.input()[pair[0].samples.end - 1];
+        (run.input()[pair[1].samples.start] - before).abs()
+    };
+    let steps = record.runs().iter().flat_map(|run| {
+        let holds = holds(run, tolerance);
+        let steps: Vec<f64> = holds.windows(2).map(|pair| step(run, pair)).collect();
+        steps
+    });
+    let is_step = median(steps.collect()).is_some_and(|step| step > tolerance / 2.0);
+    usual_hold(record) >= HELD && is_step
+}
+
+/// The number of levels of the input.
+fn levels_of(record: &Record, held: bool) -> usize {
+    let mut inputs = inputs_of_motion(record);
+    inputs.sort_by(f64::total_cmp);
+    let apart = measured_within(record);
+    let further = |pair: &&[f64]| pair[1] - pair[0] > apart;
+    let lying_apart = 1 + inputs.windows(2).filter(further).count();
+    inputs.dedup();
+    // Every value is a level, but of an input that was measured: of that, values that lie together are one. One that moves smoothly has gaps where it
+    // turns, and no levels.
+    match held && inputs.len() > record.samples() / usual_hold(record) {
+        true => lying_apart,
+        false => inputs.len(),
+    }
+}
+
+/// The inputs without the holds between the ends of the range with which runs begin and end: they wait at neutral, which is no level of the motion.
+fn inputs_of_motion(record: &Record) -> Vec<f64> {
+    let tolerance = measured_within(record);
+    let (lowest, highest) = ends(record);
+    let is_inside =
+        |hold: &Hold| hold.level > lowest + tolerance && hold.level < highest - tolerance;
+    let of_run = |run: &Run| {
+        let holds = holds(run, tolerance);
+        let last = holds.len().saturating_sub(1);
+        let waits = |place: usize, hold: &Hold| (place == 0 || place == last) && is_inside(hold);
+        let moves = holds
+            .iter()
+            .enumerate()
+            .filter(|(place, hold)| !waits(*place, hold));
+        let inputs = moves.flat_map(|(_, hold)| run.input()[hold.samples.clone()].iter().copied());
+        inputs.collect::<Vec<f64>>()
+    };
+    record.runs().iter().flat_map(of_run).collect()
+}
+
 /// By which fraction the larger of two exceeds the smaller.
 pub(super) fn larger_by([a, b]: [f64; 2]) -> f64 {
     a.max(b) / a.min(b) - 1.0
@@ -229,6 +264,39 @@ mod tests {
             .collect());
         assert_eq!(stairs.levels, Some(5));
         assert!(!small.is_like(&stairs));
+    }
+
+    /// Two sines that are alike in nothing: where they turn together, few values are far apart.
+    #[test]
+    fn a_smooth_motion_has_no_levels_and_no_holds_however_close_its_rows_are() {
+        for rows in [8.0, 20.0, 100.0, 400.0] {
+            let at = |k: u32| {
+                let t = f64::from(k) / rows;
+                25.0 * (t.sin() + (2.7 * t).sin())
+            };
+            let smooth = of((0..4000).map(at).collect());
+            assert!(
+                smooth.levels.is_none() && !smooth.held,
+                "{rows}: {smooth:?}"
+            );
+            let rounded = of((0..4000).map(|k| (1e2 * at(k)).round() / 1e2).collect());
+            assert!(
+                rounded.in_words("").starts_with("a smooth motion"),
+                "{rows}"
+            );
+        }
+    }
+
+    #[test]
+    fn waiting_at_neutral_before_and_after_is_no_level_of_the_motion() {
+        let motion: Vec<f64> = (0..400).map(|k| [5.0, -5.0][k * k / 900 % 2]).collect();
+        let wait = || vec![0.0; 50];
+        let waiting = of([wait(), motion.clone(), wait()].concat());
+        assert_eq!(waiting.levels, Some(2));
+        assert!(waiting.is_like(&of(motion.clone())));
+        // One that is visited in between is one of it.
+        let visited = of([&motion[..200], &wait(), &motion[200..]].concat());
+        assert_eq!(visited.levels, Some(3));
     }
 
     /// A shift register of five bits begins at any of its 31 states: the median of the holds is one chip or two, and the mean is the same.

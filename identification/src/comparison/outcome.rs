@@ -60,9 +60,12 @@ pub struct DifferenceCurve {
     pub bounds: Bounds<CurveBounds>,
     /// The delay shift on these strokes alone \[s\], as [`Comparison::delay_shift_s`].
     pub delay_shift_s: Interval,
-    /// How far apart the responses are where that shift leaves them farthest \[% of their final
+    /// How far apart the responses surely are where that shift leaves them farthest \[% of their final
     /// values\]: zero when a delay is all that lies between them.
     pub shift_leaves_percent: Option<f64>,
+    /// By how much more they may be, as nobody knows a response between its samples \[likewise\].
+    #[serde(default)]
+    pub shift_between_rows_percent: Option<f64>,
     /// Whether what that shift leaves is nowhere more than the bounds of the difference allow for: noise, and scatter of the runs, may be all of it.
     #[serde(default)]
     pub shift_leaves_noise: bool,

@@ -100,13 +100,16 @@ impl<'a> Identified<'a> {
     }
 
     /// Rest at the ends of the command: from the plateaus of a record with several levels, from the
-    /// static line of one with two.
+    /// static line of one with two. Empty where the command is not held until the servo rests.
     pub(super) fn levels(&self) -> Levels {
         let (low, high) = ends(self.record);
         let cells = Limits::level_table(self.record, &self.model);
         let mut commands: Vec<f64> = cells.iter().map(|cell| cell.command).collect();
         commands.dedup();
         let rest = |command: f64| {
+            if !commands.contains(&command) {
+                return Interval::default();
+            }
             let cell = cells
                 .iter()
                 .find(|cell| cell.command == command && cell.visits > 1);
@@ -123,6 +126,14 @@ impl<'a> Identified<'a> {
             command_minus: low,
             minus: rest(low),
         }
+    }
+
+    /// Where the servo stands at the ends of the command, low and high: where it rests there or, if it was not seen to, on the static line.
+    pub(super) fn stands_at(&self, rests: &Levels) -> Option<[f64; 2]> {
+        let on_line = |command: f64| self.split.as_ref()?.level_at(command).value;
+        let seen = rests.minus.value.zip(rests.plus.value);
+        let both = seen.or_else(|| on_line(rests.command_minus).zip(on_line(rests.command_plus)));
+        both.map(<[f64; 2]>::from)
     }
 
     /// Standard deviation of the rest at the largest and the smallest command.

@@ -32,8 +32,12 @@ impl ShiftIs {
             return Self::NotAll(left);
         }
         let is_all = |curve: &DifferenceCurve| {
-            let left = (curve.shift_leaves_percent).filter(|_| curve.shift_leaves_noise);
-            is_sure(curve) && left.is_some_and(|left| left < LEFT_BY_A_SHIFT_PERCENT)
+            let left = curve
+                .shift_leaves_percent
+                .zip(curve.shift_between_rows_percent);
+            let left = left.filter(|_| curve.shift_leaves_noise);
+            let is_little = |(left, more): (f64, f64)| left + more < LEFT_BY_A_SHIFT_PERCENT;
+            is_sure(curve) && left.is_some_and(is_little)
         };
         let no_slower = curves
             .iter()

@@ -11,6 +11,11 @@ pub(crate) fn four_digits(number: f64) -> f64 {
     format!("{number:.3e}").parse().unwrap_or(number)
 }
 
+/// A number with two digits: what is known of a standard deviation. However small it is, it does not read as nothing.
+pub(crate) fn two_digits(number: f64) -> f64 {
+    format!("{number:.1e}").parse().unwrap_or(number)
+}
+
 /// A number with its unit; alone where that is empty, as it is not known.
 pub fn with_unit(number: impl std::fmt::Display, unit: &str) -> String {
     match unit {

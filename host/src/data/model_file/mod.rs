@@ -227,6 +227,7 @@ impl ModelFile {
             true => Ok(Some(ServoModelDocument {
                 model: model.with_todays_quantities(),
                 controller_names: beside.controller_names,
+                stroke_of_60_degrees_s: beside.stroke_of_60_degrees_s,
             })),
             false => Err(ModelFileError::InconsistentServoModel(self.path.clone())),
         }
@@ -288,13 +289,18 @@ pub struct ServoModelDocument {
     pub model: ServoModel,
     /// What its controllers are called, in order; empty where it has one.
     pub controller_names: Vec<f64>,
+    /// How long a whole stroke of 60 degrees takes upwards and downwards \[s\]; `None` where the output is no angle, or the model does not say it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stroke_of_60_degrees_s: Option<[f64; 2]>,
 }
 
-/// The field beside a servo model.
+/// The fields beside a servo model.
 #[derive(Deserialize)]
 struct BesideServoModel {
     #[serde(default)]
     controller_names: Vec<f64>,
+    #[serde(default)]
+    stroke_of_60_degrees_s: Option<[f64; 2]>,
 }
 
 /// The document as this version would have written it.

@@ -3,7 +3,7 @@
 use super::content::{Page, Part};
 use super::text::{escape, rows_of};
 use crate::presentation::summary;
-use servoid_identification::results::Bounds;
+use servoid_identification::servo_model::Quantity;
 
 /// The quantities of each servo, and of two beside each other.
 pub(super) fn tables(page: &Page<'_>) -> String {
@@ -30,41 +30,32 @@ fn beside_each_other(page: &Page<'_>) -> Option<String> {
 }
 
 fn table(part: &Part<'_>) -> Option<String> {
-    let model = &part.servo_model?.model;
+    let document = part.servo_model?;
+    let model = &document.model;
     let units = part.subject.units;
     let level = model.covariance.as_ref().map(|covariance| covariance.level);
-    let remark = match level {
-        Bounds::Valid(_) if model.alternatives.is_empty() => String::new(),
-        Bounds::Valid(_) => format!(
-            " {} other sets of terms predict as well: the intervals hold for all of them.",
-            model.alternatives.len()
-        ),
-        Bounds::Withdrawn(reason) => {
-            format!(" No intervals can be given, as {}.", reason.because())
-        }
-    };
-    let offsets = summary::run_offsets_in_words(model, units);
-    let remark = remark + &offsets.map_or_else(String::new, |sentence| format!(" {sentence}"));
-    let row = |row: summary::QuantityRow| {
-        let [label, value, unit, interval] =
-            [&row.name, &row.value, &row.unit, &row.interval].map(|text| escape(text));
-        format!("<tr><th>{label}</th><td>{value}</td><td>{unit}</td><td>{interval}</td></tr>\n")
+    let row = |(quantity, row): (&Quantity, summary::QuantityRow)| {
+        let turn = summary::per_60_degrees(quantity, units).unwrap_or_default();
+        let [label, value, unit, interval, turn] =
+            [&row.name, &row.value, &row.unit, &row.interval, &turn].map(|text| escape(text));
+        format!(
+            "<tr><th>{label}</th><td>{value}</td><td>{unit}</td><td>{interval}</td><td>{turn}</td></tr>\n"
+        )
     };
     let rows = summary::quantity_rows(&model.quantities, units).into_iter();
-    let rows: String = rows.map(|(_, found)| row(found)).collect();
-    let advice: String = summary::advice_on_servo_model(model)
-        .iter()
-        .map(|advice| format!("<p>{}</p>\n", escape(advice)))
-        .collect();
+    let rows: String = rows.map(row).collect();
+    let remarks = summary::ServoRemarks::of(document, units);
+    let paragraph = |remark: &String| format!("<p>{}</p>\n", escape(remark));
+    let [before, behind] =
+        [remarks.before, remarks.behind].map(|all| all.iter().map(paragraph).collect::<String>());
     let fit = &model.fit;
     Some(format!(
-        "<h2>The servo as a machine: {}</h2>\n<p class=\"faint\">{}; fit {:.2} %, {:.2} % of parts that it had not seen (a linear servo of second order: {:.2} %).{}</p>\n<div class=\"wide\"><table class=\"numbers\">\n<tr><th></th><th>value</th><th></th><th>{}</th></tr>\n{rows}</table></div>\n{advice}",
+        "<h2>The servo as a machine: {}</h2>\n<p class=\"faint\">{}; fit {:.2} %, {:.2} % of parts that it had not seen (a linear servo of second order: {:.2} %).</p>\n{before}<div class=\"wide\"><table class=\"numbers\">\n<tr><th></th><th>value</th><th></th><th>{}</th><th></th></tr>\n{rows}</table></div>\n{behind}",
         escape(part.subject.name),
         summary::kind_in_words(model),
         fit.simulation_percent,
         fit.held_out_percent,
         fit.linear_held_out_percent,
-        escape(&remark),
         summary::head_of_bounds(level),
     ))
 }

@@ -153,13 +153,20 @@ pub(crate) fn facts_of_comparison(
     let [input, output] = [units.input, units.output]
         .map(|unit| unit.map(|unit| format!(" {unit}")).unwrap_or_default());
     for (name, side) in found.levels.iter().flat_map(|l| [(a, &l.a), (b, &l.b)]) {
-        let rest = |level: &Interval| with_bounds(level, &output, |v| format!("{v:.3}"));
-        let (plus, minus) = (rest(&side.plus), rest(&side.minus));
-        let [above, below] = [side.command_plus, side.command_minus];
-        let commanded = |command: f64| format!("{:+}{input}", (1e3 * command).round() / 1e3);
-        let (above, below) = (commanded(above), commanded(below));
-        let rests = format!("{plus} when commanded {above}, {minus} when commanded {below}");
-        add(&format!("{name} rests at"), rests);
+        let rest = |(level, command): (&Interval, f64)| {
+            level.value?;
+            let rest = with_bounds(level, &output, |v| format!("{v:.3}"));
+            let command = (1e3 * command).round() / 1e3;
+            Some(format!("{rest} when commanded {command:+}{input}"))
+        };
+        let ends = [
+            (&side.plus, side.command_plus),
+            (&side.minus, side.command_minus),
+        ];
+        let rests: Vec<String> = ends.into_iter().filter_map(rest).collect();
+        if !rests.is_empty() {
+            add(&format!("{name} rests at"), rests.join(", "));
+        }
     }
     for (name, side) in found.asymmetry.iter().flat_map(|s| [(a, &s.a), (b, &s.b)]) {
         if let Some(largest) = side.largest_percent {

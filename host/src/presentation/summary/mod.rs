@@ -19,6 +19,7 @@ mod numbers;
 mod quantity_table;
 mod servo_comparison;
 mod servo_model;
+mod servo_remarks;
 mod servo_sentence;
 mod sixty_degrees;
 mod speed_words;
@@ -43,11 +44,10 @@ pub use servo_model::of_servo_model;
 pub(crate) use servo_sentence::LOOKS_LIKE_A_LOAD;
 pub(crate) use servo_sentence::unlikely_speed;
 pub use servo_sentence::{is_called_linear, servo_sentence};
-pub(crate) use sixty_degrees::sixty_degrees;
+pub(crate) use sixty_degrees::{per_60_degrees, sixty_degrees};
 pub(crate) use speed_words::reached_speed;
 pub(crate) use strokes::{of_one_size, stroke_in_words};
 pub use validation::of_validation;
-pub(crate) use what_to_record::advice_on_servo_model;
 
 pub(crate) use comparison::{
     NOT_COMPARED, facts_of_comparison, how_compared, table_of_comparison, verdict,
@@ -63,5 +63,6 @@ pub(crate) use low_order::low_order_sentence;
 pub(crate) use metrics::{difference_rows, metric_rows, withheld_line};
 pub(crate) use numbers::{decimals, digits, four_digits, head_of_bounds, percent, probability};
 pub(crate) use quantity_table::{QuantityRow, quantities, quantity_rows};
-pub(crate) use servo_model::{kind_in_words, run_offsets_in_words, terms_in_words};
+pub(crate) use servo_model::{kind_in_words, terms_in_words};
+pub(crate) use servo_remarks::{ServoRemarks, run_offsets_in_words};
 pub(crate) use servoid_identification::results::with_unit;

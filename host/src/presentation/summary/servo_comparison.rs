@@ -4,7 +4,7 @@ use super::layout::wrapped;
 use super::metrics::TableRow;
 use super::numbers::{digits_beside, four_digits, percent};
 use super::quantity_table::{scale_and_unit, under_load};
-use super::servo_model::stops_in_words;
+use super::servo_remarks::stops_in_words;
 use super::servo_sentence::LOOKS_LIKE_A_LOAD;
 use super::sixty_degrees::{both_ways, whole_ms};
 use crate::data::units::Units;

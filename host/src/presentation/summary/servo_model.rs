@@ -1,19 +1,13 @@
 //! The servo as a machine, as text for a terminal.
 
 use super::layout::wrapped;
-use super::measured_limits::against_the_model;
-use super::numbers::{digits, four_digits};
 use super::quantity_table::quantities;
+use super::servo_remarks::ServoRemarks;
 use super::servo_sentence::shows_limit;
-use super::top_speeds::one_unreached;
-use super::what_to_record::advice_on_servo_model;
-use super::whole_stroke::whole_stroke;
 use crate::data::model_file::ServoModelDocument;
 use crate::data::units::Units;
-use servoid_identification::results::{Bounds, with_unit};
 use servoid_identification::servo_model::{
-    LadderRung, LinearKind, LinearModelFit, LinearModels, LoadKind, ServoFit, ServoModel, Stops,
-    Terms,
+    LadderRung, LinearKind, LinearModelFit, LinearModels, LoadKind, ServoFit, ServoModel, Terms,
 };
 
 /// Parameters with their intervals; with `explain`, the terms that were tried.
@@ -28,44 +22,11 @@ pub fn of_servo_model(document: &ServoModelDocument, units: Units<'_>, explain: 
         model.fit.held_out_percent,
         model.fit.linear_held_out_percent
     );
-    if let Bounds::Withdrawn(reason) = &level {
-        text += &format!("  ! NO INTERVALS CAN BE GIVEN: {}\n", reason.because());
-    }
-    if !model.alternatives.is_empty() {
-        text += &format!(
-            "  {} other sets of terms predict as well: the intervals hold for all of them\n",
-            model.alternatives.len()
-        );
-    }
-    if let Some(sentence) = run_offsets_in_words(model, units) {
-        text += &format!("  {}\n", wrapped(&sentence, 2));
-    }
-    if let Some(sentence) = stops_in_words(model.stops, units) {
-        text += &format!("  {sentence}\n");
-    }
+    let remarks = ServoRemarks::of(document, units);
+    let line = |remark: &String| format!("  {}\n", wrapped(remark, 2));
+    text.extend(remarks.before.iter().map(line));
     text += &quantities(&model.quantities, level, units);
-    if model
-        .quantities
-        .iter()
-        .any(|found| found.other_fits.is_some())
-    {
-        text += &format!("  {}\n", wrapped(OTHER_FITS, 2));
-    }
-    if let Some(sentence) = whole_stroke(model, units) {
-        text += &format!("  {}\n", wrapped(&sentence, 2));
-    }
-    if let Some(sentence) = against_the_model(model, units) {
-        text += &format!("  {}\n", wrapped(&sentence, 2));
-    }
-    if let Some(sentence) = one_unreached(model, units) {
-        text += &format!("  {}\n", wrapped(&sentence, 2));
-    }
-    if let Some(sentence) = whose_controller(document) {
-        text += &format!("  {}\n", wrapped(&sentence, 2));
-    }
-    for advice in advice_on_servo_model(model) {
-        text += &format!("  {}\n", wrapped(advice, 2));
-    }
+    text.extend(remarks.behind.iter().map(line));
     if explain {
         text +=
             "\n  terms that were tried: fit of parts that they had not seen, and of the whole\n";
@@ -78,48 +39,6 @@ pub fn of_servo_model(document: &ServoModelDocument, units: Units<'_>, explain: 
         );
     }
     text
-}
-
-/// What stands in the place of intervals where none hold.
-const OTHER_FITS: &str = "Other fits, to parts of the recording and with other terms, come to figures that far apart. That is no interval: what the model lacks is \
-    in all of them, and the truth may lie outside.";
-
-/// Which controller the quantities are of, and how much stiffer the others are, where there are several.
-fn whose_controller(document: &ServoModelDocument) -> Option<String> {
-    let (first, others) = document.controller_names.split_first()?;
-    let stiffness = |number: usize| document.model.parameters(number).stiffness;
-    let other = |(name, number): (&f64, usize)| {
-        let times = stiffness(number) / stiffness(0);
-        format!("{name} is {} times as stiff", digits(times, 3))
-    };
-    let others: Vec<String> = others.iter().zip(1..).map(other).collect();
-    (!others.is_empty()).then(|| format!(
-        "Bandwidth, damping ratio, error of full drive and what is left at rest are those with the controller {first}; {}.",
-        others.join(", ")
-    ))
-}
-
-/// Where the servo stops.
-pub(super) fn stops_in_words(stops: Stops, units: Units<'_>) -> Option<String> {
-    let at = |end: f64| with_unit(four_digits(end), units.output.unwrap_or_default());
-    match [stops.lower, stops.upper].map(|end| end.map(at)) {
-        [None, None] => None,
-        [Some(lower), Some(upper)] => Some(format!("stops at {lower} and {upper}")),
-        [end, None] | [None, end] => Some(format!("a stop at {}", end.unwrap_or_default())),
-    }
-}
-
-/// That each run has an offset of its own, and how far these lie from their mean.
-pub(crate) fn run_offsets_in_words(model: &ServoModel, units: Units<'_>) -> Option<String> {
-    let ends = |end: fn(f64, f64) -> f64| model.run_offsets.iter().copied().reduce(end);
-    let (least, most) = ends(f64::min).zip(ends(f64::max))?;
-    let unit = units.output.map(|unit| format!(" {unit}"));
-    Some(format!(
-        "The {} runs rest at different positions: each has an offset of its own, {least:+.3} to {most:+.3}{} from their mean, which is \
-         the offset here.",
-        model.run_offsets.len(),
-        unit.unwrap_or_default()
-    ))
 }
 
 /// The table of the linear models beside the servo model.

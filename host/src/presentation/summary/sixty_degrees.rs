@@ -4,7 +4,7 @@ use crate::data::units::Units;
 use servoid_identification::servo_model::{Quantity, ServoModel, Unit};
 
 /// A speed that the record determines, as the time for 60 degrees, which data sheets give.
-pub(super) fn per_60_degrees(quantity: &Quantity, units: Units<'_>) -> Option<String> {
+pub(crate) fn per_60_degrees(quantity: &Quantity, units: Units<'_>) -> Option<String> {
     let is_speed = quantity.unit == Unit::OutputPerSecond && quantity.determined;
     is_speed.then(|| seconds_per_60_degrees(quantity.value, units))?
 }

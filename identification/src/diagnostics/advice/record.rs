@@ -3,6 +3,7 @@
 use crate::diagnostics::advice::evidence::Evidence;
 use crate::diagnostics::runs::run_scatter::{RunComparison, RunDifference};
 use crate::estimation::{Solver, WELL_CONDITIONED};
+use crate::numerics::two_digits;
 use crate::results::{Advice, Check};
 use crate::thresholds::{
     INITIAL_REST_MISSED, LARGE_SHARE, LOST_TO_HISTORY, RESIDUAL_SIGNIFICANCE, RUNS_FOR_MEAN,
@@ -86,11 +87,11 @@ pub(super) fn scatter(evidence: &Evidence<'_>) -> Option<Advice> {
         Advice::new(
             Check::RunScatter,
             format!(
-                "The runs differ by more than their noise: gain by {:.2} %, delay by {:.2} ms, offset by {:.3} \
+                "The runs differ by more than their noise: gain by {} %, delay by {} ms, offset by {} \
                  (standard deviations between runs; another bandwidth or damping passes for gain and delay here).{bounds}{}",
-                runs.gain_percent.sd,
-                1000.0 * runs.delay_s.sd,
-                runs.offset.sd,
+                two_digits(runs.gain_percent.sd),
+                two_digits(1000.0 * runs.delay_s.sd),
+                two_digits(runs.offset.sd),
                 farthest(evidence, runs).unwrap_or_default()
             ),
             p,

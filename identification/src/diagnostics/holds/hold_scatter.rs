@@ -8,6 +8,7 @@ use super::level_scatter::{OffLevels, allow_for_level_scatter};
 use crate::data::Moments;
 use crate::diagnostics::residuals::simulation_error::Simulated;
 use crate::estimation::GlsFit;
+use crate::numerics::two_digits;
 
 /// By how much holds differ beyond noise; the bounds allow for it.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
@@ -25,13 +26,16 @@ impl HoldScatter {
     pub(crate) fn in_words(&self) -> String {
         let answers = (self.answers_s > 0.0).then(|| {
             format!(
-                "answers to commands scatter by {:.2} ms",
-                1e3 * self.answers_s
+                "answers to commands scatter by {} ms",
+                two_digits(1e3 * self.answers_s)
             )
         });
         let off = self.visits.hypot(self.levels);
         let levels = (off > 0.0).then(|| {
-            format!("levels are off by {off:.2} of the command, as by rounding of what was written, or by friction")
+            format!(
+                "levels are off by {} of the command, as by rounding of what was written, or by friction",
+                two_digits(off)
+            )
         });
         let found: Vec<String> = answers.into_iter().chain(levels).collect();
         format!(
@@ -59,4 +63,27 @@ pub(crate) fn allow_for_hold_scatter(
         visits,
         levels,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_scatters_by_little_does_not_read_as_nothing() {
+        let of = |answers_s: f64, visits: f64| {
+            let found = HoldScatter {
+                answers_s,
+                visits,
+                levels: 0.0,
+            };
+            found.in_words()
+        };
+        let little = of(1.234e-6, 0.0031);
+        assert!(
+            little.contains("scatter by 0.0012 ms, and levels are off by 0.0031 of"),
+            "{little}"
+        );
+        assert!(of(0.01234, 0.0).contains("scatter by 12 ms."));
+    }
 }

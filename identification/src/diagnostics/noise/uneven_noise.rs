@@ -31,7 +31,9 @@ use crate::diagnostics::residuals::filtered_rows::filtered;
 use crate::diagnostics::residuals::further_columns::in_coordinates;
 use crate::diagnostics::residuals::simulation_error::{Simulated, one_step_errors};
 use crate::estimation::{EstimatedPart, GlsFit, noise_filter};
-use crate::numerics::{chi_square_upper_tail, dot, normal_upper_quantile, outer_square};
+use crate::numerics::{
+    chi_square_upper_tail, dot, normal_upper_quantile, outer_square, two_digits,
+};
 use crate::thresholds::RESIDUAL_SIGNIFICANCE;
 
 /// Parts of the record that may differ in their noise.
@@ -56,8 +58,8 @@ impl UnevenNoise {
     pub(crate) fn in_words(&self) -> String {
         let in_motion = (self.jitter_s > 0.0).then(|| {
             format!(
-                "larger in motion, as times of sampling that scatter by {:.2} ms would make it",
-                1000.0 * self.jitter_s
+                "larger in motion, as times of sampling that scatter by {} ms would make it",
+                two_digits(1000.0 * self.jitter_s)
             )
         });
         let in_parts = (self.loudest_over_quietest > 1.0).then(|| {
