@@ -29,10 +29,13 @@ use crate::estimation::{Coordinates, FIRST_ORDER, FsfBasis, GlsFit, GlsOptions, 
 use crate::options::{Frequencies, Settling};
 use crate::results::{BandEstimate, FrequencyResponse, Metrics, Model, Residuals, SelectedBy};
 use crate::selection::{longest_settling, odd_at_most};
-use crate::thresholds::{MISFIT_SIGNIFICANCE, RUNS_FOR_MEAN, WHITENING_COST_POINTS};
+use crate::thresholds::{
+    MISFIT_SIGNIFICANCE, MOMENT_ACCURACY, RUNS_FOR_MEAN, WHITENING_COST_POINTS,
+};
 use points::Points;
 
-/// Share of the squares of the errors that rounding of the moments may be: behind it, what is as uncertain as the prior is off by a hundredth of that.
+/// Share of the squares of the errors that rounding of the moments may be, for tests of the errors: what is as uncertain as the prior is off by a hundredth of that.
+/// Bounds ask for [`MOMENT_ACCURACY`].
 const ROUNDED_ERRORS: f64 = 1e-5;
 
 /// Fits, each with the variance of the one before, from a hundredth of the output.
@@ -73,6 +76,12 @@ pub(super) fn of(task: &Task<'_>) -> Option<InBand> {
 impl Band {
     /// `None` where bounds would not hold, or are wide.
     fn of(task: &Task<'_>, record: &Record<'_>, fitted: Fitted) -> Option<Self> {
+        let Estimate {
+            information, fit, ..
+        } = &fitted.estimate;
+        if !is_accurate(information, fit, MOMENT_ACCURACY) {
+            return None;
+        }
         let feedback = input_is_free::tested(task, &fitted);
         let fitted = Fitted { feedback, ..fitted }.with_honest_covariance(task);
         let responses = Responses::new(&fitted.estimate);
@@ -160,7 +169,8 @@ fn fitted(task: &Task<'_>, record: &Record<'_>) -> Option<Fitted> {
         (variance, start) = (fit.variance, fit.ar.clone());
         found = Some((information, fit));
     }
-    let (information, fit) = found.filter(|(information, fit)| is_accurate(information, fit))?;
+    let (information, fit) =
+        found.filter(|(information, fit)| is_accurate(information, fit, ROUNDED_ERRORS))?;
     let plan = Plan {
         basis,
         selected_by: SelectedBy::Auto,
@@ -183,12 +193,12 @@ fn fitted(task: &Task<'_>, record: &Record<'_>) -> Option<Fitted> {
     Some(Fitted::tested(task, candidate, estimate))
 }
 
-/// Whether the prior and the noise are well above the rounding of the moments.
-fn is_accurate(information: &RowInformation, fit: &GlsFit) -> bool {
+/// Whether the prior, and the noise by this `share`, are above the rounding of the moments.
+fn is_accurate(information: &RowInformation, fit: &GlsFit, share: f64) -> bool {
     let moments = &information.moments;
     let trace: f64 = (0..fit.coordinates.len()).map(|k| moments.uu[(k, k)]).sum();
     let of_noise = 10.0 * f64::EPSILON * moments.output_spread() / fit.solution.rss;
-    10.0 * f64::EPSILON * trace <= fit.precision && of_noise <= ROUNDED_ERRORS
+    10.0 * f64::EPSILON * trace <= fit.precision && of_noise <= share
 }
 
 /// The errors one step ahead of the rows that the fit rests on; NaN elsewhere. Those before the first of them follow from lags that it does not determine.
