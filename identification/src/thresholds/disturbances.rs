@@ -49,9 +49,10 @@ pub const HELD_BUT_FOR_NOISE: f64 = 5.0;
 /// (a motion of which four samples are within 5). Evidence: as [`HELD_BUT_FOR_NOISE`].
 pub const CHANGED_BEYOND_NOISE: f64 = 7.0;
 
-/// Standard deviation that second differences of what is within such holds show, as white noise has them, in that of all of it.
+/// Standard deviation that second differences of what is within such holds show, as white noise has them, and that its neighbours on both sides do not say,
+/// in that of all of it.
 ///
-/// Protects: the tails of levels behind a lag, sweeps and sums of sines, which have .05 at the most, from being taken for noise; AR(1) noise of .95 has .18.
+/// Protects: the tails of levels behind a lag, sweeps and sums of sines, which have .05 at the most, from being taken for noise; AR(1) noise of .95 has .18 and .22.
 /// Evidence: the tests of noisy commands.
 pub const ROUGHNESS_OF_NOISE: f64 = 0.1;
 

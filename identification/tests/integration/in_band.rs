@@ -365,3 +365,37 @@ fn rests_beside_a_smooth_motion_take_no_band_away() {
         assert!((3.0..4.5).contains(&to), "{to} Hz");
     }
 }
+
+/// Three sines from the first sample to the last, whose frequencies have no common period, and what the lag answers; if it changes by no more than `limit` from sample to sample.
+fn three_sines(limit: f64, seed: u64) -> Model {
+    let mut random = random(seed);
+    let command = |k: usize| {
+        let t = k as f64 * PERIOD_S;
+        [0.43, 1.31, 3.17]
+            .map(|hz| 3.0 * (TAU * hz * t).sin())
+            .iter()
+            .sum()
+    };
+    let input: Vec<f64> = (0..SAMPLES).map(command).collect();
+    let mut at = 0.0;
+    let next = |command: &f64| {
+        let before = at;
+        at += ((1.0 - KEPT) * (command - at)).clamp(-limit, limit);
+        before + NOISE * normal(&mut random)
+    };
+    let output: Vec<f64> = input.iter().map(next).collect();
+    let record = Record::of_run(PERIOD_S, input, output).unwrap();
+    identify(&record, &Options::default()).unwrap()
+}
+
+/// The bank of a few frequencies leaves what lies between the lines in its errors, which are no noise.
+#[test]
+fn sines_far_apart_give_no_bounds_and_call_no_linear_servo_not_linear() {
+    (0..4).into_par_iter().for_each(|seed| {
+        let linear = three_sines(f64::INFINITY, seed);
+        assert!(linear.linear, "{seed}: {:?}", linear.residuals);
+        assert_eq!(linear.bounds.withdrawn(), Some(Reason::InputUnexcited));
+        let limited = three_sines(0.4, seed);
+        assert!(!limited.linear, "{seed}: {:?}", limited.residuals);
+    });
+}

@@ -2,7 +2,7 @@
 
 use rand::RngExt;
 use rayon::prelude::*;
-use servoid_dynamics::{Friction, Grid, Load, ServoParameters, Start, Stops, simulate};
+use servoid_dynamics::{DriveLimit, Friction, Grid, Load, ServoParameters, Start, Stops, simulate};
 use servoid_identification::results::{Advice, Check, Model, Reason};
 use servoid_identification::thresholds::MISFIT_SIGNIFICANCE;
 use servoid_identification::{Options, Record, identify};
@@ -135,6 +135,50 @@ fn with_friction(resting_error: f64, input: &[f64]) -> Vec<f64> {
     let mut output = Vec::new();
     simulate(&servo, &grid, &start, input, |_, y| output.push(y));
     output
+}
+
+/// A motor that comes to 156 degrees a second by and by, under levels that change before it has come to them: a noise model of the highest order predicts its errors, and
+/// behind that no function of the motion shows in the noise of the sensor. More than half of such records were called linear.
+#[test]
+fn a_limited_speed_that_the_noise_model_hides_takes_the_level() {
+    let servo = ServoParameters {
+        delay_s: 0.0224,
+        stiffness: 1563.0,
+        damping: 61.8,
+        gain: 1.0,
+        offset: 0.0,
+        limit: Some(DriveLimit {
+            up: 3271.0,
+            down_to_up: 1.0,
+            motor_damping: 20.9,
+        }),
+        speed_limit: None,
+        dead_band: None,
+        friction: None,
+        load: Load::None,
+        stops: Stops::default(),
+    };
+    (0..6u64).into_par_iter().for_each(|seed| {
+        let mut random = random(seed);
+        let mut input = vec![0.0; 300];
+        while input.len() < 6000 {
+            let hold = random.random_range(55..165);
+            let level = random.random_range(-40.0..40.0);
+            input.extend(std::iter::repeat_n(level, hold));
+        }
+        input.truncate(6000);
+        let (grid, start) = (Grid::new(PERIOD, 0.0, 1e-4), Start::at_rest(0.0, Some(0.0)));
+        let mut output = Vec::new();
+        simulate(&servo, &grid, &start, &input, |_, y| output.push(y));
+        for y in &mut output {
+            *y += 0.089 * normal(&mut random);
+        }
+        let record = Record::of_run(PERIOD, &input, output).unwrap();
+        let model = identify(&record, &Options::default()).unwrap();
+        let withdrawn = model.bounds.withdrawn();
+        assert!(!model.linear, "{seed}: {:?}", model.residuals);
+        assert_eq!(withdrawn, Some(Reason::ErrorsNotNoise), "{seed}");
+    });
 }
 
 /// A noise model takes the error at rest for drift, unless it is shown which way the servo came.

@@ -3,13 +3,16 @@
 //! A command that was measured has noise that the servo was not sent. Over its holds, the column shows that noise by itself: second differences have its size,
 //! whatever the levels are, and what is left beside the mean of each hold has its autocovariance. A command that moves smoothly, or noise that is the command,
 //! has no holds that end with a change far beyond what is within them: a motion that takes four samples for five standard deviations goes on by 6.3 of them from
-//! hold to hold. What is left within the holds of a smooth command, such as the tails of levels behind a lag, is smooth: its second differences are next to none. Where noise is correlated, or levels are near each other, holds show in the means of a few samples.
+//! hold to hold. What is left within the holds of a smooth command, such as the tails of levels behind a lag, is smooth: its second differences are next to none. In coarse rows
+//! those of a sweep or of sines are not, but its neighbours on both sides still say what a sample is. Where noise is correlated, or levels are near each other, holds show in the means of a few samples.
 
+use faer::Mat;
 use serde::{Deserialize, Serialize};
 
 use super::command_errors::{CommandErrors, EXAMINED, LAGS};
 use crate::data::{HELD, Hold, Run, holds};
-use crate::numerics::median;
+use crate::diagnostics::residuals::residual_tests::ScoreTest;
+use crate::numerics::{median, not_negative};
 use crate::thresholds::{CHANGED_BEYOND_NOISE, HELD_BUT_FOR_NOISE, ROUGHNESS_OF_NOISE};
 
 /// Noise in the column of a command that is held but for it.
@@ -28,6 +31,9 @@ const BLOCKS: [usize; 4] = [16, 8, 4, 1];
 /// The median size of second differences of white noise, in its standard deviations: that of a normal variable times √6.
 const SECOND_DIFFERENCE: f64 = 1.652;
 
+/// Samples on either side that say what a smooth command is at a sample: those of as many sines do, exactly.
+const NEIGHBOURS: usize = 4;
+
 /// Lags as a part of the length of a hold, up to which autocovariances beside its mean show how uncertain that is.
 const OF_HOLD: usize = 4;
 
@@ -39,8 +45,9 @@ pub(super) fn noisy_holds<'r>(runs: &[&'r Run]) -> Option<Vec<&'r [f64]>> {
     }
     let sd = |held: &[&[f64]]| CommandErrors::of_noise(held, 1).sd();
     let is_rough = |held: &Vec<&[f64]>| {
-        second_difference(held)
-            .is_some_and(|size| size > ROUGHNESS_OF_NOISE * SECOND_DIFFERENCE * sd(held))
+        let least = ROUGHNESS_OF_NOISE * sd(held);
+        second_difference(held).is_some_and(|size| size > SECOND_DIFFERENCE * least)
+            && beyond_neighbours(held).is_none_or(|size| size > least)
     };
     let found = (BLOCKS.iter())
         .filter_map(|block| holds_of_means(runs, *block))
@@ -99,6 +106,38 @@ fn second_difference(columns: &[&[f64]]) -> Option<f64> {
         sizes.filter(|size| !size.is_nan()).collect()
     };
     median(columns.iter().flat_map(of).collect())
+}
+
+/// Standard deviation of what neighbours on both sides, each pair with a weight of its own in each hold, do not say of the samples of `held`; `None` where holds
+/// are too short to show that.
+fn beyond_neighbours(held: &[&[f64]]) -> Option<f64> {
+    let (mut square, mut free) = (0.0, 0);
+    for part in held.iter().filter(|part| part.len() > 4 * NEIGHBOURS) {
+        let mean = mean(part);
+        let rows = part.windows(2 * NEIGHBOURS + 1).map(|window| {
+            let about_mean = |k: usize| window[k] - mean;
+            let pair = |j: usize| about_mean(NEIGHBOURS - j) + about_mean(NEIGHBOURS + j);
+            let pairs: Vec<f64> = (1..=NEIGHBOURS).map(pair).collect();
+            (pairs, about_mean(NEIGHBOURS))
+        });
+        let mut moments = Mat::<f64>::zeros(NEIGHBOURS, NEIGHBOURS);
+        let mut score = [0.0; NEIGHBOURS];
+        for (pairs, u) in rows {
+            square += u * u;
+            free += 1;
+            for (i, of_pair) in pairs.iter().enumerate() {
+                score[i] += of_pair * u;
+                for (j, other) in pairs.iter().enumerate() {
+                    moments[(i, j)] += of_pair * other;
+                }
+            }
+        }
+        if let Some(said) = ScoreTest::new(&moments, &moments, &score) {
+            square -= said.reduction;
+            free -= said.degrees;
+        }
+    }
+    (free > 0).then(|| not_negative(square / free as f64).sqrt())
 }
 
 impl CommandErrors {
@@ -212,6 +251,13 @@ mod tests {
         assert!(errors((0..SAMPLES).map(&mut behind_a_lag).collect()).is_none());
         let sweep = |k: usize| 5.0 * (1e-5 * (k * k) as f64).sin();
         assert!(errors(column(sweep, 0.0, 0.0)).is_none());
+        // From .3 to 11.7 Hz in rows of 20 ms.
+        let coarse_sweep = |k: usize| {
+            let t = 0.02 * k as f64;
+            10.0 * (std::f64::consts::TAU * (0.3 + 0.095 * t) * t).sin()
+        };
+        let of_a_minute = column(coarse_sweep, 0.0, 0.0)[..3000].to_vec();
+        assert!(errors(of_a_minute).is_none());
         let at_once = |k: usize| if level(k) > 0.0 { 5.0 } else { -5.0 };
         let in_fours = |k: usize| at_once(k / 4);
         let sine = |k: usize| 5.0 * (0.01 * k as f64).sin();

@@ -30,16 +30,18 @@
 //! is the part of the motion that γ explains and no linear model of this settling time could, over all of the record;
 //! [`Linearity::local_percent`] is how large that is where it is, which is what a band of the step response may miss.
 
+mod limited_speed;
 mod reset_test;
 
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
+use crate::diagnostics::linearity::limited_speed::limited_speed;
 use crate::diagnostics::linearity::reset_test::{ResetTest, RunRows, slower_speed_over};
 use crate::diagnostics::noise::standstill_noise::StandstillNoise;
-use crate::diagnostics::residuals::simulation_error::{Simulated, explained_by_runs};
+use crate::diagnostics::residuals::simulation_error::{Simulated, explained_by_runs, square};
 use crate::estimation::{GlsFit, RowInformation};
-use crate::thresholds::{MATERIAL_MISFIT_PERCENT, MISFIT_SIGNIFICANCE};
+use crate::thresholds::{MATERIAL_MISFIT_PERCENT, MISFIT_SIGNIFICANCE, UNEXPLAINED_PERCENT};
 
 /// Result of the test.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -131,7 +133,8 @@ impl Linearity {
 /// the sensor leave \[output\].
 ///
 /// The functions of the motion are offered with the speed from row to row, and with that over half of the response. The first is better under commands that change
-/// before the servo has followed, the second in strong noise. Of two tests the smaller p counts, twice (Bonferroni).
+/// before the servo has followed, the second in strong noise. Of two tests the smaller p counts, twice (Bonferroni). Where neither finds anything, though
+/// the simulation leaves much of the motion, a limit of the speed is asked for in the errors before whitening.
 #[must_use]
 pub(crate) fn test_linearity(
     runs: &[Simulated<'_>],
@@ -151,11 +154,28 @@ pub(crate) fn test_linearity(
             result_of(&test, runs, information, fit, level_error)
         })
         .min_by(|a, b| a.p.total_cmp(&b.p))?;
-    Some(Linearity {
+    let found = Linearity {
         p: (tests * found.p).min(1.0),
         local_p: (tests * found.local_p).min(1.0),
         ..found
-    })
+    };
+    let spread = information.moments.output_spread();
+    let much = square(information, fit) > (UNEXPLAINED_PERCENT / 100.0).powi(2) * spread;
+    if !much || found.by_functions() {
+        return Some(found);
+    }
+    let limited =
+        limited_speed(runs, information, fit).filter(|limit| limit.p < MISFIT_SIGNIFICANCE);
+    Some(limited.map_or(found, |limit| {
+        let percent = 100.0 / (spread / information.rows() as f64).sqrt();
+        Linearity {
+            p: limit.p,
+            misfit_percent: percent * limit.rms,
+            local_percent: percent * limit.local,
+            local_p: limit.p,
+            ..found
+        }
+    }))
 }
 
 /// What the `test` of one speed gives.

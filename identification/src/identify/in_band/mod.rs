@@ -34,19 +34,29 @@ use crate::thresholds::{
 };
 use points::Points;
 
+/// Share of the squares of the errors that rounding of the moments may be, for tests of the errors: what is as uncertain as the prior is off by a hundredth of that.
+/// Bounds ask for [`MOMENT_ACCURACY`].
+const ROUNDED_ERRORS: f64 = 1e-5;
+
 /// Fits, each with the variance of the one before, from a hundredth of the output.
 const FITS: usize = 3;
 
-/// What is known of a servo under an input that excites a band.
+/// What is known of a servo under an input that excites a band: with all lags its errors are noise.
 pub(super) struct InBand {
-    pub(super) frequency: FrequencyResponse,
-    pub(super) estimate: BandEstimate,
-    pub(super) metrics: Metrics,
-    pub(super) residuals: Residuals,
-    pub(super) linearity: Option<Linearity>,
+    residuals: Residuals,
+    linearity: Option<Linearity>,
+    /// `None` where no octave has narrow bounds, as between the lines of a few sines, or where they would not hold for another reason.
+    band: Option<Band>,
 }
 
-/// The response in the band of the input; `None` where bounds would not hold there either, or the structure was chosen by hand. Of three runs and more bounds
+/// The response in the band, with bounds.
+struct Band {
+    frequency: FrequencyResponse,
+    estimate: BandEstimate,
+    metrics: Metrics,
+}
+
+/// What all lags show; `None` where their errors are not noise either, or the structure was chosen by hand. Of three runs and more bounds
 /// are those of the servo's mean elsewhere, and the noise alone does not say how sure that is: there are none.
 pub(super) fn of(task: &Task<'_>) -> Option<InBand> {
     let automatic =
@@ -56,49 +66,65 @@ pub(super) fn of(task: &Task<'_>) -> Option<InBand> {
         return None;
     }
     let fitted = fitted(task, record)?;
-    let tests = tests(record, &fitted)?;
-    let feedback = input_is_free::tested(task, &fitted);
-    let fitted = Fitted { feedback, ..fitted }.with_honest_covariance(task);
-    let responses = Responses::new(&fitted.estimate);
-    let allowances = Allowances::new(task, &fitted, &responses);
-    let validity = describe::validity(task, &fitted, &responses, &allowances);
-    let claimed = validity.level;
-    let level = *claimed.valid()?;
-    let Estimate {
-        information, fit, ..
-    } = &fitted.estimate;
-    let runs = simulated_whole(record, &information.moments, fit);
-    let tails = Tails::beside(&runs, &information.moments, fit, prior_sd(fit))?;
-    let timing = Timing {
-        sample_period_s: information.moments.sample_period_s(),
-        sample_phase_s: information.moments.sample_phase_s(),
-    };
-    let points = Points::in_band(&fitted.estimate, &tails, level, lowest_excited(record)?)?;
     Some(InBand {
-        frequency: points.frequency_response(timing, claimed),
-        estimate: BandEstimate {
-            settling_samples: fit.coordinates.basis.settling(),
-            ar: fit.ar.clone(),
-            precision: fit.precision,
-            beyond_even_noise: points.beyond_even_noise(),
-            slopes: task.disturbances.trends.to_vec(),
-        },
-        metrics: points.metrics(timing, claimed),
-        residuals: tests,
+        residuals: tests(record, &fitted)?,
         linearity: fitted.linearity,
+        band: Band::of(task, record, fitted),
     })
+}
+
+impl Band {
+    /// `None` where bounds would not hold, or are wide.
+    fn of(task: &Task<'_>, record: &Record<'_>, fitted: Fitted) -> Option<Self> {
+        let Estimate {
+            information, fit, ..
+        } = &fitted.estimate;
+        if !is_accurate(information, fit, MOMENT_ACCURACY) {
+            return None;
+        }
+        let feedback = input_is_free::tested(task, &fitted);
+        let fitted = Fitted { feedback, ..fitted }.with_honest_covariance(task);
+        let responses = Responses::new(&fitted.estimate);
+        let allowances = Allowances::new(task, &fitted, &responses);
+        let validity = describe::validity(task, &fitted, &responses, &allowances);
+        let claimed = validity.level;
+        let level = *claimed.valid()?;
+        let Estimate {
+            information, fit, ..
+        } = &fitted.estimate;
+        let runs = simulated_whole(record, &information.moments, fit);
+        let tails = Tails::beside(&runs, &information.moments, fit, prior_sd(fit))?;
+        let timing = Timing {
+            sample_period_s: information.moments.sample_period_s(),
+            sample_phase_s: information.moments.sample_phase_s(),
+        };
+        let points = Points::in_band(&fitted.estimate, &tails, level, lowest_excited(record)?)?;
+        Some(Self {
+            frequency: points.frequency_response(timing, claimed),
+            estimate: BandEstimate {
+                settling_samples: fit.coordinates.basis.settling(),
+                ar: fit.ar.clone(),
+                precision: fit.precision,
+                beyond_even_noise: points.beyond_even_noise(),
+                slopes: task.disturbances.trends.to_vec(),
+            },
+            metrics: points.metrics(timing, claimed),
+        })
+    }
 }
 
 impl InBand {
     /// Into the model that is a picture of the same record, whose errors were not noise for what it left out.
     pub(super) fn carry_into(self, model: &mut Model, explanation: &mut Explanation) {
-        model.frequency = self.frequency;
-        model.band_estimate = Some(self.estimate);
-        model.metrics = self.metrics;
         model.residuals = self.residuals;
         model.linear = true;
         explanation.model_errors = None;
         explanation.linearity = self.linearity;
+        if let Some(band) = self.band {
+            model.frequency = band.frequency;
+            model.band_estimate = Some(band.estimate);
+            model.metrics = band.metrics;
+        }
     }
 }
 
@@ -143,7 +169,8 @@ fn fitted(task: &Task<'_>, record: &Record<'_>) -> Option<Fitted> {
         (variance, start) = (fit.variance, fit.ar.clone());
         found = Some((information, fit));
     }
-    let (information, fit) = found.filter(|(information, fit)| is_accurate(information, fit))?;
+    let (information, fit) =
+        found.filter(|(information, fit)| is_accurate(information, fit, ROUNDED_ERRORS))?;
     let plan = Plan {
         basis,
         selected_by: SelectedBy::Auto,
@@ -166,12 +193,12 @@ fn fitted(task: &Task<'_>, record: &Record<'_>) -> Option<Fitted> {
     Some(Fitted::tested(task, candidate, estimate))
 }
 
-/// Whether the prior and the noise are well above the rounding of the moments.
-fn is_accurate(information: &RowInformation, fit: &GlsFit) -> bool {
+/// Whether the prior, and the noise by this `share`, are above the rounding of the moments.
+fn is_accurate(information: &RowInformation, fit: &GlsFit, share: f64) -> bool {
     let moments = &information.moments;
     let trace: f64 = (0..fit.coordinates.len()).map(|k| moments.uu[(k, k)]).sum();
     let of_noise = 10.0 * f64::EPSILON * moments.output_spread() / fit.solution.rss;
-    10.0 * f64::EPSILON * trace <= fit.precision && of_noise <= MOMENT_ACCURACY
+    10.0 * f64::EPSILON * trace <= fit.precision && of_noise <= share
 }
 
 /// The errors one step ahead of the rows that the fit rests on; NaN elsewhere. Those before the first of them follow from lags that it does not determine.
