@@ -223,16 +223,19 @@ fn remarks(text: &str) -> Vec<String> {
 #[test]
 fn a_page_says_of_a_servo_what_the_terminal_says() {
     let dir = tempfile::tempdir().unwrap();
-    let model = modelled(dir.path(), "bench", "bench", &SHORT_STAIRS);
+    // Strokes that show the top speed.
+    let stairs = "--reference stairs --levels 5 --amplitude 30 --hold 0.4 --length 8";
+    let stairs: Vec<&str> = stairs.split(' ').collect();
+    let model = modelled(dir.path(), "bench", "bench", &stairs);
     let mut document = json(&model);
-    document["servo_model"]["stops"] = serde_json::json!({ "upper": 12.3 });
+    document["servo_model"]["stops"] = serde_json::json!({ "upper": 45 });
     std::fs::write(&model, document.to_string()).unwrap();
     let page = dir.path().join("page.html");
     run(&["report", "-q", arg(&model), "-o", arg(&page)]);
     let page = std::fs::read_to_string(&page).unwrap();
     let (_, of_servo) = page.split_once("The servo as a machine: ").unwrap();
-    assert!(of_servo.contains("The servo has a stop at 12.3 deg."));
-    assert!(of_servo.contains("<td>0.") && of_servo.contains("s/60°</td>"));
+    assert!(of_servo.contains("The servo has a stop at 45.00 deg."));
+    assert!(of_servo.contains("s/60°</td>"));
     let said = run(&[
         "identify",
         "--servo-model",

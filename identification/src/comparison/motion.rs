@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::pair::ends;
+use crate::data::column::extent;
 use crate::data::{HELD, Hold, Record, Run, hold_lengths, holds, measured_within, usual_hold};
 use crate::numerics::{median, with_unit};
 use crate::thresholds::{EQUALLY_LARGE, EQUALLY_LONG, RANDOM_ENDS};
@@ -196,6 +196,12 @@ fn inputs_of_motion(record: &Record) -> Vec<f64> {
         inputs.collect::<Vec<f64>>()
     };
     record.runs().iter().flat_map(of_run).collect()
+}
+
+/// Smallest and largest command.
+pub(super) fn ends(record: &Record) -> (f64, f64) {
+    let inputs = record.runs().iter().flat_map(|run| run.input()).copied();
+    extent(inputs).unwrap_or((f64::INFINITY, f64::NEG_INFINITY))
 }
 
 /// By which fraction the larger of two exceeds the smaller.

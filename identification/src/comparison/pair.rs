@@ -1,8 +1,8 @@
 //! One side of a comparison, identified.
 
+use super::motion::ends;
 use super::outcome::{Asymmetry, Levels};
 use crate::data::Record;
-use crate::data::column::extent;
 use crate::diagnostics::TakenOut;
 use crate::error::Error;
 use crate::estimation::FsfBasis;
@@ -212,10 +212,4 @@ pub(super) fn same_period(expected: f64, found: f64) -> Result<(), Error> {
         return Err(Error::PeriodMismatch { expected, found });
     }
     Ok(())
-}
-
-/// Smallest and largest command.
-pub(super) fn ends(record: &Record) -> (f64, f64) {
-    let inputs = record.runs().iter().flat_map(|run| run.input()).copied();
-    extent(inputs).unwrap_or((f64::INFINITY, f64::NEG_INFINITY))
 }

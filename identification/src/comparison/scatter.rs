@@ -9,7 +9,8 @@ use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 
-use super::pair::{Identified, ends};
+use super::motion::ends;
+use super::pair::Identified;
 use super::welch::Welch;
 use crate::error::Error;
 use crate::nonlinear::DirectionModel;

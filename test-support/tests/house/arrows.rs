@@ -188,6 +188,7 @@ pub const ROOMS: [(&str, &[&str]); 11] = [
             "metrics_coverage",
             "changing_servos",
             "servo_means",
+            "shifted_pairs",
             "hello",
             "bad_line",
             "trials",

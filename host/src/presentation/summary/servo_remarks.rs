@@ -46,16 +46,16 @@ impl ServoRemarks {
 
 /// Why there are no intervals, or that they hold for other servos as well.
 fn of_intervals(model: &ServoModel) -> Option<String> {
-    match (&model.covariance, model.alternatives.len()) {
-        (Bounds::Withdrawn(reason), _) => Some(format!(
+    if let Bounds::Withdrawn(reason) = &model.covariance {
+        return Some(format!(
             "No intervals can be given, because {}.",
             reason.because()
-        )),
-        (Bounds::Valid(_), 0) => None,
-        (Bounds::Valid(_), others) => Some(format!(
-            "{others} other sets of terms predict as well: the intervals hold for all of them."
-        )),
+        ));
     }
+    let others = model.alternatives.len();
+    (others > 0).then(|| {
+        format!("{others} other sets of terms predict as well: the intervals hold for all of them.")
+    })
 }
 
 /// What stands in the place of intervals where none hold.
