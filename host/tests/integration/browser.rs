@@ -351,7 +351,7 @@ fn simulated(dir: &Path, servo: &str, seed: u64) -> PathBuf {
         "--port",
         &port,
         "--condition",
-        "bench",
+        "on the desk",
         "-o",
         arg(&file),
     ]);

@@ -21,7 +21,7 @@ fn recording(dir: &std::path::Path, name: &str, servo: &str, notes: &str) -> std
         "--notes",
         notes,
         "--condition",
-        "bench",
+        "on the desk",
         "-o",
         arg(&file),
     ]);

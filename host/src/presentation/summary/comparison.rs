@@ -41,8 +41,9 @@ pub(crate) fn table_of_comparison(a: &str, b: &str, found: &Comparison) -> Strin
         None => "each with its own N and n",
     };
     let mut text = format!(
-        "  {structure:32} {a:>10} {b:>10} {:>12}  {level} % interval\n",
-        "difference"
+        "  {structure:32} {a:>10} {b:>10} {:>12}  {level} % interval{}\n",
+        "difference",
+        of_two_motions(found)
     );
     for row in difference_rows(found, "") {
         if let [(a, _), (b, _), (difference, bounds)] = &row.cells[..] {
@@ -51,6 +52,14 @@ pub(crate) fn table_of_comparison(a: &str, b: &str, found: &Comparison) -> Strin
         }
     }
     text + "\n  " + &wrapped(how_compared(found), 2) + "\n"
+}
+
+/// What is added to the head of intervals where they are those of two motions, and not of two servos.
+fn of_two_motions(found: &Comparison) -> &'static str {
+    match found.descriptions_of_different_motions {
+        true => ", of two motions",
+        false => "",
+    }
 }
 
 /// The way the metrics of a comparison were computed, which differ from those of each side by itself.
@@ -106,7 +115,11 @@ pub(crate) fn facts_of_comparison(
     match &found.bounds {
         Bounds::Valid(bounds) => {
             add("largest difference", largest_difference(bounds));
-            let mut name = format!("{b} is behind {a} by");
+            // A servo that is limited is later in larger strokes, whichever it is.
+            let mut name = match found.descriptions_of_different_motions {
+                true => format!("{b}'s motion is behind {a}'s by"),
+                false => format!("{b} is behind {a} by"),
+            };
             for shift in delay_shifts(found, bounds) {
                 add(&std::mem::take(&mut name), shift);
             }
