@@ -456,8 +456,15 @@ fn resting_error(model: &ServoModel, units: Units<'_>) -> Option<String> {
     let error = determined(model, QuantityKind::RestingError)?;
     (error.value > 0.0).then(|| {
         let command = with_space(units.input);
+        let bounds = error.interval.valid();
+        let bounds = bounds.and_then(|found| found.lower.zip(found.upper));
+        // A number that may be twice as large, or none, is not said without its interval.
+        let wide = bounds.filter(|(lower, upper)| upper - lower > error.value);
+        let wide = wide.map_or_else(String::new, |(lower, upper)| {
+            format!(" ({} to {})", digits(lower, 2), digits(upper, 2))
+        });
         format!(
-            "comes to rest up to {}{command} off, as by friction or a dead band",
+            "comes to rest up to {}{command} off{wide}, as by friction or a dead band",
             digits(error.value, 2)
         )
     })
