@@ -116,14 +116,14 @@ impl Trial {
     /// The strokes of both searches.
     fn strokes_of_search(&self) -> Vec<f64> {
         [
-            self.from_rest(&self.worst),
-            self.from_rest(&self.worst_broken_off),
+            self.begun_at_rest(&self.worst),
+            self.begun_at_rest(&self.worst_broken_off),
         ]
         .concat()
     }
 
     /// These strokes from rest at the first level; nothing where there are none.
-    pub(super) fn from_rest(&self, strokes: &[Held]) -> Vec<f64> {
+    pub(super) fn begun_at_rest(&self, strokes: &[Held]) -> Vec<f64> {
         let rest = Held {
             level: self.middle(),
             steps: self.steps_per_level,
@@ -193,7 +193,7 @@ impl Trial {
 
     /// What of a course of the position is that of the stroke of the search that is held or broken off once.
     pub(super) fn broken_off<'a>(&self, positions: &'a [f64]) -> &'a [f64] {
-        let begin = self.from_rest(&self.worst).len();
+        let begin = self.begun_at_rest(&self.worst).len();
         let end = self.strokes_of_search().len();
         positions.get(begin..end).unwrap_or_default()
     }

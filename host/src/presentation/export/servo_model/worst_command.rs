@@ -191,7 +191,7 @@ impl Search<'_> {
 
     /// The largest difference, and the strokes up to the one in which it is.
     pub fn until_largest(&self, mut strokes: Vec<Held>) -> Found {
-        let commands = self.trial.from_rest(&strokes);
+        let commands = self.trial.begun_at_rest(&strokes);
         let positions = (self.respond)(&commands);
         let exact = finely(
             &self.export.parameters,
