@@ -4,7 +4,7 @@
 //! once: how far they are apart depends on when the stroke ends, and a staircase has one such time.
 
 use super::trial_command::Held;
-use super::worst_command::{Found, Search};
+use super::worst_command::{FarStrokes, StrokeSearch};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -33,9 +33,9 @@ const FACTOR: f64 = 1.5;
 /// A change moves a level by up to this part of the amplitude.
 const MOVED: f64 = 0.5;
 
-impl Search<'_> {
+impl StrokeSearch<'_> {
     /// The stroke with the largest difference. Before it the servo comes to rest.
-    pub fn broken_off_once(&self) -> Option<Found> {
+    pub fn broken_off_once(&self) -> Option<FarStrokes> {
         let of_course = |course: [f64; 3]| self.farthest(TIMES, |share| self.stroke(course, share));
         let mut found: Vec<_> = COURSES.into_iter().filter_map(of_course).collect();
         found.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -59,7 +59,7 @@ impl Search<'_> {
     }
 
     /// The same or one that is farther, with other levels or another time.
-    fn changed_once(&self, farthest: Found) -> Found {
+    fn changed_once(&self, farthest: FarStrokes) -> FarStrokes {
         let mut random = ChaCha8Rng::seed_from_u64(0);
         let [least, largest] = self.trial.ends();
         let part = |level: f64| 2.0 * (level - least) / (largest - least) - 1.0;

@@ -43,7 +43,7 @@ const FINER_IN_SEARCH: f64 = 3.0;
 const WITHOUT_BEGINNING: f64 = 0.01;
 
 /// Strokes, and the largest difference in them.
-pub(super) type Found = (f64, Vec<Held>);
+pub(super) type FarStrokes = (f64, Vec<Held>);
 
 /// The trial with the strokes in which an export, whose positions `respond` has, is farthest from the servo; they begin at rest in its middle.
 pub(super) fn with_worst(
@@ -51,7 +51,7 @@ pub(super) fn with_worst(
     export: &ServoExport<'_>,
     respond: impl Fn(&[f64]) -> Vec<f64>,
 ) -> Trial {
-    let search = Search {
+    let search = StrokeSearch {
         export,
         trial: &trial,
         respond: &respond,
@@ -65,15 +65,15 @@ pub(super) fn with_worst(
     }
 }
 
-pub(super) struct Search<'a> {
+pub(super) struct StrokeSearch<'a> {
     export: &'a ServoExport<'a>,
     pub trial: &'a Trial,
     respond: &'a dyn Fn(&[f64]) -> Vec<f64>,
 }
 
-impl Search<'_> {
+impl StrokeSearch<'_> {
     /// The strokes of any kind in which the difference is largest; `broken_off` is the best of one kind.
-    fn worst(&self, broken_off: &Option<Found>) -> Vec<Held> {
+    fn worst(&self, broken_off: &Option<FarStrokes>) -> Vec<Held> {
         let random = self.random().map(|strokes| self.until_largest(strokes));
         let repeated = self.reversals().chain(random);
         let mut found: Vec<_> = repeated.chain(broken_off.clone()).collect();
@@ -86,16 +86,20 @@ impl Search<'_> {
     }
 
     /// Those between both ends, beginning upwards and downwards, each with the half-period in which it is farthest.
-    fn reversals(&self) -> impl Iterator<Item = Found> {
+    fn reversals(&self) -> impl Iterator<Item = FarStrokes> {
         let first = [1.0, -1.0].into_iter();
         first.filter_map(|part| self.farthest(HALF_PERIODS, |share| self.even(part, share)))
     }
 
     /// The farthest of strokes that depend on one time, which is at a share of the way from the shortest to the longest: `places` are tried, and
     /// those around the farthest ever closer.
-    pub fn farthest(&self, places: usize, strokes: impl Fn(f64) -> Vec<Held>) -> Option<Found> {
+    pub fn farthest(
+        &self,
+        places: usize,
+        strokes: impl Fn(f64) -> Vec<Held>,
+    ) -> Option<FarStrokes> {
         let tried = |share: f64| (share, self.until_largest(strokes(share)));
-        let farther = |a: &(f64, Found), b: &(f64, Found)| a.1.0.total_cmp(&b.1.0);
+        let farther = |a: &(f64, FarStrokes), b: &(f64, FarStrokes)| a.1.0.total_cmp(&b.1.0);
         let apart = 1.0 / (places - 1) as f64;
         let first = (0..places).map(|place| tried(place as f64 * apart));
         let halved = (1..=HALVINGS).map(|halving| apart * 0.5f64.powi(halving));
@@ -150,7 +154,7 @@ impl Search<'_> {
     }
 
     /// The same or one that is farther, with other holds or more strokes.
-    fn changed(&self, farthest: Found) -> Found {
+    fn changed(&self, farthest: FarStrokes) -> FarStrokes {
         let mut random = ChaCha8Rng::seed_from_u64(0);
         (0..CHANGES).fold(farthest, |farthest, change| {
             let factor = FACTOR.powf(random.random_range(-1.0..=1.0));
@@ -190,7 +194,7 @@ impl Search<'_> {
     }
 
     /// The largest difference, and the strokes up to the one in which it is.
-    pub fn until_largest(&self, mut strokes: Vec<Held>) -> Found {
+    pub fn until_largest(&self, mut strokes: Vec<Held>) -> FarStrokes {
         let commands = self.trial.begun_at_rest(&strokes);
         let positions = (self.respond)(&commands);
         let exact = finely(
