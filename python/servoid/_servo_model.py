@@ -27,6 +27,9 @@ _POSSIBLE = {
     "friction_of_gears": (0.0, 0.9),
 }
 
+#: The share of the top speed at which half of the excess of friction at rest is gone, where a document does not say another.
+_FRICTION_SPEED_SHARE = 0.05
+
 
 @dataclass(frozen=True)
 class Quantity:
@@ -144,12 +147,14 @@ class ServoModel:
     def draws(self, count: int, *, seed: int | None = None) -> list[Model]:
         """Models with other servos in them, at random as the recording leaves them open: for a simulation of many (Monte Carlo).
 
-        Each is this model with a servo model of other constants: simulate with its ``servo_model.simulate(u).value``, or export it. All else in
-        it, quantities and intervals included, is that of the estimate.
+        Each is this model with another servo: simulate with its ``servo_model.simulate(u).value``, or export it. All else in it, quantities and
+        intervals included, is that of the estimate.
 
-        The servos are normally distributed in :attr:`coordinates`, with :attr:`covariance`; what no servo has, such as a negative friction, is
-        cut off. They have the terms of this model. Intervals of :attr:`quantities` also hold other sets of terms that predict as well, and the
-        uncertainty of a sensor's delay, and may be wider.
+        A recording does not always say which terms a servo has. So each draw takes one of the possible servos first, this one or one of the other
+        sets of terms that predict as well, all equally often. Its :attr:`terms` and :attr:`coordinates` are that servo's. It is normally
+        distributed in these, with that servo's covariance; what no servo has, such as a negative friction, is cut off. That is the range of the
+        intervals of :attr:`quantities`, but for the uncertainty of a sensor's delay, for coordinates that have no variance because the recording
+        does not show them, and for ends of an interval that are cut off.
 
         Parameters
         ----------
@@ -178,15 +183,44 @@ class ServoModel:
         """
         from ._model import Model
 
-        rows = normal(self.values, self.covariance, count, seed, self.withdrawn)
-        for place, name in enumerate(self.coordinates):
-            rows[:, place] = rows[:, place].clip(*_POSSIBLE.get(name, (-np.inf, np.inf)))
         document = json.loads(self._core.document)
+        servo = document["servo_model"]
         found = []
-        for number, row in enumerate(rows, start=1):
-            document["servo_model"].update(values=row.tolist(), alternatives=[])
+        for number, drawn in enumerate(self._draws(count, seed), start=1):
+            servo.update(drawn, alternatives=[])
             name = f"draw {number} of {self._core.name}"
             found.append(Model(_servoid.Model.parse(json.dumps(document), name)))
+        return found
+
+    def _draws(self, count: int, seed: int | None) -> list[dict[str, Any]]:
+        """What is another in the document of each draw."""
+        bounds = self._fields["bounds"]
+        own = {name: self._fields.get(name) for name in ("terms", "coordinates", "values", "friction_speed_share")}
+        own["covariance"] = None if bounds is None else bounds["rows"]
+        possible = [own, *self._fields["alternatives"]]
+        # Each servo has as many rows as there are draws, so that those of one do not depend on how often another is taken.
+        rows = [
+            normal(servo["values"], servo["covariance"], count, None if seed is None else seed + place, self.withdrawn)
+            for place, servo in enumerate(possible)
+        ]
+        taken = np.random.default_rng(seed).integers(len(possible), size=count)
+        found = []
+        for number, place in enumerate(taken):
+            servo = possible[place]
+            values = [
+                float(np.clip(value, *_POSSIBLE.get(str(name), (-np.inf, np.inf))))
+                for name, value in zip(servo["coordinates"], rows[place][number])
+            ]
+            share = servo.get("friction_speed_share") or _FRICTION_SPEED_SHARE
+            found.append(
+                {
+                    "terms": servo["terms"],
+                    "coordinates": servo["coordinates"],
+                    "values": values,
+                    "friction_speed_share": share,
+                    "bounds": {**bounds, "rows": servo["covariance"]},
+                }
+            )
         return found
 
     @property

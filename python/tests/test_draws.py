@@ -25,17 +25,47 @@ def test_draws_have_mean_and_covariance_and_repeat():
     assert np.array_equal(rows, normal([1.0, -2.0, 3.0], covariance, 20000, 5, None))
 
 
-def test_a_servo_model_is_drawn_in_its_coordinates(model):
+def test_a_servo_model_is_drawn_in_the_coordinates_of_a_possible_servo(model):
     servo = model.servo_model
-    sd = np.sqrt(np.diag(servo.covariance))
-    draws = servo.draws(60, seed=3)
-    rows = np.array([draw.servo_model.values for draw in draws])
-    off = (rows - servo.values)[:, sd > 0] / sd[sd > 0]
-    # Cut off at zero, a friction is on one side of it; nothing else is off by five standard deviations.
-    assert np.abs(off).max() < 5.0
-    delay = servo.coordinates.index("delay")
-    assert 0.7 < off[:, delay].std() < 1.3
-    assert draws[0].servo_model.coordinates == servo.coordinates
+    fields = servo._fields
+    own = {**fields, "covariance": fields["bounds"]["rows"]}
+    possible = [own, *fields["alternatives"]]
+    assert len(possible) > 1
+    taken = set()
+    for draw in servo.draws(60, seed=3):
+        drawn = draw.servo_model._fields
+        like = [
+            place
+            for place, other in enumerate(possible)
+            if other["terms"] == drawn["terms"] and other["covariance"] == drawn["bounds"]["rows"]
+        ]
+        assert len(like) == 1
+        other = possible[like[0]]
+        taken.add(like[0])
+        assert drawn["coordinates"] == other["coordinates"]
+        sd = np.sqrt(np.maximum(np.diag(other["covariance"]), 0.0))
+        off = np.abs(np.array(drawn["values"]) - other["values"])
+        # Cut off at zero, a friction is on one side of it; nothing is off by five standard deviations.
+        assert np.all(off <= 5.0 * sd + 1e-12)
+    assert len(taken) > 1
+
+
+def test_draws_have_the_range_of_the_intervals(model):
+    servo = model.servo_model
+    drawn = servo._draws(4000, seed=5)
+    values = [dict(zip(map(str, one["coordinates"]), one["values"])) for one in drawn]
+    for name, of in {
+        "gain": lambda v: v["gain"],
+        "damping ratio": lambda v: np.exp(v["ln_damping"] - v["ln_stiffness"] / 2) / 2,
+    }.items():
+        quantity = servo.quantities[name]
+        found = np.array([of(v) for v in values])
+        inside = (quantity.lower <= found) & (found <= quantity.upper)
+        width = quantity.upper - quantity.lower
+        assert inside.mean() > 0.985, name
+        assert found.max() - found.min() > 0.9 * width, name
+    for v in values:
+        assert min(v[name] for name in ("delay", "dead_band", "friction", "friction_at_rest") if name in v) >= 0.0
 
 
 def test_a_drawn_servo_is_exported_and_simulated_with_its_own_constants(model):

@@ -113,11 +113,12 @@ impl Exported {
     ) -> Result<Self> {
         let (fitted, servo) = (file.flight_model()?, file.servo_model()?);
         let (name, source) = (&request.name, &request.source);
+        let of_frame = metadata.frame_remark();
         let export = Export::new(name, source, &file.model, fitted, metadata)
             .beside(servo.as_ref().map(|servo| &servo.model));
         Ok(Self {
             text: export.write(request.target)?,
-            remarks: export.which_model().into_iter().collect(),
+            remarks: (export.which_model().into_iter()).chain(of_frame).collect(),
             warnings: export.warnings(),
             difference: Map::new(),
         })
@@ -141,6 +142,7 @@ impl Exported {
         let share = export.share_of_stroke(&written);
         let mut remarks = vec![format!("largest difference from the servo model: {share}")];
         remarks.extend(written.remarks);
+        remarks.extend(metadata.frame_remark());
         let mut warnings = export.warnings(request.target);
         warnings.extend(written.warnings);
         let difference = Map::from_iter([

@@ -1,14 +1,18 @@
 //! What a run of the reference will determine of the servo as a machine.
 //!
 //! Simulated runs are identified as real ones will be, until one has intervals: noise withdraws those of one run in some. A long run is thinned to at most [`MOST_SAMPLES`] samples, whose
-//! intervals are wider than those of all samples.
+//! intervals are wider than those of all samples. A recording has a rest before and after the reference, which shows the noise: so have these runs, and
+//! where they are thinned it is so many times as long, because as many samples at rest are needed.
 
 use super::request::PlanRequest;
-use super::simulated_runs::simulated;
+use super::simulated_runs::simulated_with_rest;
+use crate::instrument::rig::roll_frames;
 use serde::Serialize;
 use servoid_identification::results::{Bounds, Reason};
 use servoid_identification::servo_model::{Quantity, QuantityKind, ServoModelOptions, Terms, fit};
 use servoid_identification::{Error, Record, Run};
+use servoid_protocol::reference::Reference;
+use servoid_protocol::timing::SAMPLES_PER_FRAME;
 use servoid_simulator::{ServoKind, SimulationOptions};
 
 /// Samples that are identified: some seconds of computing.
@@ -52,16 +56,7 @@ impl ServoQuantities {
     }
 
     fn of_run(request: &PlanRequest, number: u64) -> Result<Self, Error> {
-        let one = PlanRequest {
-            runs: 1,
-            ..request.clone()
-        };
-        let record = simulated(&one, number)?;
-        let thinnings = THINNINGS.into_iter();
-        let fits = |every: &usize| record.samples() / every <= MOST_SAMPLES;
-        let every = thinnings.clone().find(fits).or(thinnings.last());
-        let every = every.unwrap_or(1);
-        let record = thinned(&record, every)?;
+        let (record, every) = recorded(request, number)?;
         let options = ServoModelOptions {
             level: request.level,
             radians_per_command: Some(1f64.to_radians()),
@@ -75,11 +70,36 @@ impl ServoQuantities {
             every,
             tried: number,
             terms: found.terms,
-            remedies: remedies(is_of_equation, found.terms, &level, &found.quantities),
+            remedies: remedies(
+                has_holds(&request.reference),
+                is_of_equation,
+                found.terms,
+                &level,
+                &found.quantities,
+            ),
             level,
             quantities: found.quantities,
         })
     }
+}
+
+/// A run as it would be recorded, thinned to every so many samples.
+pub(super) fn recorded(
+    request: &PlanRequest,
+    number: u64,
+) -> Result<(Record<'static>, usize), Error> {
+    let one = PlanRequest {
+        runs: 1,
+        ..request.clone()
+    };
+    let rest = usize::from(roll_frames(request.assumed.train));
+    let frames = one.reference.frames() as usize + 2 * rest;
+    let thinnings = THINNINGS.into_iter();
+    let fits = |every: &usize| frames * SAMPLES_PER_FRAME / every <= MOST_SAMPLES;
+    let every = thinnings.clone().find(fits).or(thinnings.last());
+    let every = every.unwrap_or(1);
+    let record = thinned(&simulated_with_rest(&one, rest * every, number)?, every)?;
+    Ok((record, every))
 }
 
 /// Every so many samples of each run.
@@ -94,6 +114,11 @@ fn thinned(record: &Record, every: usize) -> Result<Record<'static>, Error> {
     Ok(thinned.with_sample_phase(record.sample_phase_s()))
 }
 
+/// Whether a reference holds its levels.
+fn has_holds(reference: &Reference) -> bool {
+    !matches!(reference, Reference::Sweep(_) | Reference::Multisine(_))
+}
+
 /// What to record of a servo that ran into a stop.
 const WITHIN_THE_STOPS: &str =
     "take strokes between the stops: lower --amplitude, or write a table of steps";
@@ -101,6 +126,7 @@ const WITHIN_THE_STOPS: &str =
 /// What to record for what is not determined, the most important first. A servo may have what the equation lacks, unless it is a model
 /// of that equation.
 fn remedies(
+    has_holds: bool,
     is_of_equation: bool,
     terms: Terms,
     level: &Bounds<f64>,
@@ -121,6 +147,9 @@ fn remedies(
         }
         // No reference that goes beyond the stop serves for anything else, either.
         Some(Reason::TravelEnd) => return vec![WITHIN_THE_STOPS],
+        Some(_) if !has_holds => Some(
+            "add a run of another reference with holds in which the servo comes to rest, such as stairs: this one has none that could be longer",
+        ),
         Some(_) if is_of_equation => Some(
             "take longer holds, so that noise at rest can be distinguished from errors in motion",
         ),

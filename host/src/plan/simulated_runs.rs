@@ -22,9 +22,20 @@ pub(super) fn input(request: &PlanRequest) -> Vec<f64> {
     samples.collect()
 }
 
-/// Runs of the assumed servo, from rest at neutral.
+/// Runs of the assumed servo, from rest at neutral, as long as the reference.
 pub(super) fn simulated(request: &PlanRequest, seed: u64) -> Result<Record<'static>, Error> {
-    let input = input(request);
+    simulated_with_rest(request, 0, seed)
+}
+
+/// The same with so many frames of rest at neutral before and after the reference, as a recording has them.
+pub(super) fn simulated_with_rest(
+    request: &PlanRequest,
+    rest: usize,
+    seed: u64,
+) -> Result<Record<'static>, Error> {
+    let resting = || std::iter::repeat_n(0.0, rest * SAMPLES_PER_FRAME);
+    let moved = input(request).into_iter();
+    let input: Vec<f64> = resting().chain(moved).chain(resting()).collect();
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let runs: Result<Vec<Run>, Error> = (0..request.runs)
         .map(|run| {
@@ -35,7 +46,7 @@ pub(super) fn simulated(request: &PlanRequest, seed: u64) -> Result<Record<'stat
                         seed,
                         ..options.clone()
                     };
-                    of_simulation(request, &options, &mut random)?
+                    of_simulation(request, rest, &options, &mut random)?
                 }
                 None => of_model(&request.assumed.model, &input, &mut random),
             };
@@ -57,18 +68,21 @@ fn of_model(model: &Model, input: &[f64], random: &mut ChaCha8Rng) -> Vec<f64> {
 /// The response of the simulated servo (deg). Its own scale is 10 µs per degree, whatever the rig's scale.
 fn of_simulation(
     request: &PlanRequest,
+    rest: usize,
     options: &SimulationOptions,
     random: &mut ChaCha8Rng,
 ) -> Result<Vec<f64>, Error> {
     let pulse = |offset: i16| SERVO_SCALE.pulse(Degrees(f64::from(offset) / request.us_per_degree));
     let train = request.assumed.train;
-    let rest = usize::from(roll_frames(train));
-    let neutral = std::iter::repeat_n(0, rest);
-    let pulses = neutral.chain(request.reference.offsets_us()).map(pulse);
+    let run_up = usize::from(roll_frames(train));
+    let before = std::iter::repeat_n(0, run_up + rest);
+    let after = std::iter::repeat_n(0, rest);
+    let offsets = before.chain(request.reference.offsets_us()).chain(after);
+    let pulses = offsets.map(pulse);
     // These options have made the assumed model already, so they are valid.
     let frames = simulate_train(options, train, pulses)
         .map_err(|_| Error::AllMissing { column: "output" })?;
-    let frames = frames.skip(rest);
+    let frames = frames.skip(run_up);
     Ok(match &request.assumed.noise {
         None => frames.flat_map(|frame| frame.degrees()).collect(),
         Some(noise) => {

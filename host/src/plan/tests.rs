@@ -4,6 +4,7 @@ use super::assumed_servo::noise_rms;
 use super::band_width::Reach;
 use super::expectation::Expectation;
 use super::needed_runs::Effort;
+use super::servo_quantities::recorded;
 use super::simulated_runs::simulated;
 use super::*;
 use crate::instrument::reference::{Kind, ReferenceSpec};
@@ -391,4 +392,37 @@ fn more_runs_narrow_the_noise_part_only() {
     assert_eq!(band.reach(0.2, 1), Reach::Runs(25));
     assert_eq!(band.reach(0.11, 1), Reach::TooManyRuns);
     assert_eq!(band.reach(0.1, 1), Reach::Never);
+}
+
+/// A multisine has no hold: the noise shows in the rests of 0.8 s before and after it alone.
+#[test]
+fn what_is_identified_has_the_rests_of_a_recording() {
+    let rests_of = |length_s: f64| {
+        let reference = ReferenceSpec {
+            kind: Kind::Multisine,
+            length_s: Some(length_s),
+            ..ReferenceSpec::default()
+        };
+        let question = PlanRequest {
+            reference: reference.resolve(10.0).unwrap().reference,
+            ..question("multisine", white())
+        };
+        let (record, every) = recorded(&question, 1).unwrap();
+        let input = record.runs()[0].input();
+        let still =
+            |samples: &mut dyn Iterator<Item = &f64>| samples.take_while(|u| **u == 0.0).count();
+        (
+            every,
+            still(&mut input.iter()),
+            still(&mut input.iter().rev()),
+        )
+    };
+    for length_s in [10.0, 60.0] {
+        let (every, before, after) = rests_of(length_s);
+        assert_eq!(every > 1, length_s > 20.0);
+        assert!(
+            (400..420).contains(&before) && (400..420).contains(&after),
+            "{before} {after}"
+        );
+    }
 }

@@ -227,7 +227,8 @@ fn servo_model(plan: &Plan) -> String {
     };
     let samples = match found.every {
         1 => "all samples".to_owned(),
-        every => format!("every {every}th sample, which takes less time"),
+        2 => "every second sample, which takes less time".to_owned(),
+        every => format!("one sample in {every}, which takes less time"),
     };
     let tried = match (found.tried, found.level.withdrawn()) {
         (1, _) => String::new(),

@@ -171,7 +171,6 @@ fn require_units_stated(target: &str) {
     assert!(text.contains("in deg/us"), "{target}");
     for model in [&us, &bare, &golden] {
         let text = export(model, target, &[]);
-        assert!(text.contains("no frame hold is assumed ("), "{target}");
         assert!(text.contains("is assumed: state"), "{target}");
         assert!(
             !text.contains("20.0 ms") && !text.contains("<switch"),

@@ -82,11 +82,26 @@ pub enum ExportError {
         /// Why, and what to do.
         why: String,
     },
-    /// The document says so, or the motion has no end.
+    /// The document has a number that no servo has, such as a draw of a friction that is less than zero.
     #[error(
-        "the servo model has numbers beyond what any servo could have: identify it again, or export it with a shorter --step-ms"
+        "no servo has the {name} {value}, which 'servo_model' of the model file has: it must be {possible}"
+    )]
+    ImpossibleNumber {
+        /// The name of the coordinate.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it may be.
+        possible: &'static str,
+    },
+    /// The document has numbers that make no servo together.
+    #[error(
+        "the servo model has numbers beyond what any servo could have: take those that 'servoid identify' wrote"
     )]
     Impossible,
+    /// The positions of the file grow beyond all numbers.
+    #[error("the motion of this file has no end: export it with a shorter --step-ms")]
+    Endless,
 }
 
 /// What to do without a low-order model.

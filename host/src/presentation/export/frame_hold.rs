@@ -10,16 +10,22 @@ use crate::presentation::summary::four_digits;
 pub(super) const WHEN_TO_STATE: &str = "only where the commands were recorded at their pulses, as servoid does; elsewhere that wait is in the delay already";
 
 impl ModelMetadata {
-    /// That no hold is assumed, or that a stated one may count twice.
+    /// That no hold is assumed, which is right of most recordings, and when it is not.
+    #[must_use]
+    pub fn frame_remark(&self) -> Option<String> {
+        (self.pulse_frame_s.is_none())
+            .then(|| format!("no frame hold is assumed: state --frame-ms {WHEN_TO_STATE}"))
+    }
+
+    /// That a stated hold may count twice.
     pub(super) fn frame_warning(&self) -> Option<String> {
         match self.pulse_frame_s {
-            None => Some("no frame hold is assumed (--frame-ms states one)".to_owned()),
             Some(frame_s) if self.frame_is_stated && frame_s > 0.0 => Some(format!(
                 "the stated frame of {} ms is right {WHEN_TO_STATE}, and the servo is late by {} ms",
                 four_digits(1e3 * frame_s),
                 four_digits(0.5e3 * frame_s)
             )),
-            Some(_) => None,
+            _ => None,
         }
     }
 }

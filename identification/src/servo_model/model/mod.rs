@@ -44,6 +44,13 @@ pub struct ServoModel {
     pub coordinates: Vec<Coordinate>,
     /// Their values.
     pub values: Vec<f64>,
+    /// The speed at which half of the excess of friction at rest is gone, as a share of the top speed: that of the equation, but for a servo that
+    /// was drawn from `alternatives`.
+    #[serde(
+        default = "friction_speed_share",
+        skip_serializing_if = "is_usual_friction_speed_share"
+    )]
+    pub friction_speed_share: f64,
     /// Covariance of the coordinates, where bounds hold.
     #[serde(flatten)]
     pub covariance: Bounds<Covariance>,
@@ -124,6 +131,10 @@ pub struct Alternative {
 /// The share of the equation: models that were written without it had no other.
 fn friction_speed_share() -> f64 {
     FRICTION_SPEED_SHARE
+}
+
+fn is_usual_friction_speed_share(share: &f64) -> bool {
+    *share == FRICTION_SPEED_SHARE
 }
 
 /// How well a servo follows a record.
@@ -229,7 +240,7 @@ impl ServoModel {
             coordinates: coordinates.to_vec(),
             values: values.to_vec(),
             radians: self.radians_per_command,
-            friction_speed_share: FRICTION_SPEED_SHARE,
+            friction_speed_share: self.friction_speed_share,
             run_offsets: Vec::new(),
             stops: self.stops,
         }
@@ -390,6 +401,7 @@ impl ServoModel {
             && (1..=MOST_CONTROLLERS).contains(&self.controllers)
             && self.radians_per_command.is_finite()
             && self.stops.have_travel()
+            && self.friction_speed_share > 0.0
             && sized(self.terms, &self.coordinates, &self.values)
             && own
             && self.alternatives.iter().all(other)

@@ -11,7 +11,7 @@ pub(super) struct Difference {
     pub trial: Trial,
     /// The largest difference of the position \[unit of the position\].
     pub largest: f64,
-    /// The largest in the staircase alone, likewise.
+    /// The largest in strokes that are held or broken off once, those of the staircase and that of the search, likewise.
     pub largest_in_strokes: f64,
     /// Its root mean square, likewise.
     pub root_mean_square: f64,
@@ -33,12 +33,16 @@ impl Difference {
         let (positions, exact) = (found(servo), trial.exact(servo));
         let from_like = || trial.largest_difference(&found(like), &trial.exact(like));
         let [strokes, exact_strokes] = [&positions, &exact].map(|course| trial.staircase(course));
+        let [once, exact_once] = [&positions, &exact].map(|course| trial.broken_off(course));
         let still = vec![servo.resting_output(trial.middle()); exact_strokes.len()];
         Self {
             follows: trial.root_mean_square(strokes, exact_strokes)
                 < trial.root_mean_square(&still, exact_strokes),
             largest: trial.largest_difference(&positions, &exact),
-            largest_in_strokes: trial.largest_difference(strokes, exact_strokes),
+            largest_in_strokes: f64::max(
+                trial.largest_difference(strokes, exact_strokes),
+                trial.largest_difference(once, exact_once),
+            ),
             root_mean_square: trial.root_mean_square(&positions, &exact),
             without_others: others(servo, like).map(|others| (from_like(), others)),
             trial,

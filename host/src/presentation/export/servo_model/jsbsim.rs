@@ -3,6 +3,7 @@
 //! Behind the actuator the filter's lag behind a ramp, c/k times the speed, is the distance at which a servo of full drive begins to
 //! brake. A servo whose speed alone is limited does not brake, and would be late by c/k: its filter comes first.
 
+use super::delay_in_steps::{delay_in_words, rounded_delay, to_nanoseconds};
 use super::difference::Difference;
 use super::emulation::{DelayLine, SecondOrder};
 use super::exported::ExportedServo;
@@ -107,13 +108,22 @@ impl Actuator {
         }
     }
 
+    /// By how many steps both delays are late: one of n whole steps delays by n-1, and the second, of three steps, by two.
+    fn delay_steps(&self, step_s: f64) -> usize {
+        let whole = (self.delay_s / step_s) as usize;
+        whole.saturating_sub(1) + 2
+    }
+
+    /// By how much the position is late \[s\]: Tustin's rule is early by half a step.
+    fn late_s(&self, step_s: f64) -> f64 {
+        to_nanoseconds((self.delay_steps(step_s) as f64 - 0.5) * step_s)
+    }
+
     /// The position at the beginning of each step, as JSBSim computes it: an actuator limits the rate, then has its hysteresis and its
     /// delay, and filters are discrete by Tustin's rule.
     fn respond(&self, command: &[f64], step_s: f64) -> Vec<f64> {
         let [least, most] = self.commands;
-        // A delay of n whole steps delays by n-1; the second delay, of three steps, by two.
-        let whole = (self.delay_s / step_s) as usize;
-        let mut late = DelayLine::new(whole.saturating_sub(1) + 2, self.centre);
+        let mut late = DelayLine::new(self.delay_steps(step_s), self.centre);
         let mut filter = SecondOrder::new(self.stiffness, self.damping, step_s, self.centre);
         let (mut limited, mut played) = (self.centre, self.centre);
         let mut act = |command: f64| {
@@ -309,7 +319,11 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         .lacking(export, "JSBSim", &LEFT_OUT)?
         .warned(long_steps(export))
         .warned(late)
-        .with(behind_in_larger_strokes(fit.share)))
+        .with(
+            behind_in_larger_strokes(fit.share)
+                .into_iter()
+                .chain(rounded_delay(export, actuator.late_s(step_s), step_s)),
+        ))
 }
 
 /// That the chosen steps are long: JSBSim runs at 120 Hz as a rule, where a quick servo has no shorter ones.
@@ -353,6 +367,15 @@ fn late_pulses(export: &ServoExport<'_>, step_s: f64) -> Option<String> {
     ))
 }
 
+/// How the delay is counted out.
+fn delay(export: &ServoExport<'_>, actuator: &Actuator, step_s: f64) -> String {
+    format!(
+        "Delay: in steps of {} ms {} JSBSim cuts a delay off to whole steps and delays by one of them less; the second delay of this system makes up for that, for half a step, which is cut off on average, and for half a step by which Tustin's rule is early.",
+        four_digits(1e3 * step_s),
+        delay_in_words(export, actuator.late_s(step_s), step_s)
+    )
+}
+
 /// At which rate the system is to run.
 fn steps(export: &ServoExport<'_>, difference: &Difference) -> String {
     let step_s = difference.trial.step_s;
@@ -388,6 +411,7 @@ fn about(
     about.extend(late.map(|late| format!("WARNING: {late}.")));
     about.extend([
         actuator.in_words(),
+        delay(export, actuator, difference.trial.step_s),
         rate,
         format!(
             "Time: {TIME} {} Set the step before the aircraft is loaded: delays are counted out then.",

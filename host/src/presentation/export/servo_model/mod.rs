@@ -6,6 +6,8 @@
 //! leaves out.
 
 mod ardupilot;
+mod broken_off_stroke;
+mod delay_in_steps;
 mod difference;
 mod emulation;
 mod exported;

@@ -3,6 +3,7 @@
 //! The actuator's force kp (ctrl - q) - kv q' within its range is the drive of the equation; the joint has the motor's damping and the
 //! friction. Its inertia is one, since accelerations are known per unit of inertia.
 
+use super::delay_in_steps::{delay_in_words, rounded_delay, to_nanoseconds};
 use super::difference::Difference;
 use super::emulation::DelayLine;
 use super::exported::ExportedServo;
@@ -98,6 +99,11 @@ impl Joint {
         }
     }
 
+    /// By how much the angle is late \[s\]: by its whole steps, and half a step less.
+    fn late_s(&self) -> f64 {
+        to_nanoseconds((self.delay_steps as f64 - 0.5) * self.step_s)
+    }
+
     /// The angle at the beginning of each step, as MuJoCo's integrator `implicitfast` computes it, from rest at the angle
     /// `rest`, for these values of ctrl.
     fn respond(&self, controls: &[f64], rest: f64) -> Vec<f64> {
@@ -164,10 +170,7 @@ impl Joint {
             ("law", law),
             ("range", range.unwrap_or_default()),
             // MuJoCo rounds a delay up to whole steps.
-            (
-                "delay",
-                number((self.delay_steps as f64 - 0.5) * self.step_s),
-            ),
+            ("delay", number(self.late_s())),
             ("samples", (self.delay_steps + 1).to_string()),
             ("load", load.unwrap_or_default()),
         ]
@@ -258,6 +261,11 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     let difference = Difference::of(export, trial, |_| found.clone(), &like);
     let control = control(export, turn);
     let mut about = about(export, radians, &control, &difference);
+    about.push(format!(
+        "Delay: {} MuJoCo rounds what delay says up to whole steps, {} here, and the angle is early by half a step; nsample is one more. They are of a MuJoCo later than 3.9. In an older one leave both out, and delay the command yourself.",
+        delay_in_words(export, joint.late_s(), step_s),
+        joint.delay_steps
+    ));
     about.extend(speed_in_words(export, drive));
     about.push(smooth.in_words(export, late_s));
     let mut values = joint.values(&identifier(export.name));
@@ -267,7 +275,11 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         format!("the joint's angle is the position in rad, and ctrl the command as one: {control}");
     Ok(ExportedServo::new(text, difference)?
         .lacking(export, "MuJoCo", &LEFT_OUT)?
-        .with([remark]))
+        .with(
+            [remark]
+                .into_iter()
+                .chain(rounded_delay(export, joint.late_s(), step_s)),
+        ))
 }
 
 /// What stands for a limit of the speed.
@@ -316,7 +328,6 @@ fn about(
             "Steps: {} ms each (timestep), for which delay and constraints are computed. For others, export with --step-ms.",
             number(1e3 * difference.trial.step_s)
         ),
-        "delay and nsample are the delay, and half a step by which MuJoCo is early; they are of a MuJoCo later than 3.9. In an older one leave both out, and delay the command yourself.".to_owned(),
         "Numbers: where a command is no number, MuJoCo warns, and all ctrl count as 0 when its step has come out of the delay.".to_owned(),
         export.left_out("MuJoCo's position actuator", &LEFT_OUT),
         export.difference(difference, Comparison::Emulation("MuJoCo")),

@@ -395,13 +395,14 @@ impl ServoExport<'_> {
             }
         };
         format!(
-            "Largest difference from servoid's own integrator with steps {FINER_WHERE_EXACT} times as fine as usual, under the command named below: {}, {}, with steps of {} ms{emulation}; root mean square {} %. {} In strokes that are held or broken off once it is {}.{} The command: {}",
+            "Largest difference from servoid's own integrator with steps {FINER_WHERE_EXACT} times as fine as usual, under the command named below: {}, {}, with steps of {} ms{emulation}; root mean square {} %. {} In strokes that are held or broken off once it is {}{}.{} The command: {}",
             largest,
             self.strokes(trial),
             four_digits(1e3 * trial.step_s),
             self.percent_of_stroke(found.root_mean_square, trial),
             searched(trial),
             shown(found.largest_in_strokes),
+            searched_once(trial),
             without.unwrap_or_default(),
             command(trial),
         )
@@ -420,10 +421,12 @@ fn command(trial: &Trial) -> String {
     let search = match trial.worst.is_empty() {
         true => String::new(),
         false => format!(
-            "{} for {}, and the strokes of the search: {}. Then ",
+            "{} for {}, and the strokes of the search: {}. Then {} for as long, and the stroke of the other search: {}. Then ",
             number(trial.middle()),
             held(trial.steps_per_level),
-            strokes(trial)
+            strokes(&trial.worst),
+            number(trial.middle()),
+            strokes(&trial.worst_broken_off)
         ),
     };
     format!(
@@ -449,6 +452,19 @@ fn searched(trial: &Trial) -> String {
     }
 }
 
+/// In which stroke, broken off once, a search found the difference largest.
+fn searched_once(trial: &Trial) -> String {
+    let [from, to, ..] = &trial.worst_broken_off[..] else {
+        return String::new();
+    };
+    format!(
+        ", the most of a search over strokes from rest between any levels, each broken off after any time: here that from {} to {} after {} s",
+        number(from.level),
+        number(to.level),
+        four_digits(to.steps as f64 * trial.step_s)
+    )
+}
+
 /// "reversals of 0.04 to 0.12 s", the half-periods of the strokes of the search.
 fn reversals(trial: &Trial) -> String {
     let seconds = |steps: usize| four_digits(steps as f64 * trial.step_s);
@@ -462,21 +478,21 @@ fn reversals(trial: &Trial) -> String {
     }
 }
 
-/// The strokes of the search, in which each number stands.
-fn strokes(trial: &Trial) -> String {
-    if let [first, second, _, ..] = &trial.worst[..]
-        && are_even(&trial.worst)
+/// The strokes of a search, in which each number stands.
+fn strokes(found: &[Held]) -> String {
+    if let [first, second, _, ..] = found
+        && are_even(found)
     {
         return format!(
             "{} and {} in turn, {} strokes of {} steps each",
             number(first.level),
             number(second.level),
-            trial.worst.len(),
+            found.len(),
             first.steps
         );
     }
     let held = |held: &Held| format!("{} for {} steps", number(held.level), held.steps);
-    let all: Vec<String> = trial.worst.iter().map(held).collect();
+    let all: Vec<String> = found.iter().map(held).collect();
     all.join(", ")
 }
 

@@ -6,7 +6,7 @@ use crate::data::model_metadata::ModelMetadata;
 use crate::data::unitless_command::UnitlessCommand;
 use crate::presentation::export::error::ExportError;
 use servoid_identification::results::Model;
-use servoid_identification::servo_model::{Load, ServoModel, ServoParameters, Stops};
+use servoid_identification::servo_model::{Coordinate, Load, ServoModel, ServoParameters, Stops};
 
 /// Longest delay that a servo may have \[s\]: files keep the commands of that time.
 const LONGEST_DELAY_S: f64 = 10.0;
@@ -77,6 +77,7 @@ impl<'a> ServoExport<'a> {
             }
             None => 0,
         };
+        possible_numbers(&document.model)?;
         let parameters = document.model.parameters(controller);
         if !is_possible(&parameters) {
             return Err(ExportError::Impossible);
@@ -216,6 +217,39 @@ impl<'a> ServoExport<'a> {
         let [up, down] = speeds.map(|speed| speed.max(slowest));
         Some((up, down))
     }
+}
+
+/// Refuses the first number of a model that no servo has, by its name in the model file.
+fn possible_numbers(model: &ServoModel) -> Result<(), ExportError> {
+    let numbers = model.coordinates.iter().zip(&model.values);
+    for (coordinate, value) in numbers {
+        let (name, is_possible, possible) = match coordinate {
+            Coordinate::Delay => (
+                "delay",
+                (0.0..=LONGEST_DELAY_S).contains(value),
+                "0 to 10 s",
+            ),
+            Coordinate::DeadBand => ("dead_band", *value >= 0.0, "0 or more"),
+            Coordinate::Friction => ("friction", *value >= 0.0, "0 or more"),
+            Coordinate::FrictionAtRest => ("friction_at_rest", *value >= 0.0, "0 or more"),
+            Coordinate::FrictionOfGears => (
+                "friction_of_gears",
+                (0.0..1.0).contains(value),
+                "0 or more, and less than 1",
+            ),
+            Coordinate::MotorShare => ("motor_share", *value > 0.0, "more than 0"),
+            Coordinate::Gain => ("gain", *value != 0.0, "other than 0"),
+            _ => continue,
+        };
+        if !is_possible {
+            return Err(ExportError::ImpossibleNumber {
+                name,
+                value: *value,
+                possible,
+            });
+        }
+    }
+    Ok(())
 }
 
 /// Whether a servo can be computed: a model file may say anything.

@@ -5,8 +5,8 @@ use super::subject::ServoExport;
 use serde::Serialize;
 use servoid_dynamics::{Grid, ServoParameters, Start, simulate};
 
-/// A staircase of small and large strokes, held and then broken off, repeated reversals over the whole range, and the strokes in which a
-/// search found the largest difference.
+/// A staircase of small and large strokes, held and then broken off, repeated reversals over the whole range, and the strokes in which two
+/// searches found the largest difference: any strokes, and one that is held or broken off once.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Trial {
     /// Step of time of the exported servo \[s\].
@@ -22,6 +22,9 @@ pub struct Trial {
     /// The strokes before all this, from rest at the first level: those in which a search found the largest difference. Play and friction
     /// remember what came before, and the search begins at rest.
     pub worst: Vec<Held>,
+    /// The levels behind those, again from rest at the first level: a stroke from rest that is held or broken off once, in which a search found the
+    /// largest difference of such strokes.
+    pub worst_broken_off: Vec<Held>,
 }
 
 /// A level of the command, and for how long it is held.
@@ -84,6 +87,7 @@ impl Trial {
             steps_of_broken_off: steps(in_frames(export, (BROKEN_OFF * hold_s).max(SHORTEST_S))),
             steps_of_reversals,
             worst: Vec::new(),
+            worst_broken_off: Vec::new(),
         }
     }
 
@@ -109,14 +113,24 @@ impl Trial {
         command
     }
 
-    /// The strokes of the search, from rest at the first level.
+    /// The strokes of both searches.
     fn strokes_of_search(&self) -> Vec<f64> {
-        let Some(first) = self.levels.first().filter(|_| !self.worst.is_empty()) else {
-            return Vec::new();
+        [
+            self.begun_at_rest(&self.worst),
+            self.begun_at_rest(&self.worst_broken_off),
+        ]
+        .concat()
+    }
+
+    /// These strokes from rest at the first level; nothing where there are none.
+    pub(super) fn begun_at_rest(&self, strokes: &[Held]) -> Vec<f64> {
+        let rest = Held {
+            level: self.middle(),
+            steps: self.steps_per_level,
         };
-        let rest = std::iter::once((*first, self.steps_per_level));
-        let all = rest.chain(self.worst.iter().map(|held| (held.level, held.steps)));
-        all.flat_map(|(level, steps)| std::iter::repeat_n(level, steps))
+        let rest = (!strokes.is_empty()).then_some(&rest);
+        let all = rest.into_iter().chain(strokes);
+        all.flat_map(|held| std::iter::repeat_n(held.level, held.steps))
             .collect()
     }
 
@@ -154,6 +168,7 @@ impl Trial {
         Self {
             steps_of_reversals: Vec::new(),
             worst: Vec::new(),
+            worst_broken_off: Vec::new(),
             ..self.clone()
         }
     }
@@ -174,6 +189,13 @@ impl Trial {
         let begin = self.strokes_of_search().len();
         let steps = self.levels.len() * (self.steps_per_level + self.steps_of_broken_off);
         positions.get(begin..begin + steps).unwrap_or(positions)
+    }
+
+    /// What of a course of the position is that of the stroke of the search that is held or broken off once.
+    pub(super) fn broken_off<'a>(&self, positions: &'a [f64]) -> &'a [f64] {
+        let begin = self.begun_at_rest(&self.worst).len();
+        let end = self.strokes_of_search().len();
+        positions.get(begin..end).unwrap_or_default()
     }
 
     /// The position at the beginning of each step, by servoid's integrator with steps of a tenth of its usual ones.
@@ -335,6 +357,7 @@ mod tests {
             steps_of_broken_off: 2,
             steps_of_reversals: vec![3],
             worst: Vec::new(),
+            worst_broken_off: Vec::new(),
         };
         let travel = |gain: f64, lower: Option<f64>, upper: Option<f64>| {
             trial.largest_travel(&ServoParameters {

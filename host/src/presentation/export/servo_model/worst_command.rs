@@ -1,7 +1,7 @@
 //! A search for the command in which an exported servo is farthest from the servo model.
 //!
 //! Where an export lacks a term, its error builds up over strokes that break off, and how far depends on how long each one lasts: one pair
-//! of levels and one half-period show a part of it alone.
+//! of levels and one half-period show a part of it alone. A stroke that is broken off once has a search of its own (`broken_off_stroke`).
 
 use super::subject::ServoExport;
 use super::trial_command::{Held, Trial, finely, largest};
@@ -42,58 +42,66 @@ const FINER_IN_SEARCH: f64 = 3.0;
 /// The sequence that is farthest may lose strokes at its beginning that change the difference by no more than this part.
 const WITHOUT_BEGINNING: f64 = 0.01;
 
+/// Strokes, and the largest difference in them.
+pub(super) type FarStrokes = (f64, Vec<Held>);
+
 /// The trial with the strokes in which an export, whose positions `respond` has, is farthest from the servo; they begin at rest in its middle.
 pub(super) fn with_worst(
     trial: Trial,
     export: &ServoExport<'_>,
     respond: impl Fn(&[f64]) -> Vec<f64>,
 ) -> Trial {
-    let worst = worst(&trial, export, &respond);
-    Trial { worst, ..trial }
-}
-
-fn worst(
-    trial: &Trial,
-    export: &ServoExport<'_>,
-    respond: &dyn Fn(&[f64]) -> Vec<f64>,
-) -> Vec<Held> {
-    let search = Search {
+    let search = StrokeSearch {
         export,
-        trial,
-        respond,
+        trial: &trial,
+        respond: &respond,
     };
-    let random = search.random().map(|strokes| search.until_largest(strokes));
-    let mut found: Vec<_> = search.reversals().chain(random).collect();
-    found.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let changed = found
-        .into_iter()
-        .take(CHANGED)
-        .map(|far| search.changed(far));
-    let farthest = changed.max_by(|a, b| a.0.total_cmp(&b.0));
-    farthest.map_or_else(Vec::new, |(difference, strokes)| {
-        search.without_beginning(strokes, difference)
-    })
+    let broken_off = search.broken_off_once();
+    let worst = search.worst(&broken_off);
+    Trial {
+        worst,
+        worst_broken_off: broken_off.map_or_else(Vec::new, |(_, strokes)| strokes),
+        ..trial
+    }
 }
 
-struct Search<'a> {
+pub(super) struct StrokeSearch<'a> {
     export: &'a ServoExport<'a>,
-    trial: &'a Trial,
+    pub trial: &'a Trial,
     respond: &'a dyn Fn(&[f64]) -> Vec<f64>,
 }
 
-impl Search<'_> {
-    /// Those between both ends, beginning upwards and downwards, each with the half-period in which it is farthest.
-    fn reversals(&self) -> impl Iterator<Item = (f64, Vec<Held>)> {
-        let first = [1.0, -1.0].into_iter();
-        first.filter_map(|part| self.farthest_reversals(part))
+impl StrokeSearch<'_> {
+    /// The strokes of any kind in which the difference is largest; `broken_off` is the best of one kind.
+    fn worst(&self, broken_off: &Option<FarStrokes>) -> Vec<Held> {
+        let random = self.random().map(|strokes| self.until_largest(strokes));
+        let repeated = self.reversals().chain(random);
+        let mut found: Vec<_> = repeated.chain(broken_off.clone()).collect();
+        found.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let changed = found.into_iter().take(CHANGED).map(|far| self.changed(far));
+        let farthest = changed.max_by(|a, b| a.0.total_cmp(&b.0));
+        farthest.map_or_else(Vec::new, |(difference, strokes)| {
+            self.without_beginning(strokes, difference)
+        })
     }
 
-    /// Between both ends, beginning with the one at this part of the amplitude: the half-periods around the farthest are tried ever closer.
-    fn farthest_reversals(&self, part: f64) -> Option<(f64, Vec<Held>)> {
-        let tried = |share: f64| (share, self.until_largest(self.even(part, share)));
-        let farther = |a: &(f64, (f64, _)), b: &(f64, (f64, _))| a.1.0.total_cmp(&b.1.0);
-        let apart = 1.0 / (HALF_PERIODS - 1) as f64;
-        let first = (0..HALF_PERIODS).map(|place| tried(place as f64 * apart));
+    /// Those between both ends, beginning upwards and downwards, each with the half-period in which it is farthest.
+    fn reversals(&self) -> impl Iterator<Item = FarStrokes> {
+        let first = [1.0, -1.0].into_iter();
+        first.filter_map(|part| self.farthest(HALF_PERIODS, |share| self.even(part, share)))
+    }
+
+    /// The farthest of strokes that depend on one time, which is at a share of the way from the shortest to the longest: `places` are tried, and
+    /// those around the farthest ever closer.
+    pub fn farthest(
+        &self,
+        places: usize,
+        strokes: impl Fn(f64) -> Vec<Held>,
+    ) -> Option<FarStrokes> {
+        let tried = |share: f64| (share, self.until_largest(strokes(share)));
+        let farther = |a: &(f64, FarStrokes), b: &(f64, FarStrokes)| a.1.0.total_cmp(&b.1.0);
+        let apart = 1.0 / (places - 1) as f64;
+        let first = (0..places).map(|place| tried(place as f64 * apart));
         let halved = (1..=HALVINGS).map(|halving| apart * 0.5f64.powi(halving));
         let farthest = halved.fold(first.max_by(farther), |farthest, apart| {
             let (share, _) = farthest.as_ref()?;
@@ -105,7 +113,7 @@ impl Search<'_> {
 
     /// Even reversals with the half-period at this share of the way from the shortest to the longest.
     fn even(&self, part: f64, share: f64) -> Vec<Held> {
-        let steps = self.trial.steps_between(self.export, share);
+        let steps = self.steps_at(share);
         let level = |stroke: usize| match stroke % 2 {
             0 => self.trial.level(part),
             _ => self.trial.level(-part),
@@ -116,6 +124,11 @@ impl Search<'_> {
         };
         let most = LONGEST_STROKES * self.trial.steps_per_level / steps;
         (0..most.min(LONG_REVERSALS)).map(held).collect()
+    }
+
+    /// The steps of a hold at this share of the way from the shortest to the longest.
+    pub fn steps_at(&self, share: f64) -> usize {
+        self.trial.steps_between(self.export, share)
     }
 
     /// Random holds between both ends, and random levels.
@@ -133,7 +146,7 @@ impl Search<'_> {
                 let share = random.random_range(0.0..=1.0);
                 Held {
                     level: self.trial.level(part),
-                    steps: self.trial.steps_between(self.export, share),
+                    steps: self.steps_at(share),
                 }
             };
             (0..STROKES).map(&mut held).collect()
@@ -141,7 +154,7 @@ impl Search<'_> {
     }
 
     /// The same or one that is farther, with other holds or more strokes.
-    fn changed(&self, farthest: (f64, Vec<Held>)) -> (f64, Vec<Held>) {
+    fn changed(&self, farthest: FarStrokes) -> FarStrokes {
         let mut random = ChaCha8Rng::seed_from_u64(0);
         (0..CHANGES).fold(farthest, |farthest, change| {
             let factor = FACTOR.powf(random.random_range(-1.0..=1.0));
@@ -170,7 +183,7 @@ impl Search<'_> {
     }
 
     /// A hold so many times as long, by a pulse frame or a step at least.
-    fn lengthen(&self, held: &mut Held, factor: f64) {
+    pub fn lengthen(&self, held: &mut Held, factor: f64) {
         let unit = (self.export.frame_s() / self.trial.step_s).max(1.0);
         let units = held.steps as f64 / unit;
         let changed = match factor > 1.0 {
@@ -181,15 +194,8 @@ impl Search<'_> {
     }
 
     /// The largest difference, and the strokes up to the one in which it is.
-    fn until_largest(&self, mut strokes: Vec<Held>) -> (f64, Vec<Held>) {
-        let first = Held {
-            level: self.trial.middle(),
-            steps: self.trial.steps_per_level,
-        };
-        let all = std::iter::once(&first).chain(&strokes);
-        let commands: Vec<f64> = all
-            .flat_map(|held| std::iter::repeat_n(held.level, held.steps))
-            .collect();
+    pub fn until_largest(&self, mut strokes: Vec<Held>) -> FarStrokes {
+        let commands = self.trial.begun_at_rest(&strokes);
         let positions = (self.respond)(&commands);
         let exact = finely(
             &self.export.parameters,
@@ -197,7 +203,12 @@ impl Search<'_> {
             &commands,
             FINER_IN_SEARCH,
         );
-        let after = |course: &[f64]| course.get(first.steps..).unwrap_or_default().to_vec();
+        let after = |course: &[f64]| {
+            course
+                .get(self.trial.steps_per_level..)
+                .unwrap_or_default()
+                .to_vec()
+        };
         let (difference, at) = largest(&after(&positions), &after(&exact));
         let mut end = 0;
         let needed = strokes.iter().take_while(|held| {

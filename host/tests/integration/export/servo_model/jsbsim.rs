@@ -57,7 +57,7 @@ fn systems_are_as_far_from_the_servo_model_as_they_state() {
 
 /// Its actuator turns round at once where a servo must brake first.
 #[test]
-fn reversals_are_no_farther_than_they_state() {
+fn reversals_and_strokes_that_break_off_are_no_farther_than_they_state() {
     if !works("python3", &["-c", "import jsbsim"]) {
         return missing("reversals in JSBSim", "python's jsbsim is not installed");
     }
@@ -66,12 +66,14 @@ fn reversals_are_no_farther_than_they_state() {
     let limited = |servo: &&Servo| servo.terms.contains(&"limit");
     for servo in SERVOS.iter().filter(limited).take(2) {
         let exported = servo.export("jsbsim", folder.path(), &["--frame-ms", "0"]);
-        exported.check_reversals(servo.name, |commands| {
+        let positions = |commands: &[f64]| {
             // JSBSim begins at rest under the neutral command.
             let first = std::iter::repeat_n(commands[0], 1000);
             let whole: Vec<f64> = first.chain(commands.iter().copied()).collect();
             run(folder.path(), servo.name, &exported, &whole).split_off(1000)
-        });
+        };
+        exported.check_reversals(servo.name, positions);
+        exported.check_broken_off(servo.name, positions);
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::super::scripts::literal;
 use super::super::{must, rows, works};
-use super::subjects::{Exported, SERVOS, export, prose, pulses, unitless};
+use super::subjects::{Exported, SERVOS, export, number_behind, prose, pulses, unitless};
 use crate::support::{arg, run};
 use servoid_test_support::tools::missing;
 use std::fmt::Write;
@@ -59,6 +59,45 @@ fn a_load_of_the_air_is_its_mean_and_not_its_constant_part() {
         assert!(in_strokes < 5.0, "{target}: {in_strokes}");
         let text = prose(found["text"].as_str().unwrap());
         assert!(text.contains("its mean over the recorded range"), "{text}");
+    }
+}
+
+/// The numbers of header, file and terminal, of a delay of 21.3 ms.
+#[test]
+fn a_delay_that_is_rounded_to_steps_is_said_to_be() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = SERVOS[1].file(folder.path());
+    for (step, late_ms, said) in [
+        ("2", 21.0, "0.3000 ms less"),
+        ("1", 21.5, "0.2000 ms more"),
+        ("0.1", 21.25, "0.05000 ms less"),
+    ] {
+        for target in ["mujoco", "jsbsim"] {
+            let args = [
+                "export",
+                arg(&file),
+                "--servo-model",
+                "--to",
+                target,
+                "--step-ms",
+                step,
+            ];
+            let output = crate::support::servoid(&args).output().unwrap();
+            let [text, talk] =
+                [output.stdout, output.stderr].map(|of| String::from_utf8(of).unwrap());
+            let text = prose(&text);
+            let of_header = number_behind(&text, "the motion is late by ");
+            assert!((of_header - late_ms).abs() < 1e-9, "{target}: {text}");
+            assert!(
+                text.contains(said) && talk.contains(said),
+                "{target}: {talk}"
+            );
+            if target == "mujoco" {
+                // As short as it can be.
+                let number = format!("{:?}", late_ms * 1e3 / 1e6);
+                assert!(text.contains(&format!("delay=\"{number}\"")), "{text}");
+            }
+        }
     }
 }
 

@@ -42,6 +42,34 @@ fn a_controller_must_be_one_of_the_model() {
     assert!(sentence.contains("leave --controller out"), "{sentence}");
 }
 
+/// As a draw from a normal distribution may have them.
+#[test]
+fn a_number_that_no_servo_has_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let full = SERVOS.into_iter().find(|servo| servo.name == "full");
+    let file = full.unwrap().file(folder.path());
+    for (name, value, possible) in [
+        ("friction_at_rest", -1e-6, "must be 0 or more"),
+        ("delay", -0.001, "must be 0 to 10 s"),
+        ("motor_share", 0.0, "must be more than 0"),
+    ] {
+        let mut document = crate::support::json(&file);
+        let servo = &mut document["servo_model"];
+        let names = servo["coordinates"].as_array().unwrap();
+        let place = names.iter().position(|found| found == name).unwrap();
+        servo["values"][place] = json!(value);
+        let drawn = folder.path().join("drawn.json");
+        std::fs::write(&drawn, document.to_string()).unwrap();
+        let sentence = refused(&drawn, &["--to", "c", "--servo-model"]);
+        let said = format!("no servo has the {name} {value}");
+        assert!(
+            sentence.contains(&said) && sentence.contains(possible),
+            "{sentence}"
+        );
+        assert!(!sentence.contains("--step-ms"), "{sentence}");
+    }
+}
+
 #[test]
 fn a_step_that_is_too_long_names_the_longest() {
     let folder = tempfile::tempdir().unwrap();

@@ -335,10 +335,12 @@ fn the_first_strokes_of_a_trial_end() {
     ];
     let file = of_limited_drive(folder.path(), values, [-30.0, 30.0]);
     let exported = export(&file, 0, "jsbsim", &[]);
-    let (steps, searched) = (exported.trial.steps_per_level, &exported.trial.worst);
-    let begin = steps + searched.iter().map(|held| held.steps).sum::<usize>();
+    let (steps, strokes) = (
+        exported.trial.steps_per_level,
+        exported.trial.staircase(&exported.exact),
+    );
     for (level, command) in exported.trial.levels.iter().enumerate() {
-        let end = exported.exact[begin + (level + 1) * steps - 1];
+        let end = strokes[(level + 1) * steps - 1];
         let rest = exported.servo.resting_output(*command);
         // That within which a stroke counts as done.
         let share = (end - rest).abs() / exported.largest_stroke();
@@ -444,7 +446,8 @@ fn a_stated_frame_is_doubted_where_the_recording_is_not_of_servoid() {
         };
         let unknown = of(&foreign, &[]);
         assert!(
-            unknown.contains("no frame hold is assumed (--frame-ms states one)"),
+            unknown.contains("no frame hold is assumed: state --frame-ms only where")
+                && !unknown.contains("warning: no frame hold"),
             "{unknown}"
         );
         let stated = of(&foreign, &["--frame-ms", "20"]);

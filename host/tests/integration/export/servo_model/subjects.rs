@@ -116,6 +116,8 @@ pub struct Exported {
     pub text: String,
     pub trial: Trial,
     pub stated: f64,
+    /// In strokes that are held or broken off once.
+    pub stated_in_strokes: f64,
     pub servo: ServoParameters,
     /// The position at the beginning of each step, by servoid's integrator.
     pub exact: Vec<f64>,
@@ -165,6 +167,49 @@ impl Exported {
                 "{name}, {what}: {found} for {}",
                 self.stated
             );
+        }
+    }
+
+    /// Requires that this program is hardly farther from the servo than the file states in strokes that are broken off once, at times that no search
+    /// had: between both ends, and between random levels.
+    pub fn check_broken_off(&self, name: &str, run: impl Fn(&[f64]) -> Vec<f64>) {
+        let Trial { levels, .. } = &self.trial;
+        let (least, largest) = (
+            levels.iter().copied().reduce(f64::min),
+            levels.iter().copied().reduce(f64::max),
+        );
+        let (least, largest) = (least.unwrap(), largest.unwrap());
+        let mut random = ChaCha8Rng::seed_from_u64(7);
+        let rest = self.trial.steps_per_level;
+        let mut strokes: Vec<[(f64, usize); 3]> = Vec::new();
+        for stroke in 0..24 {
+            let [from, to, then] = match stroke % 4 {
+                0 => [least, largest, least],
+                1 => [largest, least, largest],
+                2 => [levels[0], largest, least],
+                _ => [(); 3].map(|()| random.random_range(least..=largest)),
+            };
+            let steps = (rest as f64).powf(random.random_range(0.2..1.0)) as usize;
+            strokes.push([(from, rest), (to, steps), (then, rest)]);
+        }
+        let held = strokes.iter().flatten();
+        let all: Vec<f64> = held
+            .flat_map(|(level, steps)| std::iter::repeat_n(*level, *steps))
+            .collect();
+        let (positions, exact) = (run(&all), self.exact_under(&all));
+        let mut begin = 0;
+        for [from, to, then] in strokes {
+            let end = begin + from.1 + to.1 + then.1;
+            let compared = begin + from.1..end;
+            let pairs = positions[compared.clone()].iter().zip(&exact[compared]);
+            let found = pairs.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+            let stated = self.stated_in_strokes + 0.01 * self.largest_stroke();
+            assert!(
+                found <= 1.1 * stated,
+                "{name}, {from:?}, {to:?}, {then:?}: {found} for {}",
+                self.stated_in_strokes
+            );
+            begin = end;
         }
     }
 
@@ -376,6 +421,7 @@ pub fn export(file: &Path, controller: usize, target: &str, more: &[&str]) -> Ex
         steps_of_broken_off: steps("steps_of_broken_off"),
         steps_of_reversals: serde_json::from_value(trial["steps_of_reversals"].clone()).unwrap(),
         worst: held(&trial["worst"]),
+        worst_broken_off: held(&trial["worst_broken_off"]),
     };
     let model = ModelFile::read(file)
         .unwrap()
@@ -386,6 +432,7 @@ pub fn export(file: &Path, controller: usize, target: &str, more: &[&str]) -> Ex
     Exported {
         text: result["text"].as_str().unwrap().to_owned(),
         stated: result["largest_difference"].as_f64().unwrap(),
+        stated_in_strokes: result["largest_difference_in_strokes"].as_f64().unwrap(),
         exact: trial.exact(&servo),
         trial,
         servo,
