@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -26,6 +27,12 @@ _POSSIBLE = {
     "friction_at_rest": (0.0, np.inf),
     "friction_of_gears": (0.0, 0.9),
 }
+
+#: Strokes by which draws are held against the band last so long (s): servos come to rest in that.
+_HELD_S = 0.5
+
+#: So many times as many servos as are asked for are drawn at the most.
+_ROUNDS = 50
 
 #: The share of the top speed at which half of the excess of friction at rest is gone, where a document does not say another.
 _FRICTION_SPEED_SHARE = 0.05
@@ -152,9 +159,12 @@ class ServoModel:
 
         A recording does not always say which terms a servo has. So each draw takes one of the possible servos first, this one or one of the other
         sets of terms that predict as well, all equally often. Its :attr:`terms` and :attr:`coordinates` are that servo's. It is normally
-        distributed in these, with that servo's covariance; what no servo has, such as a negative friction, is cut off. That is the range of the
-        intervals of :attr:`quantities`, but for the uncertainty of a sensor's delay, for coordinates that have no variance because the recording
-        does not show them, and for ends of an interval that are cut off.
+        distributed in these, with that servo's covariance; what no servo has, such as a negative friction, is cut off. A draw that leaves the
+        band of this model by as much again, in strokes over the commands of the recording, is a servo that the recording does not allow:
+        another one is drawn in its place. Far from the estimate coordinates change the motion otherwise than the covariance has it.
+
+        Not in the draws: the uncertainty of a sensor's delay and of how a command was sent, coordinates that have no variance because the recording
+        does not show them, and ends of an interval that are cut off.
 
         Parameters
         ----------
@@ -185,12 +195,46 @@ class ServoModel:
 
         document = json.loads(self._core.document)
         servo = document["servo_model"]
-        found = []
-        for number, drawn in enumerate(self._draws(count, seed), start=1):
-            servo.update(drawn, alternatives=[])
-            name = f"draw {number} of {self._core.name}"
-            found.append(Model(_servoid.Model.parse(json.dumps(document), name)))
-        return found
+        found: list[Model] = []
+        is_allowed = self._is_allowed()
+        for further in range(_ROUNDS):
+            # Every round has numbers of its own, whatever became of those before.
+            for drawn in self._draws(count, None if seed is None else seed + 1009 * further):
+                if len(found) == count:
+                    return found
+                servo.update(drawn, alternatives=[])
+                name = f"draw {len(found) + 1} of {self._core.name}"
+                another = Model(_servoid.Model.parse(json.dumps(document), name))
+                if is_allowed(another.servo_model):
+                    found.append(another)
+        if len(found) == count:
+            return found
+        raise _servoid.ServoidError("hardly any servo that is drawn moves as the recording has it: its covariance is no use far from the estimate")
+
+    def _is_allowed(self) -> Callable[[ServoModel], bool]:
+        """Whether another servo moves within twice the band of this one, in strokes over the commands of the recording."""
+        commands = self._fields.get("commands")
+        if commands is None:
+            return lambda other: True
+        least, largest = commands["least"], commands["largest"]
+        controller = self.controllers[0] if self.controllers else None
+        held = max(1, round(_HELD_S / self._fields["sample_period_s"]))
+        # Where the largest strokes are beyond the recording, smaller ones are not.
+        for share in (1.0, 0.7, 0.5, 0.3, 0.1):
+            middle, half = (least + largest) / 2, share * (largest - least) / 2
+            strokes = np.repeat([middle, middle + half, middle - half, middle, middle - half / 4, middle + half / 4], held)
+            band = self.simulate(strokes, controller=controller)
+            if band.upper is not None:
+                break
+        else:
+            return lambda other: True
+        width = band.upper - band.value + 1e-9 * (largest - least)
+
+        def is_allowed(other: ServoModel) -> bool:
+            apart = np.abs(other.simulate(strokes, controller=controller).value - band.value)
+            return bool(np.all(apart <= 2.0 * width))
+
+        return is_allowed
 
     def _draws(self, count: int, seed: int | None) -> list[dict[str, Any]]:
         """What is another in the document of each draw."""

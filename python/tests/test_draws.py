@@ -103,3 +103,12 @@ def test_nothing_is_drawn_without_bounds(model):
         normal([0.0], None, 3, None, model.withdrawn)
     with pytest.raises(servoid.ServoidError, match="count"):
         model.servo_model.draws(-1)
+
+
+def test_every_draw_moves_as_the_recording_has_it(model):
+    command = np.repeat([0.0, 15.0, -15.0, 5.0], 250)
+    own = model.servo_model.simulate(command)
+    for draw in model.servo_model.draws(100, seed=2):
+        apart = np.abs(draw.servo_model.simulate(command).value - own.value)
+        # The band of the trial is twice that of the model, and other strokes than those of the trial may have somewhat more.
+        assert apart.max() < 3.0 * (own.upper - own.value).max()
