@@ -87,6 +87,8 @@ impl Validated {
         let own = fingerprint::of(&data.record);
         let own = fingerprint::advice_on_validation(&file.fingerprints, &own);
         let unit = metadata.units().output.unwrap_or_default();
+        let open_s =
+            file.metadata.sensor_delay_uncertainty_s + data.about.sensor_delay_uncertainty_s;
         let of_linear = validation.as_ref().and_then(|found| {
             let misfit = || {
                 let simulated: Vec<_> = runs.iter().map(|run| file.model.simulate(run)).collect();
@@ -97,12 +99,22 @@ impl Validated {
                     ..misfit
                 }
             };
-            larger_error("linear", [found.rmse, file.model.fit.rmse], misfit, unit)
+            larger_error(
+                "linear",
+                [found.rmse, file.model.fit.rmse],
+                misfit,
+                (unit, open_s),
+            )
         });
         let of_servo = servo.as_ref().zip(servo_model.as_ref());
         let of_servo = of_servo.and_then(|((servo, controllers), found)| {
             let misfit = || of_servo_model(&servo.model, &data.record, controllers);
-            larger_error("servo", [found.rmse, servo.model.fit.rmse], misfit, unit)
+            larger_error(
+                "servo",
+                [found.rmse, servo.model.fit.rmse],
+                misfit,
+                (unit, open_s),
+            )
         });
         // Of a recording that may be in other units, nobody should hear that its motion is another one.
         let is_a_cause =
@@ -194,12 +206,13 @@ const LARGER_ERROR: f64 = 2.0;
 /// its own recording: a servo that is slower in larger strokes is later, too, and a shift leaves the rest of that.
 const OF_A_CAUSE: f64 = 0.5;
 
-/// That a model does not hold for a recording, with an error of `rmse`, as it did for its own. `misfit` is asked for only then.
+/// That a model does not hold for a recording, with an error of `rmse`, as it did for its own. `misfit` is asked for only then. The times of model and
+/// recording are known to each other within `open_s`.
 fn larger_error(
     kind: &str,
     [rmse, own_rmse]: [f64; 2],
     misfit: impl FnOnce() -> Misfit,
-    unit: &str,
+    (unit, open_s): (&str, f64),
 ) -> Option<Advice> {
     let times = rmse / own_rmse;
     (times > LARGER_ERROR).then(|| {
@@ -213,13 +226,18 @@ fn larger_error(
             ),
             times,
             LARGER_ERROR,
-            cause([rmse, own_rmse], &misfit(), in_unit),
+            cause([rmse, own_rmse], &misfit(), open_s, in_unit),
         )
     })
 }
 
 /// What the error is, the simplest first, and what to do.
-fn cause([rmse, own_rmse]: [f64; 2], misfit: &Misfit, in_unit: impl Fn(f64) -> String) -> String {
+fn cause(
+    [rmse, own_rmse]: [f64; 2],
+    misfit: &Misfit,
+    open_s: f64,
+    in_unit: impl Fn(f64) -> String,
+) -> String {
     let is_all = |left: f64| left < LARGER_ERROR * own_rmse;
     let is_most = |left: f64| is_all(left) && left < OF_A_CAUSE * misfit.left_of_offset;
     if is_all(misfit.left_of_offset) && misfit.left_of_offset < rmse {
@@ -256,6 +274,13 @@ fn cause([rmse, own_rmse]: [f64; 2], misfit: &Misfit, in_unit: impl Fn(f64) -> S
         );
     }
     match misfit.lag.as_ref().filter(|lag| is_most(lag.left)) {
+        Some(lag) if lag.seconds.abs() <= open_s => format!(
+            "It is a delay of {:.1} ms, and shifted by that this recording leaves an error of {}. The files leave up to {:.1} ms open, as in how a command \
+             that moves on with every row was sent: the model is not shown to be wrong.",
+            1e3 * lag.seconds.abs(),
+            in_unit(lag.left),
+            1e3 * open_s
+        ),
         Some(lag) => {
             let (here, model) = match lag.seconds > 0.0 {
                 true => ("later", "early"),
@@ -360,7 +385,7 @@ mod tests {
     }
 
     fn remedy(misfit: Misfit) -> String {
-        larger_error("linear", [0.8, 0.05], || misfit, "deg")
+        larger_error("linear", [0.8, 0.05], || misfit, ("deg", 0.012))
             .unwrap()
             .remedy
     }
@@ -381,6 +406,14 @@ mod tests {
             ),
             "{delay}"
         );
+        let open = remedy(Misfit {
+            lag: Some(Lag {
+                seconds: 0.0099,
+                left: 0.06,
+            }),
+            ..misfit()
+        });
+        assert!(open.contains("leave up to 12.0 ms open"), "{open}");
         // A shift that leaves six times the error of the model's own recording is not all, though it leaves less than half of this one.
         for left in [0.6, 0.3] {
             let motion = delayed(left);

@@ -8,7 +8,7 @@ use crate::data::dataset::suggested_columns::quoted;
 use crate::data::dataset::{Dataset, listed};
 use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::plots::{self, Figure};
-use crate::presentation::summary;
+use crate::presentation::summary::{self, AskedSine};
 use anyhow::Result;
 use clap::Args;
 use servoid_identification::{Detrend, Frequencies, NoiseOrder, Options, Prior, Settling};
@@ -24,7 +24,7 @@ use std::path::PathBuf;
   servoid identify bench.csv -o bench.json --plots plots
   servoid identify mine.csv --input u --output y --period 0.02
   servoid identify bench.csv --limits --level 95
-  servoid identify bench.csv --at 5,8
+  servoid identify bench.csv --at 8:5
   servoid identify mine.csv --input u --output y --period 0.02 --servo-model")]
 pub(super) struct Identify {
     /// Recordings, or CSV files
@@ -67,10 +67,10 @@ pub(super) struct Identify {
     /// rest position, ends of the travel
     #[arg(long)]
     limits: bool,
-    /// Also print gain and phase of the linear model at these frequencies (Hz), separated by commas: how much of such a sine
-    /// arrives, and how late
-    #[arg(long, value_name = "HZ", value_delimiter = ',', value_parser = super::value_parsers::frequency)]
-    at: Vec<f64>,
+    /// Also print gain and phase at these frequencies (Hz), separated by commas: how much of such a sine arrives, and how late. With
+    /// an amplitude to each side (8:5), also those of the servo as a machine, which depend on it
+    #[arg(long, value_name = "HZ[:AMPLITUDE]", value_delimiter = ',', value_parser = super::value_parsers::sine)]
+    at: Vec<AskedSine>,
     /// The model to write
     #[arg(long, short, value_name = "MODEL.json")]
     out: Option<PathBuf>,
@@ -105,15 +105,20 @@ impl Identify {
             options,
             explain: self.explain,
             flight_model: self.flight_model,
-            servo_model: self.servo_model,
+            servo_model: self.servo_model || self.at.iter().any(|sine| sine.amplitude.is_some()),
             limits: self.limits,
             held_out: self.plots.is_some(),
         };
         let watch = || ServoSearch::begin("the servo as a machine", talk);
         let found = Identified::of(&data, &name, &request, watch)?;
         let mut text = found.as_text(&data, &name, !talk.quiet);
-        text +=
-            &summary::at_frequencies(&found.model, &ModelMetadata::from(&data.about), &self.at)?;
+        let servo = found
+            .servo_model
+            .as_ref()
+            .and_then(|found| found.as_ref().ok());
+        let servo = servo.map(|found| &found.model);
+        let metadata = ModelMetadata::from(&data.about);
+        text += &summary::at_frequencies(&found.model, servo, &metadata, &self.at)?;
         let result = found.document(&data, self.table.options());
         if let Some(out) = &self.out {
             output.write_json(Some(out), &result)?;

@@ -1,5 +1,7 @@
 //! Parsers of numbers that several commands take as options.
 
+use crate::presentation::summary::AskedSine;
+
 fn number(text: &str, is_valid: impl Fn(f64) -> bool, form: &str) -> Result<f64, String> {
     let number = text.parse::<f64>().ok();
     number
@@ -37,10 +39,18 @@ pub(super) fn period(text: &str) -> Result<f64, String> {
     number(text, is_valid, "a number of seconds above 0")
 }
 
-/// A frequency (Hz).
-pub(super) fn frequency(text: &str) -> Result<f64, String> {
-    let is_valid = |hertz: f64| hertz > 0.0 && hertz.is_finite();
-    number(text, is_valid, "a number of hertz above 0, such as 8")
+/// A frequency (Hz), and an amplitude behind a colon.
+pub(super) fn sine(text: &str) -> Result<AskedSine, String> {
+    let positive = |value: f64| value > 0.0 && value.is_finite();
+    let form = "a number of hertz above 0, such as 8, or one with an amplitude, such as 8:5";
+    let (hertz, amplitude) = match text.split_once(':') {
+        Some((hertz, amplitude)) => (hertz, Some(number(amplitude, positive, form)?)),
+        None => (text, None),
+    };
+    Ok(AskedSine {
+        hertz: number(hertz, positive, form)?,
+        amplitude,
+    })
 }
 
 /// Any number but NaN and infinity.

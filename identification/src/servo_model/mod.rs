@@ -33,6 +33,7 @@ pub use estimate::{ServoModelOptions, fit, fit_watched};
 pub(crate) use model::StopsDocument;
 pub use model::hysteresis::UnexplainedHysteresis;
 pub use model::prediction::no_prediction;
+pub use model::sine_response::SineResponse;
 pub use model::{
     Alternative, Covariance, LadderRung, LinearKind, LinearModelFit, LinearModels, ServoFit,
     ServoModel, ServoResponse,

@@ -112,18 +112,14 @@ pub(super) fn hold_switch(id: &str, frame_s: f64) -> String {
 
 /// The largest slope of the step response, as shares of its final value for each second: of the low-order model where none is identified.
 fn steepest(export: &Export<'_>, flight: &FlightModel) -> f64 {
-    let response = match flight.band_hz {
-        None => export.model.step.value.clone(),
-        Some(_) => {
-            let settling = export
-                .model
-                .band_estimate
-                .as_ref()
-                .map_or(0, |found| found.settling_samples);
-            let discrete = flight.transfer.discrete(export.model.timing());
-            discrete.simulate(&vec![1.0; settling], 0.0)
-        }
-    };
+    let model = export.model;
+    let of_band = model.band_estimate.as_ref();
+    let settling = of_band.map_or(model.structure.settling_samples, |found| {
+        found.settling_samples
+    });
+    // That of the filter in the file: noise makes single samples of an identified response steeper.
+    let discrete = flight.transfer.discrete(model.timing());
+    let response = discrete.simulate(&vec![1.0; settling], 0.0);
     let last = response.last().copied().unwrap_or(f64::NAN);
     let slope = |(earlier, later): (&f64, &f64)| ((later - earlier) / last).abs();
     let slopes = response.iter().zip(response.iter().skip(1)).map(slope);

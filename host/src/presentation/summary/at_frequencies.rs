@@ -3,24 +3,96 @@
 use super::numbers::{decimals, fixed, head_of_bounds};
 use crate::data::model_metadata::ModelMetadata;
 use servoid_identification::Error;
-use servoid_identification::results::{FrequencyResponse, Interval, Model};
+use servoid_identification::results::{Bounds, FrequencyResponse, Interval, Model};
+use servoid_identification::servo_model::ServoModel;
 use std::f64::consts::TAU;
 
 /// Frequencies up to one that is asked for along which its phase is followed: a phase alone does not say how many turns it lacks.
 const FOLLOWED: usize = 400;
 
-/// Gain and phase \[degrees\] of `model` at each of `hertz`, two lines of a table each; nothing where none is asked for.
+/// A sine that is asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AskedSine {
+    /// Its frequency \[Hz\].
+    pub hertz: f64,
+    /// How far it goes to each side \[unit of the command\], which a servo that is limited depends on.
+    pub amplitude: Option<f64>,
+}
+
+/// Gain and phase \[degrees\] of `model` at each frequency that is asked for, two lines of a table each, and of the servo as a machine at those
+/// with an amplitude; nothing where none is asked for.
 ///
 /// # Errors
 /// The document of the model was changed by hand.
-pub fn at_frequencies(model: &Model, of: &ModelMetadata, hertz: &[f64]) -> Result<String, Error> {
-    if hertz.is_empty() {
+pub fn at_frequencies(
+    model: &Model,
+    servo: Option<&ServoModel>,
+    of: &ModelMetadata,
+    asked: &[AskedSine],
+) -> Result<String, Error> {
+    if asked.is_empty() {
         return Ok(String::new());
     }
+    let machine = asked.iter().filter_map(|sine| {
+        let amplitude = sine.amplitude?;
+        servo.map(|servo| of_machine(servo, of, sine.hertz, amplitude))
+    });
+    let machine: String = machine.collect();
+    Ok(of_linear_model(model, of, asked)? + &machine)
+}
+
+/// Of the servo as a machine, under a sine of this amplitude.
+fn of_machine(servo: &ServoModel, of: &ModelMetadata, hertz: f64, amplitude: f64) -> String {
+    let found = servo.respond_to_sine(hertz, amplitude, 0);
+    let level = servo.covariance.as_ref().map(|own| own.level);
+    let head = match (found.bounds, level) {
+        // That of all of the model is said beside it.
+        (Bounds::Withdrawn(reason), Bounds::Valid(_)) => format!("no bounds: {}", reason.because()),
+        _ => head_of_bounds(level),
+    };
+    let open_deg = 360.0 * hertz * of.sensor_delay_uncertainty_s;
+    let [gain, phase] = match found.bounds.valid() {
+        Some([gain, phase]) => [
+            *gain,
+            Interval {
+                lower: phase.lower.map(|lower| lower - open_deg),
+                upper: phase.upper.map(|upper| upper + open_deg),
+                ..*phase
+            },
+        ],
+        None => [found.gain, found.phase_deg].map(|value| Interval {
+            value: Some(value),
+            ..Interval::default()
+        }),
+    };
+    let unit = of
+        .units()
+        .input
+        .map(|unit| format!(" {unit}"))
+        .unwrap_or_default();
+    let name = format!("servo model, ±{amplitude}{unit}");
+    let open = match found.bounds.valid() {
+        None if open_deg > 0.0 => format!(
+            "  {:22} the times of the recording leave ±{} deg of it open\n",
+            "",
+            fixed(open_deg, 1)
+        ),
+        _ => String::new(),
+    };
+    format!("\n  {name:22} {:>10}       {head}\n", "value")
+        + &lines((gain, phase), of, hertz)
+        + &open
+}
+
+fn of_linear_model(
+    model: &Model,
+    of: &ModelMetadata,
+    asked: &[AskedSine],
+) -> Result<String, Error> {
     let bounds = model.frequency.bounds.as_ref();
     let head = head_of_bounds(bounds.map(|bounds| bounds.level));
     let mut text = format!("\n  {:22} {:>10}       {head}\n", "linear model", "value");
-    for &hertz in hertz {
+    for hertz in asked.iter().map(|sine| sine.hertz) {
         let missing = |why: &str| {
             format!(
                 "  {:22} {:>10}       {why}\n",
@@ -160,7 +232,11 @@ mod tests {
                 -lag.to_degrees()
             );
         }
-        let said = at_frequencies(&model, &ModelMetadata::default(), &[8.0, 251.0]).unwrap();
+        let asked = [8.0, 251.0].map(|hertz| AskedSine {
+            hertz,
+            amplitude: None,
+        });
+        let said = at_frequencies(&model, None, &ModelMetadata::default(), &asked).unwrap();
         assert_eq!(said.lines().count(), 5, "{said}");
         assert!(
             said.contains("ms late") && said.contains("above half of the rows"),

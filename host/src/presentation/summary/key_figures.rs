@@ -402,7 +402,7 @@ pub(crate) fn of_both_machines(
             below: match (below, pair.a.and(pair.b)) {
                 (Some(below), _) => below,
                 (None, Some(_)) => "no interval".to_owned(),
-                (None, None) => "not determined".to_owned(),
+                (None, None) => "of one side only".to_owned(),
             },
         }
     };

@@ -464,7 +464,7 @@ fn resting_error(model: &ServoModel, units: Units<'_>) -> Option<String> {
             format!(" ({} to {})", digits(lower, 2), digits(upper, 2))
         });
         format!(
-            "comes to rest up to {}{command} off{wide}, as by friction or a dead band",
+            "comes to rest up to {}{command} off{wide}, as by friction, a dead band or play",
             digits(error.value, 2)
         )
     })

@@ -55,7 +55,7 @@ pub(super) fn one_unreached(model: &ServoModel, units: Units<'_>) -> Option<Stri
         format!(", in which the servo moved at more than {figure} {unit}/s {which}")
     });
     Some(format!(
-        "The top speed {which} was not reached in this recording{}: it is extrapolated.",
+        "That the top speed {which} was reached is not shown by this recording{}: it may be extrapolated.",
         moved.unwrap_or_default()
     ))
 }

@@ -3,6 +3,7 @@
 pub(super) mod hysteresis;
 pub(super) mod old_quantities;
 pub(super) mod prediction;
+pub(super) mod sine_response;
 pub(super) mod stroke_time;
 
 use super::quantities::{Quantity, widen_delay};
@@ -246,6 +247,14 @@ impl ServoModel {
         }
     }
 
+    /// The point of another set of terms that predicts as well.
+    fn point_of_alternative(&self, other: &Alternative) -> Point {
+        Point {
+            friction_speed_share: other.friction_speed_share,
+            ..self.point_of(other.terms, &other.coordinates, &other.values)
+        }
+    }
+
     /// The quantity of this kind, where the servo has it.
     #[must_use]
     pub fn quantity(&self, kind: QuantityKind) -> Option<&Quantity> {
@@ -278,10 +287,7 @@ impl ServoModel {
         let bound = |sd: f64| critical * sd.hypot(discrepancy);
         let mut half: Vec<f64> = spread.iter().map(|sd| bound(*sd)).collect();
         for other in self.alternatives.iter().filter(|_| own.is_some()) {
-            let point = Point {
-                friction_speed_share: other.friction_speed_share,
-                ..self.point_of(other.terms, &other.coordinates, &other.values)
-            };
+            let point = self.point_of_alternative(other);
             let (theirs, spread) = self.response_of(&point, &other.covariance, input, controller);
             for (k, half) in half.iter_mut().enumerate() {
                 *half = half.max((theirs[k] - value[k]).abs() + bound(spread[k]));

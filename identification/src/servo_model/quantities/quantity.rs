@@ -71,6 +71,10 @@ pub(crate) fn widen_delay(quantities: &mut [Quantity], seconds: f64) {
     for quantity in quantities.iter_mut().filter(is_delay) {
         let interval = quantity.interval;
         quantity.interval = interval.map(|found| found.widened(seconds));
+        quantity.other_fits = quantity.other_fits.map(|found| Spread {
+            least: (found.least - seconds).max(0.0),
+            most: found.most + seconds,
+        });
     }
 }
 

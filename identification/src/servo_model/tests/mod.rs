@@ -6,6 +6,7 @@ mod no_intervals;
 mod offsets;
 mod poor_recordings;
 mod recovery;
+mod sines;
 mod speed_limit;
 mod stops;
 

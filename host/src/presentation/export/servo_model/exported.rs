@@ -31,6 +31,9 @@ pub struct ExportedServo {
 /// docs/servo-model.md those that lack none are within 6.4 %, all others beyond 34 %.
 const FAR: f64 = 0.1;
 
+/// Largest strokes by which a file that goes where it is sent, late and beyond a stop, is never wrong.
+const RUNS_AWAY: f64 = 2.0;
+
 impl ExportedServo {
     /// Text with its difference, of a file that gives the position.
     ///
@@ -71,8 +74,8 @@ impl ExportedServo {
         Ok(found.warned_of_lack(export, program, terms))
     }
 
-    /// The same, unless a servo that stands still is closer to the servo model, or a stroke that is held or broken off once is wrong by the
-    /// largest one; `why` says why, and what to do.
+    /// The same, unless a servo that stands still is closer to the servo model, or a stroke that is held or broken off once is wrong by
+    /// [`RUNS_AWAY`]; `why` says why, and what to do.
     ///
     /// # Errors
     /// It is.
@@ -82,7 +85,7 @@ impl ExportedServo {
         why: impl FnOnce() -> String,
     ) -> Result<Self, ExportError> {
         let stroke = self.trial.largest_travel(&export.parameters);
-        match self.follows && self.largest_difference_in_strokes < stroke {
+        match self.follows && self.largest_difference_in_strokes < RUNS_AWAY * stroke {
             true => Ok(self),
             false => Err(ExportError::FollowsNothing {
                 percent: export.percent_of_strokes(&self),
