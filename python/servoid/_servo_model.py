@@ -205,7 +205,8 @@ class ServoModel:
                 servo.update(drawn, alternatives=[])
                 name = f"draw {len(found) + 1} of {self._core.name}"
                 another = Model(_servoid.Model.parse(json.dumps(document), name))
-                if is_allowed(another.servo_model):
+                drawn_servo = another.servo_model
+                if drawn_servo is not None and is_allowed(drawn_servo):
                     found.append(another)
         if len(found) == count:
             return found

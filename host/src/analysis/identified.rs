@@ -81,6 +81,9 @@ pub fn identified(data: &Dataset, name: &str, options: &Options) -> Result<Ident
     }
     let delay_error_s = data.about.sensor_delay_uncertainty_s;
     found.model = found.model.with_delay_error(delay_error_s);
+    if data.about.moving_command {
+        found.model = found.model.with_command_between_samples();
+    }
     Ok(found)
 }
 

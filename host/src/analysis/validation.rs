@@ -118,7 +118,7 @@ impl Validated {
         });
         // Of a recording that may be in other units, nobody should hear that its motion is another one.
         let is_a_cause =
-            |found: &Advice| predicts_nothing.is_none() || found.remedy != ANOTHER_MOTION;
+            |found: &Advice| predicts_nothing.is_none() || !found.remedy.ends_with(ANOTHER_MOTION);
         let of_models = of_linear.into_iter().chain(of_servo).filter(is_a_cause);
         let of_models: Vec<Advice> = match doubtful {
             Some(doubt) => vec![doubt],
@@ -294,9 +294,15 @@ fn cause(
                 in_unit(lag.left)
             )
         }
-        None => noise(misfit, is_most, in_unit).unwrap_or_else(|| ANOTHER_MOTION.to_owned()),
+        None => noise(misfit, is_most, in_unit).unwrap_or_else(|| match open_s > 0.0 {
+            true => format!("{BETWEEN_ROWS} {ANOTHER_MOTION}"),
+            false => ANOTHER_MOTION.to_owned(),
+        }),
     }
 }
+
+/// Said before it where times are open.
+const BETWEEN_ROWS: &str = "Where the servo followed the command between the rows, and was not held at each, say --polled first: a fast motion is another one then.";
 
 /// Said where nothing simpler is the cause.
 const ANOTHER_MOTION: &str = "Where servo and noise are the same, the motion is not: identify from recordings of both kinds of motion (strokes as \

@@ -217,6 +217,17 @@ impl FrequencyBounds {
         self
     }
 
+    /// The same beside the errors that the bounds allow for already.
+    #[must_use]
+    pub(crate) fn with_further_bias(self, extra: &[f64]) -> Self {
+        let before = self.bias.clone();
+        let mut found = self.with_bias(extra);
+        for (sum, before) in found.bias.iter_mut().zip(before) {
+            *sum += before;
+        }
+        found
+    }
+
     /// The half widths of magnitude \[dB\] and phase \[degrees\]: means and largest over the frequencies.
     #[must_use]
     pub fn half_widths(&self) -> [(f64, f64); 2] {

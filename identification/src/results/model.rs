@@ -250,6 +250,26 @@ impl Model {
         self
     }
 
+    /// The same with bounds of the frequency response that allow for a command that went on between the samples, and was not held at each. A hold makes a sine
+    /// smaller by sin(x)/x with x = ωT/2, and linear pieces by the square of that: what the model takes for the servo's may be the hold's, by up to as much. Its delay
+    /// is for [`Self::with_delay_error`].
+    #[must_use]
+    pub fn with_command_between_samples(mut self) -> Self {
+        let response = &self.frequency;
+        let points = response
+            .omega_rad_s
+            .iter()
+            .zip(response.re.iter().zip(&response.im));
+        let extra = points.map(|(omega, (re, im))| {
+            let half = 0.5 * omega * self.sample_period_s;
+            re.hypot(*im) * (half / half.sin() - 1.0).abs()
+        });
+        let extra: Vec<f64> = extra.collect();
+        let bounds = self.frequency.bounds;
+        self.frequency.bounds = bounds.map(|bounds| bounds.with_further_bias(&extra));
+        self
+    }
+
     /// By how much the output may have been recorded earlier or later than it is taken for, where bounds hold that allow for it \[s\].
     pub(crate) fn delay_error_s(&self) -> f64 {
         self.frequency

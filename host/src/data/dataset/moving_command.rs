@@ -48,7 +48,7 @@ pub(super) fn unseen_within_rows(
         return 0.0;
     }
     about.remarks.push(format!(
-        "{place}the command moves on with every row, and whether the servo was sent it in steps of {} is not in the file: intervals of times allow for {} to each side (--exact-command states that it was)",
+        "{place}the command moves on with every row, and whether the servo was sent it in steps of {} is not in the file: intervals of times allow for {} to each side (--exact-command states that it was, --polled that the servo followed it between them)",
         shown(period_s),
         shown(OPEN_ROWS * period_s)
     ));

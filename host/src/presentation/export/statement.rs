@@ -241,7 +241,13 @@ impl Export<'_> {
 
     fn hold(&self, held: bool) -> String {
         let milliseconds = |seconds: f64| number((seconds * 1e7).round() / 1e4);
-        let begin = "Delay: all of the servo's own delay, counted from the edge of the command as it was applied, is in the model.";
+        let begin = match self.metadata.moving_command {
+            false => "Delay: all of the servo's own delay, counted from the edge of the command as it was applied, is in the model.".to_owned(),
+            true => format!(
+                "Delay: that of a servo that was held at the command of each row. The command of the recording moves on with every row: if the servo followed it between them, its delay is up to {} ms longer than in this file.",
+                milliseconds(self.metadata.sensor_delay_uncertainty_s)
+            ),
+        };
         let frame = self
             .metadata
             .pulse_frame_s

@@ -91,7 +91,15 @@ fn of_linear_model(
 ) -> Result<String, Error> {
     let bounds = model.frequency.bounds.as_ref();
     let head = head_of_bounds(bounds.map(|bounds| bounds.level));
-    let mut text = format!("\n  {:22} {:>10}       {head}\n", "linear model", "value");
+    // As the other figures of a servo that is not linear.
+    let motion = match bounds.valid().is_some() && !model.linear {
+        true => ", of the recorded motion",
+        false => "",
+    };
+    let mut text = format!(
+        "\n  {:22} {:>10}       {head}{motion}\n",
+        "linear model", "value"
+    );
     for hertz in asked.iter().map(|sine| sine.hertz) {
         let missing = |why: &str| {
             format!(
