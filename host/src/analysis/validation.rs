@@ -391,7 +391,12 @@ mod tests {
     }
 
     fn remedy(misfit: Misfit) -> String {
-        larger_error("linear", [0.8, 0.05], || misfit, ("deg", 0.012))
+        remedy_within(misfit, 0.0)
+    }
+
+    /// The same where the times of model and recording are known to each other within `open_s`.
+    fn remedy_within(misfit: Misfit, open_s: f64) -> String {
+        larger_error("linear", [0.8, 0.05], || misfit, ("deg", open_s))
             .unwrap()
             .remedy
     }
@@ -412,14 +417,14 @@ mod tests {
             ),
             "{delay}"
         );
-        let open = remedy(Misfit {
-            lag: Some(Lag {
-                seconds: 0.0099,
-                left: 0.06,
-            }),
-            ..misfit()
+        let lag = Some(Lag {
+            seconds: 0.0099,
+            left: 0.06,
         });
+        let open = remedy_within(Misfit { lag, ..misfit() }, 0.012);
         assert!(open.contains("leave up to 12.0 ms open"), "{open}");
+        let another = remedy_within(misfit(), 0.012);
+        assert!(another.contains("say --polled first") && another.ends_with(ANOTHER_MOTION));
         // A shift that leaves six times the error of the model's own recording is not all, though it leaves less than half of this one.
         for left in [0.6, 0.3] {
             let motion = delayed(left);
