@@ -20,6 +20,9 @@ pub(super) const NO_NUMBER: &str = "Numbers: a command that is no number leaves 
 /// Steps of a second, unless the simulation is set to others.
 const USUAL_HZ: f64 = 120.0;
 
+/// Steps by which the parts delay at the least: those of a filter chain without a delay of its own, as JSBSim runs them.
+const SHORTEST_STEPS: f64 = 1.5;
+
 /// The system.
 pub(super) fn write(export: &Export<'_>) -> Result<String, ExportError> {
     let flight = match &export.low_order {
@@ -43,6 +46,14 @@ pub(super) fn write(export: &Export<'_>) -> Result<String, ExportError> {
         four_digits(0.5e3 / USUAL_HZ),
         four_digits(100.0 * 0.5 / USUAL_HZ * steepest(export, flight))
     ));
+    let lacking_s = SHORTEST_STEPS / USUAL_HZ - flight.transfer.delay_s.max(0.0);
+    if !held && lacking_s > 0.0 {
+        paragraphs.push(format!(
+            "These parts delay by one and a half steps at the least. The delay L of this file is shorter than that at {USUAL_HZ} Hz: there it is late by {} ms, which is {} % of a step of the command where the response is steepest; a higher rate brings it closer.",
+            four_digits(1e3 * lacking_s),
+            four_digits(100.0 * lacking_s * steepest(export, flight))
+        ));
+    }
     let centre = neutral(export.metadata.units(), export.commands());
     // The gain of the identified response, and not that of the low-order one, which is a little off.
     let gain = export.model.step.value.last().copied().unwrap_or(f64::NAN);
