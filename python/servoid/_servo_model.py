@@ -197,20 +197,20 @@ class ServoModel:
         servo = document["servo_model"]
         found: list[Model] = []
         is_allowed = self._is_allowed()
-        for further in range(_ROUNDS):
-            # Every round has numbers of its own, whatever became of those before.
-            for drawn in self._draws(count, None if seed is None else seed + 1009 * further):
-                if len(found) == count:
-                    return found
-                servo.update(drawn, alternatives=[])
-                name = f"draw {len(found) + 1} of {self._core.name}"
-                another = Model(_servoid.Model.parse(json.dumps(document), name))
-                drawn_servo = another.servo_model
-                if drawn_servo is not None and is_allowed(drawn_servo):
-                    found.append(another)
-        if len(found) == count:
-            return found
-        raise _servoid.ServoidError("hardly any servo that is drawn moves as the recording has it: its covariance is no use far from the estimate")
+        # Every round has numbers of its own, whatever became of those before.
+        seeds = (None if seed is None else seed + 1009 * further for further in range(_ROUNDS))
+        for drawn in (drawn for of_round in seeds for drawn in self._draws(count, of_round)):
+            if len(found) == count:
+                break
+            servo.update(drawn, alternatives=[])
+            name = f"draw {len(found) + 1} of {self._core.name}"
+            another = Model(_servoid.Model.parse(json.dumps(document), name))
+            drawn_servo = another.servo_model
+            if drawn_servo is not None and is_allowed(drawn_servo):
+                found.append(another)
+        if len(found) < count:
+            raise _servoid.ServoidError("hardly any servo that is drawn moves as the recording has it: its covariance is no use far from the estimate")
+        return found
 
     def _is_allowed(self) -> Callable[[ServoModel], bool]:
         """Whether another servo moves within twice the band of this one, in strokes over the commands of the recording."""

@@ -1,4 +1,4 @@
-//! What is said of a rig before its servo moves: the pulses of a rig without a file, and a sensor's delay that is that of another rig.
+//! What is said of a rig before its servo moves: the pulses of a rig without a file, and a sensor's scale or delay that is that of another rig.
 
 use crate::data::rig_file::{RigFile, SensorSection};
 use crate::data::sensor_preset::SensorKind;

@@ -41,17 +41,18 @@ pub(super) fn write(export: &Export<'_>) -> Result<String, ExportError> {
         offset: true,
     });
     paragraphs.extend(low_order_covariance(flight, &XML_STYLE));
+    let steepest = steepest(export, flight);
     paragraphs.push(format!(
         "Run it at 500 Hz or more: JSBSim replaces poles by Tustin's rule and has delays of whole steps, so that the position is right to half a step of time. At {USUAL_HZ} Hz, the usual rate of JSBSim, that is {} ms, or {} % of a step of the command where the response is steepest. {TIME} Set the step before the aircraft is loaded: delays are counted out then.",
         four_digits(0.5e3 / USUAL_HZ),
-        four_digits(100.0 * 0.5 / USUAL_HZ * steepest(export, flight))
+        four_digits(100.0 * 0.5 / USUAL_HZ * steepest)
     ));
     let lacking_s = SHORTEST_STEPS / USUAL_HZ - flight.transfer.delay_s.max(0.0);
     if !held && lacking_s > 0.0 {
         paragraphs.push(format!(
             "These parts delay by one and a half steps at the least. The delay L of this file is shorter than that at {USUAL_HZ} Hz: there it is late by {} ms, which is {} % of a step of the command where the response is steepest; a higher rate brings it closer.",
             four_digits(1e3 * lacking_s),
-            four_digits(100.0 * lacking_s * steepest(export, flight))
+            four_digits(100.0 * lacking_s * steepest)
         ));
     }
     let centre = neutral(export.metadata.units(), export.commands());

@@ -108,10 +108,11 @@ fn of_linear_model(
                 "-"
             )
         };
+        if hertz > 0.5 / model.sample_period_s {
+            text += &missing("above half of the rows in a second: this recording does not show it");
+            continue;
+        }
         text += &match (gain_and_phase(model, hertz)?, model.metrics.why_withheld()) {
-            _ if hertz > 0.5 / model.sample_period_s => {
-                missing("above half of the rows in a second: this recording does not show it")
-            }
             (None, _) => missing("outside of the frequencies of the commands"),
             (Some(_), Some(because)) if bounds.valid().is_none() => {
                 missing(&format!("withheld: {because}"))
