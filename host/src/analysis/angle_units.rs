@@ -4,7 +4,6 @@ use crate::data::dataset::Dataset;
 use crate::data::model_metadata::unit_meant;
 use crate::data::units::Units;
 use crate::presentation::summary::four_digits;
-use servoid_identification::Run;
 use servoid_identification::column::span;
 use servoid_identification::results::{Advice, Check, Model};
 
@@ -66,7 +65,7 @@ pub(super) fn advice_on_travel(data: &Dataset) -> Option<Advice> {
         return None;
     }
     let unit = unit_meant(data.about.units().output?)?;
-    let positions = data.record.runs().iter().flat_map(Run::output).copied();
+    let positions = data.record.outputs();
     travel_in_doubt(span(positions)?, &unit)
 }
 

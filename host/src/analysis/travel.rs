@@ -2,7 +2,6 @@
 
 use crate::data::dataset::Dataset;
 use crate::data::sensor_preset::SensorKind;
-use servoid_identification::Run;
 use servoid_identification::column::mean;
 use servoid_identification::diagnostics::{Approach, Arrival};
 use servoid_identification::results::{Advice, Check, Interval, Model, Reason, pointwise_critical};
@@ -113,7 +112,7 @@ const DEAD_BAND_US: f64 = 5.0;
 /// What a rest that is off by that to the inner or to the outer side changes in a gain: under strokes from -A to A it is off by its share of A.
 fn gain_of_dead_band(data: &Dataset) -> Option<f64> {
     let off = DEAD_BAND_US / data.about.us_per_degree?.abs();
-    let inputs = data.record.runs().iter().flat_map(Run::input).copied();
+    let inputs = data.record.inputs();
     let inputs: Vec<f64> = inputs.filter(|input| !input.is_nan()).collect();
     let middle = mean(&inputs)?;
     let from_middle = inputs.iter().map(|input| (input - middle).abs());

@@ -67,7 +67,7 @@ pub(super) fn advice(record: &Record, units: Units<'_>) -> Option<Advice> {
         [Some(input), Some(output)] if input != output => return None,
         [input, output] => input.is_some() && output.is_some(),
     };
-    let travel = span(record.runs().iter().flat_map(Run::output).copied())?;
+    let travel = span(record.outputs())?;
     let mut all = rests_of(record);
     let stops = stops_of_rests(record);
     let is_at_stop = |rest: &CommandedRest| {

@@ -29,7 +29,7 @@ const NAMED: usize = 4;
 
 /// Advice where runs seem to follow each other in one.
 pub(super) fn advice(record: &Record) -> Option<Advice> {
-    let travel = span(record.runs().iter().flat_map(Run::output).copied())?;
+    let travel = span(record.outputs())?;
     let found: Vec<Vec<usize>> = record.runs().iter().map(|run| seams(run, travel)).collect();
     let (run, rows) = (1..).zip(&found).find(|(_, rows)| !rows.is_empty())?;
     let seconds = |row: &usize| format!("{:.2}", *row as f64 * record.sample_period_s());

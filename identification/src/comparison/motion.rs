@@ -200,8 +200,7 @@ fn inputs_of_motion(record: &Record) -> Vec<f64> {
 
 /// Smallest and largest command.
 pub(super) fn ends(record: &Record) -> (f64, f64) {
-    let inputs = record.runs().iter().flat_map(|run| run.input()).copied();
-    extent(inputs).unwrap_or((f64::INFINITY, f64::NEG_INFINITY))
+    extent(record.inputs()).unwrap_or((f64::INFINITY, f64::NEG_INFINITY))
 }
 
 /// By which fraction the larger of two exceeds the smaller.

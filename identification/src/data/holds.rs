@@ -52,9 +52,8 @@ pub(crate) fn holds(run: &Run, tolerance: f64) -> Vec<Hold> {
 
 /// The tolerance of an input that was measured, and may have noise \[input\].
 pub(crate) fn measured_within(record: &Record) -> f64 {
-    let present = || record.runs().iter().flat_map(Run::input).copied();
-    let low = present().fold(f64::INFINITY, f64::min);
-    let high = present().fold(f64::NEG_INFINITY, f64::max);
+    let low = record.inputs().fold(f64::INFINITY, f64::min);
+    let high = record.inputs().fold(f64::NEG_INFINITY, f64::max);
     HELD_WITHIN * (high - low)
 }
 

@@ -383,6 +383,16 @@ impl<'a> Record<'a> {
         }
     }
 
+    /// The inputs of all runs, one after the other; NaN where one is missing.
+    pub fn inputs(&self) -> impl Iterator<Item = f64> {
+        self.runs.iter().flat_map(Run::input).copied()
+    }
+
+    /// The outputs of all runs, likewise.
+    pub fn outputs(&self) -> impl Iterator<Item = f64> {
+        self.runs.iter().flat_map(Run::output).copied()
+    }
+
     /// The runs, in the order given.
     pub fn runs(&self) -> &[Run<'a>] {
         &self.runs

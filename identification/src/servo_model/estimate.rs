@@ -348,8 +348,7 @@ pub(super) fn longest_delay_s(period_s: f64) -> f64 {
 
 /// Radians for each unit of the command, by the range of the command.
 fn radians(record: &Record) -> f64 {
-    let inputs = record.runs().iter().flat_map(|run| run.input()).copied();
-    let range = span(inputs).unwrap_or_default();
+    let range = span(record.inputs()).unwrap_or_default();
     if range > RADIANS_UP_TO {
         1f64.to_radians()
     } else {

@@ -60,8 +60,7 @@ impl TravelEnd {
 
     /// Whether the output goes on beyond it, as it does where short holds of a motion that goes on look like rests.
     fn is_passed(&self, record: &Record) -> bool {
-        let outputs = || record.runs().iter().flat_map(Run::output).copied();
-        let present = || outputs().filter(|y| !y.is_nan());
+        let present = || record.outputs().filter(|y| !y.is_nan());
         let (Some(travel), count) = (span(present()), present().count() as f64) else {
             return false;
         };

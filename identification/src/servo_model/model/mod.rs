@@ -375,8 +375,7 @@ impl ServoModel {
     /// The record has no sample that can be compared.
     pub fn validate(&self, record: &Record, controllers: &[usize]) -> Result<Validation, Error> {
         let simulated = self.simulate(record, controllers);
-        let measured = record.runs().iter().flat_map(Run::output).copied();
-        let pairs = measured.zip(simulated.into_iter().flatten());
+        let pairs = record.outputs().zip(simulated.into_iter().flatten());
         Validation::of_pairs(pairs).ok_or(Error::NoHistory { history: 1 })
     }
 

@@ -30,7 +30,7 @@ pub(crate) fn level_crests(record: &Record, gain: f64) -> [Option<f64>; 2] {
         let sides: Vec<OneSidedRun<'_>> = (record.runs().iter())
             .map(|run| OneSidedRun::of(run, sign))
             .collect();
-        let (low, high) = extent(outputs(record))?;
+        let (low, high) = extent(record.outputs())?;
         let middle = 0.5 * sign * (low + high);
         let crests = (sides.iter()).flat_map(|side| side.crests(middle, sign * gain.signum()));
         let crests: Vec<Crest<'_>> = crests.collect();
@@ -113,7 +113,7 @@ struct Level<'a> {
 
 impl<'a> Level<'a> {
     fn of(crests: &'a [Crest<'a>], record: &Record) -> Option<Self> {
-        let (commands, range) = (span(inputs(record))?, span(outputs(record))?);
+        let (commands, range) = (span(record.inputs())?, span(record.outputs())?);
         let [least, most] = LEVEL_SHARES.map(|share| share * range);
         let noise = noise(record)? / (MEAN_OF as f64).sqrt();
         let tolerance = (LEVEL * noise).clamp(least, most);
@@ -193,14 +193,6 @@ fn stretches_of(values: &[bool]) -> Vec<Range<usize>> {
     chunks
         .filter_map(|(value, place)| value.then_some(place))
         .collect()
-}
-
-fn inputs(record: &Record) -> impl Iterator<Item = f64> {
-    record.runs().iter().flat_map(|run| run.input()).copied()
-}
-
-fn outputs(record: &Record) -> impl Iterator<Item = f64> {
-    record.runs().iter().flat_map(|run| run.output()).copied()
 }
 
 #[cfg(test)]

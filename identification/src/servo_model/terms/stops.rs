@@ -72,8 +72,7 @@ fn beyond(some: Stops, others: Stops) -> usize {
 
 /// The lower and the upper stop among some outputs: the output is nowhere beyond a stop, so its mean is between them.
 fn among(record: &Record, at: &[f64]) -> Stops {
-    let outputs = record.runs().iter().flat_map(|run| run.output());
-    let middle = mean(&outputs.copied().collect::<Vec<f64>>());
+    let middle = mean(&record.outputs().collect::<Vec<f64>>());
     let of = |is_beyond: fn(f64, f64) -> bool| {
         at.iter()
             .copied()
