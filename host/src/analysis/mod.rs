@@ -1,40 +1,31 @@
 //! What the commands and the Python package do with data and models: identification with all that may follow it, comparison
 //! and validation, each with the document that `--json` prints, files for other programs, and recordings of simulated servos.
+//!
+//! | room | holds |
+//! |---|---|
+//! | `recording_advice`, `command_times` | what a recording shows beside any model: units, travel, and when its commands took effect |
+//! | `one_servo` | the linear model, the servo model and the low-order model of one recording |
+//! | `two_servos` | two of them beside each other |
+//! | `against_recordings` | a model against recordings that it was not identified from |
 
-mod angle_units;
-mod command_answers;
-mod command_edges;
-mod commands_at_pulses;
-mod comparison;
-mod delay_errors;
+mod against_recordings;
+mod command_times;
 mod duration_in_words;
 mod exported;
-mod identification;
-mod identified;
 mod json;
-mod load_at_rest;
-mod low_order;
-mod misfit;
-mod model_text;
-mod no_step;
-mod noise_at_rest;
-mod pulse_frames;
-mod sample_period;
-mod scale_errors;
-mod servo_comparison;
-pub mod servo_fit;
-mod short_of_command;
+mod one_servo;
+mod recording_advice;
 mod simulation;
-mod travel;
-mod validation;
+mod two_servos;
 
-pub use comparison::{Compared, compared, compared_models};
+pub use against_recordings::validation::Validated;
 pub use exported::{ExportRequest, Exported};
-pub use identification::{Identified, IdentifiedDocument, IdentifyRequest};
-pub use identified::identified;
 pub use json::to_json;
-pub use low_order::low_order;
-pub use model_text::text_of_file;
-pub use servo_comparison::compared_servos;
+pub use one_servo::identification::{Identified, IdentifiedDocument, IdentifyRequest};
+pub use one_servo::identified::identified;
+pub use one_servo::low_order::low_order;
+pub use one_servo::model_text::text_of_file;
+pub use one_servo::servo_fit;
 pub use simulation::SimulatedServo;
-pub use validation::Validated;
+pub use two_servos::comparison::{Compared, compared, compared_models};
+pub use two_servos::servo_comparison::compared_servos;

@@ -1,10 +1,10 @@
 //! The linear model and the servo as a machine in one text.
 
-use super::first_finding::{first_finding, said_before};
-use super::layout::wrapped;
-use super::linear_model::{Extent, of_model};
-use super::servo_model::of_servo_model;
-use super::servo_sentence::servo_sentence;
+use super::response::first_finding::{first_finding, said_before};
+use super::response::linear_model::{Extent, of_model};
+use super::servo::servo_model::of_servo_model;
+use super::servo::servo_sentence::servo_sentence;
+use super::wording::layout::wrapped;
 use crate::data::model_file::ServoModelDocument;
 use crate::data::model_metadata::ModelMetadata;
 use crate::data::units::Units;

@@ -1,14 +1,14 @@
 //! The answer in a sentence or two, for the head of a page.
 
-use super::comparison::subject_in_words;
-use super::first_finding::{answers_first, first_finding, said_before};
-use super::layout::first_sentence;
-use super::model_sentence::{
+use super::response::first_finding::{answers_first, first_finding, said_before};
+use super::response::model_sentence::{
     certainty, half_way_and_settled, has_likely_times, hides_step, is_picture, what_answers,
 };
-use super::numbers::percent;
-use super::servo_sentence::servo_sentence;
-use super::strokes::which_step;
+use super::servo::servo_sentence::servo_sentence;
+use super::two_servos::comparison::subject_in_words;
+use super::wording::layout::first_sentence;
+use super::wording::numbers::percent;
+use super::wording::strokes::which_step;
 use crate::data::model_metadata::ModelMetadata;
 use crate::data::units::Units;
 use servoid_identification::comparison::{Comparison, ComparisonBounds, Direction, Verdict};

@@ -1,16 +1,18 @@
 //! The six numbers that people ask for first, of one servo or of two.
 
-use super::comparison::verdict;
-use super::first_finding::first_finding;
 use super::headline::stroke_in_words;
-use super::low_order::gain_by_order;
-use super::measured_limits::{measured_limit, measured_limits};
-use super::metrics::{self, MetricEntry, NONE};
-use super::numbers::{digits, four_digits, percent, signed, with_bounds};
-use super::quantity_table::{QuantityRow, quantity_rows, scale_and_unit};
-use super::sixty_degrees::{per_60_degrees, seconds_per_60_degrees, stroke_of_60_degrees_ms};
-use super::top_speeds::is_unreached;
-use super::what_to_record::shown_by;
+use super::response::first_finding::first_finding;
+use super::response::low_order::gain_by_order;
+use super::response::metrics::{self, MetricEntry, NONE};
+use super::servo::measured_limits::{measured_limit, measured_limits};
+use super::servo::quantity_table::{QuantityRow, quantity_rows, scale_and_unit};
+use super::servo::top_speeds::is_unreached;
+use super::servo::what_to_record::shown_by;
+use super::two_servos::comparison::verdict;
+use super::wording::numbers::{digits, four_digits, percent, signed, with_bounds};
+use super::wording::sixty_degrees::{
+    per_60_degrees, seconds_per_60_degrees, stroke_of_60_degrees_ms,
+};
 use crate::data::pulse_widths::is_pulse;
 use crate::data::units::Units;
 use servoid_identification::comparison::{

@@ -1,7 +1,7 @@
 //! How well a model predicts another recording.
 
-use super::layout::findings;
-use super::numbers::{decimals, number_with_unit};
+use super::wording::layout::findings;
+use super::wording::numbers::{decimals, number_with_unit};
 use servoid_identification::results::{Advice, Validation};
 
 /// How well a model predicted a recording that it was not identified from; `own_fits` are the fits of the linear and the servo model to

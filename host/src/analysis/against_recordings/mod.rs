@@ -1,0 +1,5 @@
+//! A model against recordings that it was not identified from.
+
+pub(super) mod misfit;
+pub(super) mod noise_at_rest;
+pub(super) mod validation;

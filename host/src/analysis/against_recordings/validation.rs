@@ -1,0 +1,510 @@
+//! A model against recordings that it was not identified from.
+
+use super::misfit::{Line, Misfit, Scale};
+use crate::analysis::one_servo::load_at_rest;
+use crate::analysis::recording_advice::sample_period::unlikely_period;
+use crate::data::dataset::Dataset;
+use crate::data::fingerprint;
+use crate::data::model_file::ModelFile;
+use crate::data::model_metadata::{ModelMetadata, UnitsDiffer, unit_meant};
+use crate::data::units::Units;
+use crate::presentation::summary::{four_digits, with_unit};
+use anyhow::{Context, Result, anyhow};
+use serde::Serialize;
+use servoid_identification::results::{Advice, Check, Validation};
+use servoid_identification::servo_model::{CommandRange, ServoModel};
+use servoid_identification::{Error, Record, Run};
+
+/// The validation as its document has it, with advice on the files.
+#[derive(Debug, Serialize)]
+pub struct Validated {
+    /// That of the linear model; `None` where the servo model alone can be validated.
+    #[serde(flatten)]
+    pub validation: Option<Validation>,
+    /// The same of the servo model, where the file has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub servo_model: Option<Validation>,
+    /// The fit of the linear model to the recording that it comes from \[%\].
+    pub own_fit_percent: f64,
+    /// The same of the servo model.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub servo_model_own_fit_percent: Option<f64>,
+    /// That the model comes from these very samples, and what the files ask for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub advice: Vec<Advice>,
+}
+
+impl Validated {
+    /// Validates the model of `file`, which is called `model`, on the data, which are called `name`.
+    ///
+    /// # Errors
+    /// Different units, a controller that the model does not know, and data of another sample period or without the history that the
+    /// model needs; the servo model needs neither.
+    pub fn of(file: &ModelFile, model: &str, data: &Dataset, name: &str) -> Result<Self> {
+        let servo = file.servo_model()?;
+        let servo = servo.as_ref();
+        let metadata = ModelMetadata::from(&data.about);
+        let same_units = file.metadata.same_units(model, &metadata, name);
+        same_units.map_err(|error| match is_of_pulses(file, data) {
+            true => pulses_by_name(&error),
+            false => error.into(),
+        })?;
+        let validation = file.model.validate(&data.record);
+        let own_of_servo = servo.map(|servo| servo.model.fit.simulation_percent);
+        let runs = data.record.runs();
+        let of_load = servo.and_then(|servo| load_at_rest::remedy(&servo.model, metadata.units()));
+        let is_linear = file.model.linear && servo.is_none_or(|servo| servo.model.is_linear());
+        let period_s = data.record.sample_period_s();
+        // What follows from a wrong time is no finding on the model.
+        let doubtful = unlikely_period(period_s);
+        let controllers = servo.map(|servo| data.controllers.among(&servo.controller_names));
+        let servo = servo.zip(controllers.transpose()?);
+        let servo_model = servo
+            .as_ref()
+            .map(|(servo, controllers)| servo.model.validate(&data.record, controllers));
+        let servo_model = servo_model.transpose()?;
+        let (validation, only_servo) = match validation.map_err(of_its_own_period) {
+            Ok(found) => (Some(found), None),
+            Err(error) if servo_model.is_some() => (None, Some(only_servo_model(&error))),
+            Err(error) => {
+                let named = Err(error).with_context(|| name.to_owned());
+                return match doubtful {
+                    Some(doubt) => named.context(format!("{} {}", doubt.finding, doubt.remedy)),
+                    None => named,
+                };
+            }
+        };
+        let commands = servo.as_ref().and_then(|(servo, _)| servo.model.commands);
+        let found = validation.iter().chain(&servo_model);
+        let best = found.map(|found| found.fit_percent);
+        let predicts_nothing = (best.fold(f64::NEG_INFINITY, f64::max) < 0.0).then(|| {
+            let of_model = (file.metadata.units(), commands);
+            predicts_nothing(
+                of_model,
+                (metadata.units(), range_of_commands(&data.record)),
+            )
+        });
+        let own = fingerprint::of(&data.record);
+        let own = fingerprint::advice_on_validation(&file.fingerprints, &own);
+        let unit = metadata.units().output.unwrap_or_default();
+        let open_s =
+            file.metadata.sensor_delay_uncertainty_s + data.about.sensor_delay_uncertainty_s;
+        let of_linear = validation.as_ref().and_then(|found| {
+            let misfit = || {
+                let simulated: Vec<_> = runs.iter().map(|run| file.model.simulate(run)).collect();
+                let misfit = Misfit::of(runs, &|_| simulated.clone(), period_s);
+                Misfit {
+                    // What is slower in larger strokes is later there, and no delay.
+                    lag: misfit.lag.filter(|_| is_linear),
+                    ..misfit
+                }
+            };
+            larger_error(
+                "linear",
+                [found.rmse, file.model.fit.rmse],
+                misfit,
+                (unit, open_s),
+            )
+        });
+        let of_servo = servo.as_ref().zip(servo_model.as_ref());
+        let of_servo = of_servo.and_then(|((servo, controllers), found)| {
+            let misfit = || of_servo_model(&servo.model, &data.record, controllers);
+            larger_error(
+                "servo",
+                [found.rmse, servo.model.fit.rmse],
+                misfit,
+                (unit, open_s),
+            )
+        });
+        // Of a recording that may be in other units, nobody should hear that its motion is another one.
+        let is_a_cause =
+            |found: &Advice| predicts_nothing.is_none() || !found.remedy.ends_with(ANOTHER_MOTION);
+        let of_models = of_linear.into_iter().chain(of_servo).filter(is_a_cause);
+        let of_models: Vec<Advice> = match doubtful {
+            Some(doubt) => vec![doubt],
+            None => (predicts_nothing.clone().into_iter())
+                .chain(only_servo)
+                .chain(of_models)
+                .collect(),
+        };
+        let own = own.into_iter().chain(of_models);
+        let mut of_files = data.about.advice.clone();
+        if let Some((by_load, remedy)) = of_load {
+            Advice::name_load(&mut of_files, Some(by_load), &remedy);
+        }
+        Ok(Self {
+            validation,
+            servo_model,
+            own_fit_percent: file.model.fit.simulation_percent,
+            servo_model_own_fit_percent: own_of_servo,
+            advice: own.chain(of_files).collect(),
+        })
+    }
+
+    /// The fits of the linear and the servo model to the recording that they come from \[%\].
+    #[must_use]
+    pub fn own_fits(&self) -> (f64, Option<f64>) {
+        (self.own_fit_percent, self.servo_model_own_fit_percent)
+    }
+}
+
+/// What a recording has that the servo model has not.
+fn of_servo_model(model: &ServoModel, record: &Record, controllers: &[usize]) -> Misfit {
+    let simulate = |line: Line| model.simulate(&line.undone(record), controllers);
+    Misfit::of(record.runs(), &simulate, record.sample_period_s())
+}
+
+/// The least and the largest command of a record.
+fn range_of_commands(record: &Record) -> Option<CommandRange> {
+    let inputs = record.runs().iter().flat_map(Run::input).copied();
+    let known = inputs.filter(|input| !input.is_nan());
+    let range = |input: f64| CommandRange {
+        least: input,
+        largest: input,
+    };
+    known.map(range).reduce(|a, b| CommandRange {
+        least: a.least.min(b.least),
+        largest: a.largest.max(b.largest),
+    })
+}
+
+/// That a model predicts worse than a mean does, with the commands of both: in other units they have another range.
+fn predicts_nothing(
+    (model, of_model): (Units<'_>, Option<CommandRange>),
+    (here, of_record): (Units<'_>, Option<CommandRange>),
+) -> Advice {
+    let range = |commands: Option<CommandRange>, goes: &str| {
+        commands.map_or_else(String::new, |CommandRange { least, largest }| {
+            let [least, largest] = [least, largest].map(four_digits);
+            format!(" and {goes} from {least} to {largest}")
+        })
+    };
+    let unit = |unit: Option<&str>| match unit {
+        Some(unit) => format!("is in {unit}"),
+        None => "has no unit".to_owned(),
+    };
+    Advice::new(
+        Check::Prediction,
+        "The model predicts this recording worse than its mean does.",
+        0.0,
+        0.0,
+        format!(
+            "Check that the servo, the columns and their units are those of the model. The command of the model {}{}; that of this recording {}{}.",
+            unit(model.input),
+            range(of_model, "went"),
+            unit(here.input),
+            range(of_record, "goes"),
+        ),
+    )
+}
+
+/// A model whose error is so many times that of its own recording misses what it knew there: noise alone changes far less from one
+/// recording of a sensor to the next.
+const LARGER_ERROR: f64 = 2.0;
+
+/// An offset, a scale or a shift in time is the cause where it leaves less than this share of the error, and hardly more than the model has on
+/// its own recording: a servo that is slower in larger strokes is later, too, and a shift leaves the rest of that.
+const OF_A_CAUSE: f64 = 0.5;
+
+/// That a model does not hold for a recording, with an error of `rmse`, as it did for its own. `misfit` is asked for only then. The times of model and
+/// recording are known to each other within `open_s`.
+fn larger_error(
+    kind: &str,
+    [rmse, own_rmse]: [f64; 2],
+    misfit: impl FnOnce() -> Misfit,
+    (unit, open_s): (&str, f64),
+) -> Option<Advice> {
+    let times = rmse / own_rmse;
+    (times > LARGER_ERROR).then(|| {
+        let in_unit = |error: f64| with_unit(four_digits(error), unit);
+        Advice::new(
+            Check::Prediction,
+            format!(
+                "The {kind} model does not hold here as it does for its own recording: its error is {} rms, {times:.1} times the {} there.",
+                in_unit(rmse),
+                in_unit(own_rmse)
+            ),
+            times,
+            LARGER_ERROR,
+            cause([rmse, own_rmse], &misfit(), open_s, in_unit),
+        )
+    })
+}
+
+/// What the error is, the simplest first, and what to do.
+fn cause(
+    [rmse, own_rmse]: [f64; 2],
+    misfit: &Misfit,
+    open_s: f64,
+    in_unit: impl Fn(f64) -> String,
+) -> String {
+    let is_all = |left: f64| left < LARGER_ERROR * own_rmse;
+    let is_most = |left: f64| is_all(left) && left < OF_A_CAUSE * misfit.left_of_offset;
+    if is_all(misfit.left_of_offset) && misfit.left_of_offset < rmse {
+        return format!(
+            "It is an offset of {}, without which the error is {}: the zero of the sensor has moved, or that of the command, or a load.",
+            in_unit(misfit.offset),
+            in_unit(misfit.left_of_offset)
+        );
+    }
+    let scale = misfit.scale.as_ref();
+    let turned =
+        |scale: &Scale| scale.factor < 0.0 && scale.left < OF_A_CAUSE * misfit.left_of_offset;
+    if scale.is_some_and(turned) {
+        return "This recording turns the other way: look at the sign of command and position, and at the direction that a transmitter or \
+             controller is set to."
+            .to_owned();
+    }
+    let both = |scale: &&Scale| is_most(scale.left) && !is_all(scale.left_of_scale_alone);
+    if let Some(scale) = scale.filter(both) {
+        return format!(
+            "It is gain and offset together: this recording is {:.3} times the model and {}, which leaves an error of {}. If the servo is the same, \
+             look at the calibration of the sensor, its scale and its zero, and at travel and centre that a transmitter or controller is set to.",
+            scale.factor,
+            in_unit(scale.offset),
+            in_unit(scale.left)
+        );
+    }
+    if let Some(scale) = scale.filter(|scale| is_most(scale.left)) {
+        return format!(
+            "It is the gain: this recording moves {:.3} times as far as the model, and scaled by that it leaves an error of {}. If the servo is \
+             the same, look at the units of both columns, at the calibration of the sensor and at the travel that a transmitter or controller is set to.",
+            scale.factor,
+            in_unit(scale.left)
+        );
+    }
+    match misfit.lag.as_ref().filter(|lag| is_most(lag.left)) {
+        Some(lag) if lag.seconds.abs() <= open_s => format!(
+            "It is a delay of {:.1} ms, and shifted by that this recording leaves an error of {}. The files leave up to {:.1} ms open, as in how a command \
+             that moves on with every row was sent: the model is not shown to be wrong.",
+            1e3 * lag.seconds.abs(),
+            in_unit(lag.left),
+            1e3 * open_s
+        ),
+        Some(lag) => {
+            let (here, model) = match lag.seconds > 0.0 {
+                true => ("later", "early"),
+                false => ("earlier", "late"),
+            };
+            format!(
+                "It is a delay: this recording is {:.1} ms {here} than the model, and shifted by that it leaves an error of {}. Where servo, command and \
+                 logger are the same, it is the model that is {model} in motion of this kind: identify from this recording, or from both together. Else look at \
+                 how the command is written (at the moment at which it is sent, by the clock of the position), and at the logger.",
+                1e3 * lag.seconds.abs(),
+                in_unit(lag.left)
+            )
+        }
+        None => noise(misfit, is_most, in_unit).unwrap_or_else(|| match open_s > 0.0 {
+            true => format!("{BETWEEN_ROWS} {ANOTHER_MOTION}"),
+            false => ANOTHER_MOTION.to_owned(),
+        }),
+    }
+}
+
+/// Said before it where times are open.
+const BETWEEN_ROWS: &str = "Where the servo followed the command between the rows, and was not held at each, say --polled first: a fast motion is another one then.";
+
+/// Said where nothing simpler is the cause.
+const ANOTHER_MOTION: &str = "Where servo and noise are the same, the motion is not: identify from recordings of both kinds of motion (strokes as \
+    large, as small and as quick as these), and take the servo model where the servo is not linear.";
+
+/// That the error is noise, where what the recording scatters by at rest is most of it.
+fn noise(
+    misfit: &Misfit,
+    is_most: impl Fn(f64) -> bool,
+    in_unit: impl Fn(f64) -> String,
+) -> Option<String> {
+    let noise = misfit.noise?;
+    let left = (misfit.left_of_offset.powi(2) - noise.powi(2))
+        .max(0.0)
+        .sqrt();
+    let of_offset = match misfit.offset.abs() > left.max(OF_A_CAUSE * noise) {
+        true => format!("an offset of {} and ", in_unit(misfit.offset)),
+        false => String::new(),
+    };
+    let rest = match left > 0.0 {
+        true => format!("without that the error is {}", in_unit(left)),
+        false => "that is all of the error".to_owned(),
+    };
+    is_most(left).then(|| {
+        format!(
+            "It is {of_offset}noise: at rest this recording scatters by {} rms, and {rest}. The response of the model is not shown to be wrong: look for \
+             what shakes the servo or disturbs the sensor, or validate with a recording that has less noise.",
+            in_unit(noise),
+        )
+    })
+}
+
+/// Why the servo model alone is validated: it is continuous in time and begins with the first samples.
+fn only_servo_model(error: &anyhow::Error) -> Advice {
+    Advice::new(
+        Check::History,
+        format!("The servo model alone is validated, because for the linear one {error}."),
+        0.0,
+        0.0,
+        "Nothing needs to be done where the servo model is used.",
+    )
+}
+
+/// Whether the model's command is a pulse and the data are recordings of servoid, which keep pulses beside degrees.
+fn is_of_pulses(file: &ModelFile, data: &Dataset) -> bool {
+    let unit = file.metadata.units().input.and_then(unit_meant);
+    unit.as_deref() == Some("us") && data.about.us_per_degree.is_some()
+}
+
+/// How such recordings are read in the units of such a model.
+fn pulses_by_name(error: &UnitsDiffer) -> anyhow::Error {
+    anyhow!(
+        "{error}, or read its pulses, which a recording of servoid has: add --input pulse_us --output position_deg"
+    )
+}
+
+/// The error of a validation: why a model is of one sample period.
+fn of_its_own_period(error: Error) -> anyhow::Error {
+    match error {
+        Error::PeriodMismatch { expected, found } => anyhow!(
+            "the model has samples every {} ms and the recording has them every {} ms: a response is known at its own samples alone, so \
+             record or resample every {} ms, or identify this recording by itself; a servo model is continuous in time, and a model file with one \
+             (identify --servo-model) is validated in any rows",
+            1e3 * expected,
+            1e3 * found,
+            1e3 * expected
+        ),
+        other => other.into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    use super::super::misfit::Lag;
+
+    fn misfit() -> Misfit {
+        Misfit {
+            offset: 0.0,
+            left_of_offset: 0.8,
+            scale: None,
+            lag: None,
+            noise: None,
+        }
+    }
+
+    fn remedy(misfit: Misfit) -> String {
+        remedy_within(misfit, 0.0)
+    }
+
+    /// The same where the times of model and recording are known to each other within `open_s`.
+    fn remedy_within(misfit: Misfit, open_s: f64) -> String {
+        larger_error("linear", [0.8, 0.05], || misfit, ("deg", open_s))
+            .unwrap()
+            .remedy
+    }
+
+    #[test]
+    fn a_delay_is_named_where_it_is_most_of_the_error() {
+        let delayed = |left: f64| {
+            let seconds = -0.02;
+            remedy(Misfit {
+                lag: Some(Lag { seconds, left }),
+                ..misfit()
+            })
+        };
+        let delay = delayed(0.06);
+        assert!(
+            delay.starts_with(
+                "It is a delay: this recording is 20.0 ms earlier than the model, and shifted by that it leaves an error of 0.06000 deg."
+            ),
+            "{delay}"
+        );
+        let lag = Some(Lag {
+            seconds: 0.0099,
+            left: 0.06,
+        });
+        let open = remedy_within(Misfit { lag, ..misfit() }, 0.012);
+        assert!(open.contains("leave up to 12.0 ms open"), "{open}");
+        let another = remedy_within(misfit(), 0.012);
+        assert!(another.contains("say --polled first") && another.ends_with(ANOTHER_MOTION));
+        // A shift that leaves six times the error of the model's own recording is not all, though it leaves less than half of this one.
+        for left in [0.6, 0.3] {
+            let motion = delayed(left);
+            assert!(motion.starts_with("Where servo and noise"), "{motion}");
+        }
+    }
+
+    #[test]
+    fn an_offset_a_gain_and_the_other_direction_are_named() {
+        let offset = remedy(Misfit {
+            offset: 0.79,
+            left_of_offset: 0.06,
+            // A shift leaves no less where there is no shift.
+            lag: Some(Lag {
+                seconds: 0.0,
+                left: 0.06,
+            }),
+            ..misfit()
+        });
+        assert!(
+            offset.starts_with("It is an offset of 0.7900 deg"),
+            "{offset}"
+        );
+        let scaled = |factor: f64| {
+            let left = 0.06;
+            remedy(Misfit {
+                scale: Some(Scale {
+                    factor,
+                    offset: 0.0,
+                    left,
+                    left_of_scale_alone: left,
+                }),
+                ..misfit()
+            })
+        };
+        assert!(scaled(0.9).starts_with("It is the gain: this recording moves 0.900 times"));
+        assert!(scaled(-1.0).starts_with("This recording turns the other way"));
+    }
+
+    #[test]
+    fn gain_and_offset_that_differ_together_are_named_together() {
+        let both = remedy(Misfit {
+            scale: Some(Scale {
+                factor: 0.9,
+                offset: -1.5,
+                left: 0.06,
+                left_of_scale_alone: 0.7,
+            }),
+            ..misfit()
+        });
+        assert!(
+            both.starts_with(
+                "It is gain and offset together: this recording is 0.900 times the model and -1.500 deg,"
+            ),
+            "{both}"
+        );
+    }
+
+    #[test]
+    fn noise_is_named_where_it_is_most_of_the_error() {
+        let noisy = |noise: f64| {
+            let noise = Some(noise);
+            remedy(Misfit { noise, ..misfit() })
+        };
+        // sqrt(0.8² - 0.797²) = 0.069 is less than twice the error of the model's own recording, and sqrt(0.8² - 0.7²) is not.
+        let named = noisy(0.797);
+        assert!(
+            named.starts_with("It is noise: at rest this recording scatters by 0.7970 deg rms"),
+            "{named}"
+        );
+        assert!(noisy(0.7).starts_with("Where servo and noise"));
+        let moved = remedy(Misfit {
+            offset: 2.0,
+            noise: Some(0.81),
+            ..misfit()
+        });
+        assert!(
+            moved.starts_with("It is an offset of 2.000 deg and noise")
+                && moved.contains("that is all of the error"),
+            "{moved}"
+        );
+    }
+}

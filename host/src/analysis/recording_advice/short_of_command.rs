@@ -1,0 +1,95 @@
+//! Where the servo comes to rest at the outermost commands, where that is short of them.
+//!
+//! A sensor whose zero is off moves both rests alike, so the two are judged together: by the way between them against that between the commands.
+
+use crate::data::dataset::Dataset;
+use crate::data::rest_error::{CommandedRest, rests_of};
+use servoid_identification::Options;
+use servoid_identification::column::mean;
+use servoid_identification::results::{
+    Advice, Check, Model, Reason, Withheld, pointwise_critical, six_digits,
+};
+
+/// A part of the commanded way that matters, which is the margin of a comparison unless another one is asked for. Dead band and friction of a servo
+/// that is not loaded leave less.
+const MATTERS: f64 = 0.05;
+
+/// Standard deviations of a mean that are no chance.
+const BEYOND_CHANCE: f64 = 4.0;
+
+/// The rests at the outermost commands, where both columns are in one unit and the servo falls short of its commands by more than matters, the
+/// scatter of the rests and the scale of the sensor explain.
+pub(crate) fn advice(data: &Dataset, model: &Model) -> Option<Advice> {
+    let unit = data.about.units().common()?;
+    // A servo that changes along the recording rests elsewhere at each end of it, and a slow one is still on its way.
+    let changes = model.level().withdrawn() == Some(Reason::GainDrift);
+    let is_slow = model.metrics.withheld == Some(Withheld::ResponseNotOver);
+    if !model.stops.is_empty() || changes || is_slow {
+        return None;
+    }
+    let rests = rests_of(&data.record);
+    let commands = || rests.iter().map(|rest| rest.command);
+    let [low, high] = [
+        Rests::at(commands().reduce(f64::min)?, &rests)?,
+        Rests::at(commands().reduce(f64::max)?, &rests)?,
+    ];
+    let commanded = high.command - low.command;
+    let way = high.position - low.position;
+    let chance = BEYOND_CHANCE * low.sd_of_mean.hypot(high.sd_of_mean);
+    let matters = (MATTERS + scale_share(data, model)) * commanded;
+    // One that turns the other way is another finding.
+    if way <= 0.0 || commanded - way <= matters.max(chance) {
+        return None;
+    }
+    // A thousandth of the way is finer than what a pilot feels.
+    let decimals = (2.0 - commanded.log10().floor()).clamp(0.0, 12.0) as usize;
+    let rest = |rests: &Rests| format!("{:.decimals$} {unit}", rests.position);
+    Some(Advice::new(
+        Check::Travel,
+        format!(
+            "Commanded {:+} {unit} the servo comes to rest at {}, and commanded {:+} {unit} at {}.",
+            six_digits(high.command),
+            rest(&high),
+            six_digits(low.command),
+            rest(&low)
+        ),
+        way,
+        commanded,
+        "It falls short of its commands: look for a load that its drive does not hold, such as a spring, a weight or the air, for a stop, and at the \
+         scale of both columns.",
+    ))
+}
+
+/// The rests under one command.
+struct Rests {
+    command: f64,
+    /// Their mean.
+    position: f64,
+    sd_of_mean: f64,
+}
+
+impl Rests {
+    /// `None` where there are not two.
+    fn at(command: f64, all: &[CommandedRest]) -> Option<Self> {
+        let here = all.iter().filter(|rest| rest.command == command);
+        let positions: Vec<f64> = here.map(|rest| rest.position).collect();
+        let position = mean(&positions).filter(|_| positions.len() > 1)?;
+        let squares: f64 = positions.iter().map(|at| (at - position).powi(2)).sum();
+        let count = positions.len() as f64;
+        Some(Self {
+            command,
+            position,
+            sd_of_mean: (squares / (count - 1.0) / count).sqrt(),
+        })
+    }
+}
+
+/// How far the scale of the sensor may be off, as a share; 0 where it was not calibrated here.
+fn scale_share(data: &Dataset, model: &Model) -> f64 {
+    let sd_percent = data.about.calibrations.iter().map(|of| of.scale_sd_percent);
+    let level = model
+        .level()
+        .into_valid()
+        .unwrap_or(Options::default().level);
+    pointwise_critical(level) * sd_percent.fold(0.0, f64::max) / 100.0
+}

@@ -1,0 +1,255 @@
+//! The response to sines of frequencies that somebody asks for: how much of one arrives, and how late.
+
+use crate::data::model_metadata::ModelMetadata;
+use crate::presentation::summary::wording::numbers::{decimals, fixed, head_of_bounds};
+use servoid_identification::Error;
+use servoid_identification::results::{Bounds, FrequencyResponse, Interval, Model};
+use servoid_identification::servo_model::ServoModel;
+use std::f64::consts::TAU;
+
+/// Frequencies up to one that is asked for along which its phase is followed: a phase alone does not say how many turns it lacks.
+const FOLLOWED: usize = 400;
+
+/// A sine that is asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AskedSine {
+    /// Its frequency \[Hz\].
+    pub hertz: f64,
+    /// How far it goes to each side \[unit of the command\], which a servo that is limited depends on.
+    pub amplitude: Option<f64>,
+}
+
+/// Gain and phase \[degrees\] of `model` at each frequency that is asked for, two lines of a table each, and of the servo as a machine at those
+/// with an amplitude; nothing where none is asked for.
+///
+/// # Errors
+/// The document of the model was changed by hand.
+pub fn at_frequencies(
+    model: &Model,
+    servo: Option<&ServoModel>,
+    of: &ModelMetadata,
+    asked: &[AskedSine],
+) -> Result<String, Error> {
+    if asked.is_empty() {
+        return Ok(String::new());
+    }
+    let machine = asked.iter().filter_map(|sine| {
+        let amplitude = sine.amplitude?;
+        servo.map(|servo| of_machine(servo, of, sine.hertz, amplitude))
+    });
+    let machine: String = machine.collect();
+    Ok(of_linear_model(model, of, asked)? + &machine)
+}
+
+/// Of the servo as a machine, under a sine of this amplitude.
+fn of_machine(servo: &ServoModel, of: &ModelMetadata, hertz: f64, amplitude: f64) -> String {
+    let found = servo.respond_to_sine(hertz, amplitude, 0);
+    let level = servo.covariance.as_ref().map(|own| own.level);
+    let head = match (found.bounds, level) {
+        // That of all of the model is said beside it.
+        (Bounds::Withdrawn(reason), Bounds::Valid(_)) => format!("no bounds: {}", reason.because()),
+        _ => head_of_bounds(level),
+    };
+    let open_deg = 360.0 * hertz * of.sensor_delay_uncertainty_s;
+    let [gain, phase] = match found.bounds.valid() {
+        Some([gain, phase]) => [
+            *gain,
+            Interval {
+                lower: phase.lower.map(|lower| lower - open_deg),
+                upper: phase.upper.map(|upper| upper + open_deg),
+                ..*phase
+            },
+        ],
+        None => [found.gain, found.phase_deg].map(|value| Interval {
+            value: Some(value),
+            ..Interval::default()
+        }),
+    };
+    let unit = of
+        .units()
+        .input
+        .map(|unit| format!(" {unit}"))
+        .unwrap_or_default();
+    let name = format!("servo model, ±{amplitude}{unit}");
+    let open = match found.bounds.valid() {
+        None if open_deg > 0.0 => format!(
+            "  {:22} the times of the recording leave ±{} deg of it open\n",
+            "",
+            fixed(open_deg, 1)
+        ),
+        _ => String::new(),
+    };
+    format!("\n  {name:22} {:>10}       {head}\n", "value")
+        + &lines((gain, phase), of, hertz)
+        + &open
+}
+
+fn of_linear_model(
+    model: &Model,
+    of: &ModelMetadata,
+    asked: &[AskedSine],
+) -> Result<String, Error> {
+    let bounds = model.frequency.bounds.as_ref();
+    let head = head_of_bounds(bounds.map(|bounds| bounds.level));
+    // As the other figures of a servo that is not linear.
+    let motion = match bounds.valid().is_some() && !model.linear {
+        true => ", of the recorded motion",
+        false => "",
+    };
+    let mut text = format!(
+        "\n  {:22} {:>10}       {head}{motion}\n",
+        "linear model", "value"
+    );
+    for hertz in asked.iter().map(|sine| sine.hertz) {
+        let missing = |why: &str| {
+            format!(
+                "  {:22} {:>10}       {why}\n",
+                format!("gain at {hertz} Hz"),
+                "-"
+            )
+        };
+        if hertz > 0.5 / model.sample_period_s {
+            text += &missing("above half of the rows in a second: this recording does not show it");
+            continue;
+        }
+        text += &match (gain_and_phase(model, hertz)?, model.metrics.why_withheld()) {
+            (None, _) => missing("outside of the frequencies of the commands"),
+            (Some(_), Some(because)) if bounds.valid().is_none() => {
+                missing(&format!("withheld: {because}"))
+            }
+            (Some(found), _) => lines(found, of, hertz),
+        };
+    }
+    Ok(text)
+}
+
+fn lines((gain, phase): (Interval, Interval), of: &ModelMetadata, hertz: f64) -> String {
+    let digits = decimals(gain.value.unwrap_or(1.0), 4);
+    let unit = of.units().gain().unwrap_or_default();
+    let late_ms = phase.value.map(|degrees| -degrees / 360.0 / hertz * 1e3);
+    let late = late_ms.map_or_else(String::new, |late| {
+        format!("  = {} ms late", fixed(late, 1))
+    });
+    let gain = line(&format!("gain at {hertz} Hz"), &gain, &unit, digits);
+    let phase = line(&format!("phase at {hertz} Hz"), &phase, "deg", 1);
+    format!("  {gain}\n  {phase}{late}\n")
+}
+
+fn line(name: &str, interval: &Interval, unit: &str, digits: usize) -> String {
+    let number = |value: f64| fixed(value, digits);
+    let value = interval.value.map(number).unwrap_or_default();
+    let bounds = interval.lower.zip(interval.upper);
+    let bounds = bounds.map_or_else(String::new, |(lower, upper)| {
+        format!("{} .. {}", number(lower), number(upper))
+    });
+    format!("{name:22} {value:>10} {unit:5} {bounds}")
+        .trim_end()
+        .to_owned()
+}
+
+/// The response of the servo at `hertz`; `None` outside of the band that the commands excite, where it is known in a band alone.
+fn gain_and_phase(model: &Model, hertz: f64) -> Result<Option<(Interval, Interval)>, Error> {
+    let omega = TAU * hertz;
+    if model.band().is_some() {
+        return within_band(model, omega);
+    }
+    let below: Vec<f64> = (1..=FOLLOWED)
+        .map(|k| omega * k as f64 / FOLLOWED as f64)
+        .collect();
+    let found = model.servo_response(&below)?;
+    Ok(Some(point(&found, FOLLOWED - 1)))
+}
+
+/// From the two points of the model's own response on both sides of it: the interval holds those of both.
+fn within_band(model: &Model, omega: f64) -> Result<Option<(Interval, Interval)>, Error> {
+    let grid = &model.frequency.omega_rad_s;
+    let above = grid.partition_point(|other| *other < omega);
+    let (Some(below), Some(&right)) = (above.checked_sub(1), grid.get(above)) else {
+        return Ok(None);
+    };
+    let Some(&left) = grid.get(below) else {
+        return Ok(None);
+    };
+    let found = model.servo_response(grid)?;
+    let part = (omega - left) / (right - left);
+    let (a, b) = (point(&found, below), point(&found, above));
+    let between = |a: Interval, b: Interval| Interval {
+        value: (a.value.zip(b.value)).map(|(a, b)| a + part * (b - a)),
+        lower: (a.lower.zip(b.lower)).map(|(a, b)| a.min(b)),
+        upper: (a.upper.zip(b.upper)).map(|(a, b)| a.max(b)),
+    };
+    Ok(Some((between(a.0, b.0), between(a.1, b.1))))
+}
+
+/// Gain and phase at one of the frequencies of a response.
+fn point(found: &FrequencyResponse, k: usize) -> (Interval, Interval) {
+    let of_decibels = |values: &Vec<f64>| values.get(k).map(|db| 10f64.powf(db / 20.0));
+    let own = |values: &Vec<f64>| values.get(k).copied();
+    let bounds = found.bounds.valid();
+    let gain = Interval {
+        value: of_decibels(&found.magnitude_db),
+        lower: bounds.and_then(|bounds| of_decibels(&bounds.magnitude_db_lower)),
+        upper: bounds.and_then(|bounds| of_decibels(&bounds.magnitude_db_upper)),
+    };
+    let phase = Interval {
+        value: own(&found.phase_deg),
+        lower: bounds.and_then(|bounds| own(&bounds.phase_deg_lower)),
+        upper: bounds.and_then(|bounds| own(&bounds.phase_deg_upper)),
+    };
+    (gain, phase)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use servoid_identification::{Options, Record, Run, identify};
+
+    /// A first-order servo of 40 rad/s behind 10 ms, in rows of 2 ms, under levels that are held for .3 s.
+    fn model() -> Model {
+        let (h, pole) = (0.002, (-0.08_f64).exp());
+        let level = |k: usize| [0.0, 8.0, -6.0, 3.0, -9.0, 5.0, -2.0][(k / 150) * 3 % 7];
+        let input: Vec<f64> = (0..6000).map(level).collect();
+        let mut state = 0.0;
+        let noise = |k: usize| 0.02 * ((k * k * 7919 % 1009) as f64 / 504.5 - 1.0);
+        let output: Vec<f64> = (0..6000)
+            .map(|k| {
+                let command = if k < 6 { 0.0 } else { input[k - 6] };
+                state = pole * state + (1.0 - pole) * command;
+                state + noise(k)
+            })
+            .collect();
+        let record = Record::new(h, vec![Run::new(input, output).unwrap()]).unwrap();
+        identify(&record, &Options::default()).unwrap()
+    }
+
+    #[test]
+    fn gain_and_phase_are_those_of_the_servo_with_more_than_a_half_turn() {
+        let model = model();
+        for hertz in [0.5, 8.0, 25.0] {
+            let (gain, phase) = gain_and_phase(&model, hertz).unwrap().unwrap();
+            let omega = TAU * hertz;
+            let truth = 1.0 / 1.0_f64.hypot(omega / 40.0);
+            // A held command and the first sample behind its edge: a servo in continuous time answers one row sooner than the recursion.
+            let lag = (omega / 40.0).atan() + omega * 0.010;
+            let holds = |found: &Interval, truth: f64| {
+                found.lower.unwrap() < truth && truth < found.upper.unwrap()
+            };
+            assert!(holds(&gain, truth), "{hertz}: {gain:?}, {truth}");
+            assert!(
+                holds(&phase, -lag.to_degrees()),
+                "{hertz}: {phase:?}, {}",
+                -lag.to_degrees()
+            );
+        }
+        let asked = [8.0, 251.0].map(|hertz| AskedSine {
+            hertz,
+            amplitude: None,
+        });
+        let said = at_frequencies(&model, None, &ModelMetadata::default(), &asked).unwrap();
+        assert_eq!(said.lines().count(), 5, "{said}");
+        assert!(
+            said.contains("ms late") && said.contains("above half of the rows"),
+            "{said}"
+        );
+    }
+}

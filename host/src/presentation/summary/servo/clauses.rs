@@ -1,0 +1,207 @@
+//! The parts of the sentence on a servo: its limit, where it stops, how fast it moved, where it rests, how late it answers.
+
+use super::top_speeds::{determined, is_never_reached};
+use crate::data::units::Units;
+use crate::presentation::summary::wording::layout::listed_words;
+use crate::presentation::summary::wording::numbers::{digits, four_digits};
+use crate::presentation::summary::wording::speed_words::{reached_speed, speed_in_words, upwards};
+use servoid_identification::results::Reason;
+use servoid_identification::servo_model::{LoadKind, Quantity, QuantityKind, ServoModel, Spread};
+
+/// "runs into a stop at 12.01 deg".
+pub(super) fn stopped(model: &ServoModel, units: Units<'_>) -> Option<String> {
+    let unit = with_space(units.output);
+    let at = |output: f64| format!("{}{unit}", four_digits(output));
+    match (model.stops.lower, model.stops.upper) {
+        (None, None) => None,
+        (Some(one), None) | (None, Some(one)) => Some(format!("runs into a stop at {}", at(one))),
+        (Some(lower), Some(upper)) => Some(format!(
+            "runs into stops at {} and {}",
+            at(lower),
+            at(upper)
+        )),
+    }
+}
+
+/// How fast the servo moved in the recording at least.
+pub(super) fn moved_at(model: &ServoModel, units: Units<'_>) -> Option<String> {
+    let reached = model.reached?;
+    let directions = [
+        (reached.upwards, upwards(model)),
+        (reached.downwards, "downwards"),
+    ];
+    // A recording may have no stroke in one direction.
+    let moved = directions.iter().filter(|(speed, _)| *speed > 0.0);
+    let each = moved.map(|(speed, direction)| {
+        let speed = speed_in_words(model, reached_speed(*speed), units);
+        format!("{speed} {direction}")
+    });
+    let each: Vec<String> = each.collect();
+    (!each.is_empty()).then(|| {
+        format!(
+            "moved at more than {} in this recording",
+            listed_words(&each)
+        )
+    })
+}
+
+/// The same where the model has no limit, which it may have beyond.
+pub(super) fn below_any_limit(model: &ServoModel, units: Units<'_>) -> Option<String> {
+    let moved = moved_at(model, units).filter(|_| !model.terms.is_limited())?;
+    Some(format!("{moved} without reaching a limit"))
+}
+
+/// Other fits to the record whose top speeds are within this part of it of each other have one top speed: it is what counts as the same where
+/// servos are compared.
+const SAME_SPEED: f64 = 0.05;
+
+/// Top speeds without intervals on which all fits agree, and which the servo has not surely exceeded: a limit that was exceeded is none. Where errors show that the model lacks something, speeds may stand for that.
+pub(super) fn agreed<'q>(
+    model: &ServoModel,
+    speeds: [&'q Quantity; 2],
+) -> Option<[&'q Quantity; 2]> {
+    let reason = model.covariance.withdrawn();
+    if matches!(
+        reason,
+        Some(Reason::ErrorsNotNoise | Reason::NeverAtRest | Reason::QuantisationAboveNoise)
+    ) {
+        return None;
+    }
+    let reached = model.reached?;
+    let of = |(found, reached): (&Quantity, f64)| {
+        let fits = found.other_fits;
+        let same = |fits: Spread| fits.most - fits.least <= SAME_SPEED * found.value;
+        found.value >= reached && fits.is_some_and(same)
+    };
+    let all = speeds.into_iter().zip([reached.upwards, reached.downwards]);
+    all.into_iter().all(of).then_some(speeds)
+}
+
+/// "is limited to 331 deg/s (0.181 s/60°)", where the record determines that, with so many digits.
+pub(super) fn limited_to(
+    model: &ServoModel,
+    speeds: Option<[&Quantity; 2]>,
+    units: Units<'_>,
+    count: usize,
+) -> Option<String> {
+    let [up, down] = speeds?
+        .map(|found| speed_in_words(model, (found.value, digits(found.value, count)), units));
+    let limits = match up == down {
+        true => up,
+        false => format!("{up} {} and {down} downwards", upwards(model)),
+    };
+    Some(match is_never_reached(model, &speeds?) {
+        true => format!("never reached its top speed of {limits}"),
+        false => format!("is limited to {limits}"),
+    })
+}
+
+/// " deg"; nothing of an unknown unit.
+pub(super) fn with_space(unit: Option<&str>) -> String {
+    unit.map(|unit| format!(" {unit}")).unwrap_or_default()
+}
+
+pub(super) fn resting_error(model: &ServoModel, units: Units<'_>) -> Option<String> {
+    let error = determined(model, QuantityKind::RestingError)?;
+    (error.value > 0.0).then(|| {
+        let command = with_space(units.input);
+        let bounds = error.interval.valid();
+        let bounds = bounds.and_then(|found| found.lower.zip(found.upper));
+        // A number that may be twice as large, or none, is not said without its interval.
+        let wide = bounds.filter(|(lower, upper)| upper - lower > error.value);
+        let wide = wide.map_or_else(String::new, |(lower, upper)| {
+            format!(" ({} to {})", digits(lower, 2), digits(upper, 2))
+        });
+        format!(
+            "comes to rest up to {}{command} off{wide}, as by friction, a dead band or play",
+            digits(error.value, 2)
+        )
+    })
+}
+
+/// What has the motion of a constant load as well.
+pub(crate) const LOOKS_LIKE_A_LOAD: &str = "a drive that is weaker to one side looks the same";
+
+/// The load, where the record shows that there is one: unequal drives may make the same motion.
+pub(super) fn load(model: &ServoModel) -> Option<String> {
+    let (kind, words) = match model.terms.load {
+        LoadKind::None => return None,
+        LoadKind::Constant => (
+            QuantityKind::LoadAtMiddle,
+            format!("works as if against a constant load ({LOOKS_LIKE_A_LOAD})"),
+        ),
+        LoadKind::Pendulum | LoadKind::TiltedPendulum => {
+            (QuantityKind::LoadOfLevelArm, "carries a weight".to_owned())
+        }
+        LoadKind::Air => (
+            QuantityKind::LoadAtMiddle,
+            "works against a load that stiffens to one side, as an end of its travel does"
+                .to_owned(),
+        ),
+    };
+    let is_shown = |load: &&Quantity| {
+        is_one_sided(load) && load.value.abs() * model.radians_per_command < LARGEST_LOAD
+    };
+    determined(model, kind).filter(is_shown).map(|_| words)
+}
+
+/// A load that holds a servo further off its command is none \[rad\]: in small strokes a weight is much like a softer drive behind a larger gain.
+const LARGEST_LOAD: f64 = 1.0;
+
+/// Whether a quantity has one sign in its interval.
+fn is_one_sided(quantity: &Quantity) -> bool {
+    let interval = quantity.interval.valid();
+    let ends = interval.and_then(|interval| interval.lower.zip(interval.upper));
+    ends.is_some_and(|(lower, upper)| lower * upper > 0.0)
+}
+
+pub(super) fn delay(model: &ServoModel) -> Option<String> {
+    let found = determined(model, QuantityKind::Delay)?;
+    let (delay, at_once) = (found.value, AT_ONCE * model.sample_period_s);
+    let interval = found.interval.valid();
+    let ends = interval.and_then(|interval| interval.lower.zip(interval.upper));
+    Some(match ends {
+        Some((lower, upper)) if upper - lower > VAGUE * delay && upper > at_once => {
+            let upper = digits(1e3 * upper, 3);
+            match lower < at_once {
+                true => format!("answers at most {upper} ms late"),
+                false => format!("answers {} to {upper} ms late", digits(1e3 * lower, 3)),
+            }
+        }
+        _ if delay < at_once => "answers at once".to_owned(),
+        _ => format!("answers {} ms late", four_digits(1e3 * delay)),
+    })
+}
+
+/// A delay whose interval is wider than this part of it is said as that interval.
+const VAGUE: f64 = 0.5;
+
+/// A delay of so many samples does not show.
+const AT_ONCE: f64 = 0.01;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::presentation::summary::servo::limited_servo::limited_servo;
+    use servoid_identification::results::{Bounds, Interval};
+
+    #[test]
+    fn a_delay_is_said_as_well_as_it_is_known() {
+        let model = limited_servo();
+        let words = |lower: f64, upper: f64| {
+            let mut model = model.clone();
+            let kind = Some(QuantityKind::Delay);
+            let found = model
+                .quantities
+                .iter_mut()
+                .find(|found| found.kind() == kind);
+            let found = found.unwrap();
+            (found.value, found.determined) = (0.008, true);
+            found.interval = Bounds::Valid(Interval::new(0.008, lower, upper));
+            delay(&model).unwrap()
+        };
+        assert_eq!(words(0.0078, 0.0081), "answers 8.000 ms late");
+        assert_eq!(words(0.0, 0.019), "answers at most 19.0 ms late");
+        assert_eq!(words(0.0031, 0.019), "answers 3.10 to 19.0 ms late");
+    }
+}

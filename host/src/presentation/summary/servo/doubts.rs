@@ -1,0 +1,105 @@
+//! What speaks against the figures of a servo model, each in a sentence.
+
+use super::clauses::with_space;
+use super::top_speeds::top_speeds;
+use crate::data::units::Units;
+use crate::presentation::summary::wording::numbers::digits;
+use crate::presentation::summary::wording::sixty_degrees::turn_time_s;
+use crate::presentation::summary::wording::speed_words::assumed_units;
+use servoid_identification::results::Reason;
+use servoid_identification::servo_model::ServoModel;
+use servoid_identification::thresholds::POOR_PREDICTION_PERCENT;
+
+/// " Its figures have no intervals ...".
+pub(super) fn without_intervals(reason: Reason) -> String {
+    let more = match reason {
+        Reason::ErrorsNotNoise => {
+            ", so the servo or the recording has something that the model lacks"
+        }
+        Reason::QuantisationAboveNoise => {
+            ", and limits, loads and friction of the model may stand for them; a finer sensor, or larger strokes, would help"
+        }
+        Reason::NeverAtRest => " (holds in which it comes to rest would)",
+        _ => "",
+    };
+    format!(
+        " Its figures have no intervals and may be off: {}{more}.",
+        reason.because()
+    )
+}
+
+/// " Its strokes get slower ...".
+pub(super) fn changing_speed(model: &ServoModel) -> Option<String> {
+    let change = model.speed_limits.change?;
+    let how = if change < 0.0 { "slower" } else { "quicker" };
+    Some(format!(
+        " Its strokes get {how} along this recording, by {} % from the first to the last, as where a supply sags or a motor gets warm: no speed here is that \
+         of all of it.",
+        digits(100.0 * change.abs(), 2)
+    ))
+}
+
+/// " Positions of rest ...": that they depend on the direction of approach by more than the model shows why.
+pub(super) fn hysteresis(model: &ServoModel, units: Units<'_>) -> Option<String> {
+    let found = model.unexplained_hysteresis()?;
+    let unit = with_space(units.output);
+    let explained = match found.explained > 0.0 {
+        true if found.explained >= found.shown => {
+            ", which the model explains by friction or a dead band".to_owned()
+        }
+        true => format!(
+            ", of which the model explains {}{unit}",
+            digits(found.explained, 2)
+        ),
+        false => String::new(),
+    };
+    Some(format!(
+        " Positions of rest reached from above and from below are {}{unit} apart{explained}: play in the gears, of which the model has none, does that, as do a \
+         dead band and friction. Play may be more than that, because a servo that overshoots comes to rest within it.",
+        digits(found.shown, 3)
+    ))
+}
+
+/// " Noise alone would leave ...": that a poor fit is that of noise, and what it means.
+pub(super) fn hidden_by_noise(model: &ServoModel) -> Option<String> {
+    let reachable = model.reachable_percent()?;
+    (model.prediction_percent() < POOR_PREDICTION_PERCENT).then(|| {
+        format!(
+            " Noise alone would leave {reachable:.1} %: it may hide friction, limits and load, so this is what shows through it."
+        )
+    })
+}
+
+/// " The linear model predicts better: ..."
+pub(super) fn better_linear(model: &ServoModel) -> Option<String> {
+    // Of a linear model that does not predict either, nobody should hear that it is better.
+    let percent = (model.better_linear_percent())
+        .filter(|percent| *percent >= POOR_PREDICTION_PERCENT || model.predicts())?;
+    let found = model.linear_models.as_ref()?;
+    Some(format!(
+        " The linear model predicts better: use it. On the {} samples that both predict, it reaches {percent:.1} %, and the model \
+         as a machine {:.1} %.",
+        found.samples_used, found.servo_model_percent
+    ))
+}
+
+/// Times for 60 degrees that R/C servos have \[s\]: the fastest for the rotors of helicopters take 0.03 s, winches a second.
+const USUAL_TURNS_S: std::ops::RangeInclusive<f64> = 0.025..=1.5;
+
+/// "faster than R/C servos turn ...", of a top speed that no servo has, and what may be wrong.
+pub(crate) fn unlikely_speed(model: &ServoModel, units: Units<'_>) -> Option<String> {
+    let units = assumed_units(model, units).unwrap_or(units);
+    let [upwards, _] = top_speeds(model)?;
+    let turn_s = turn_time_s(upwards.value, units)?;
+    let how = match turn_s {
+        turn_s if USUAL_TURNS_S.contains(&turn_s) => return None,
+        turn_s if turn_s < *USUAL_TURNS_S.start() => "faster",
+        _ => "slower",
+    };
+    Some(format!(
+        "{how} than R/C servos turn ({} to {} s/60°): make sure that the time between samples is {:.4} s, and the unit of the output right",
+        USUAL_TURNS_S.start(),
+        USUAL_TURNS_S.end(),
+        model.sample_period_s
+    ))
+}

@@ -1,0 +1,122 @@
+//! The speeds that the larger strokes of a recording have in common, beside the top speeds of a model whose figures may be off.
+//!
+//! A model that lacks something of the servo has it in other terms, and its top speeds may be off by a third. What the strokes show by
+//! themselves is near the limit of the servo, whatever it comes from: the speed of a motor that builds up over a stroke ends a few percent above its mean.
+
+use crate::data::units::Units;
+use crate::presentation::summary::wording::numbers::digits;
+use crate::presentation::summary::wording::speed_words::{speed_in_words, upwards};
+use servoid_identification::servo_model::{QuantityKind, ServoModel};
+
+/// The limit that the strokes of the recording show for this top speed, where the model has no interval of it.
+pub(crate) fn measured_limit(model: &ServoModel, kind: Option<QuantityKind>) -> Option<f64> {
+    let limits = model.speed_limits;
+    let found = match kind? {
+        QuantityKind::TopSpeedUpwards => limits.upwards,
+        QuantityKind::TopSpeedDownwards => limits.downwards,
+        _ => None,
+    };
+    found.filter(|_| model.covariance.valid().is_none())
+}
+
+/// Both of them, upwards first.
+pub(crate) fn measured_limits(model: &ServoModel) -> [Option<f64>; 2] {
+    [
+        QuantityKind::TopSpeedUpwards,
+        QuantityKind::TopSpeedDownwards,
+    ]
+    .map(|kind| measured_limit(model, Some(kind)))
+}
+
+/// "500 deg/s (0.120 s/60°) upwards and 510 deg/s (0.118 s/60°) downwards", of the limits that the recording shows.
+pub(crate) fn limits_in_words(model: &ServoModel, units: Units<'_>) -> Option<String> {
+    let of = |limit: f64| speed_in_words(model, (limit, digits(limit, 2)), units);
+    let larger = upwards(model);
+    match measured_limits(model).map(|limit| limit.map(of)) {
+        [Some(up), Some(down)] if up == down => Some(up),
+        [Some(up), Some(down)] => Some(format!("{up} {larger} and {down} downwards")),
+        [Some(up), None] => Some(format!("{up} {larger}")),
+        [None, Some(down)] => Some(format!("{down} downwards")),
+        [None, None] => None,
+    }
+}
+
+/// What a data sheet is held against where the model has top speeds beside the limits that the recording shows: a sentence.
+pub(crate) fn against_the_model(model: &ServoModel, units: Units<'_>) -> Option<String> {
+    let limits = limits_in_words(model, units)?;
+    model.terms.is_limited().then(|| {
+        format!(
+            "The larger strokes of this recording go at about {limits}: the limit of this servo is that, or a few percent more where the speed builds up over \
+             a stroke, and a data sheet is held against it. The top speed of the model has no interval, and stands for what the model lacks, too."
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::presentation::summary::servo::limited_servo::limited_servo;
+    use crate::presentation::summary::servo::top_speeds::has_unreached_top_speeds;
+    use servoid_identification::nonlinear::SpeedLimits;
+    use servoid_identification::results::{Bounds, Reason};
+    use servoid_identification::servo_model::Covariance;
+
+    /// A servo of 30 a second at the most without intervals, with the limits that its strokes show.
+    fn model(speed_limits: SpeedLimits) -> ServoModel {
+        let mut model = limited_servo();
+        model.speed_limits = speed_limits;
+        model.covariance = Bounds::Withdrawn(Reason::ErrorsNotNoise);
+        // The model expects more than the servo did.
+        for quantity in &mut model.quantities {
+            quantity.value *= 1.5;
+        }
+        model
+    }
+
+    const DEGREES: Units<'static> = Units {
+        input: Some("deg"),
+        output: Some("deg"),
+    };
+
+    #[test]
+    fn what_the_strokes_show_stands_before_a_model_without_intervals() {
+        let both = SpeedLimits {
+            upwards: Some(30.0),
+            downwards: Some(29.0),
+            change: None,
+        };
+        let of_model = model(SpeedLimits::default());
+        assert!(has_unreached_top_speeds(&of_model));
+        assert_eq!(limits_in_words(&of_model, DEGREES), None);
+        let shown = model(both);
+        assert!(!has_unreached_top_speeds(&shown));
+        let words = "30 deg/s (2.000 s/60°) upwards and 29 deg/s (2.069 s/60°) downwards";
+        assert_eq!(limits_in_words(&shown, DEGREES).as_deref(), Some(words));
+        assert!(against_the_model(&shown, DEGREES).unwrap().contains(words));
+        let one = SpeedLimits {
+            upwards: None,
+            ..both
+        };
+        let words = "29 units/s (2.069 s/60° if that is degrees) downwards";
+        assert_eq!(
+            limits_in_words(&model(one), Units::default()).as_deref(),
+            Some(words)
+        );
+    }
+
+    #[test]
+    fn intervals_that_hold_need_no_other_limit() {
+        let both = SpeedLimits {
+            upwards: Some(30.0),
+            downwards: Some(30.0),
+            change: None,
+        };
+        let mut known = model(both);
+        let covariance = Covariance {
+            level: 0.99,
+            rows: Vec::new(),
+        };
+        known.covariance = Bounds::Valid(covariance);
+        assert_eq!(limits_in_words(&known, DEGREES), None);
+    }
+}

@@ -1,0 +1,155 @@
+//! The servo as a machine, as text for a terminal.
+
+use super::kind_of_servo::shows_limit;
+use super::quantity_table::quantities;
+use super::servo_remarks::ServoRemarks;
+use crate::data::model_file::ServoModelDocument;
+use crate::data::units::Units;
+use crate::presentation::summary::wording::layout::wrapped;
+use servoid_identification::servo_model::{
+    LadderRung, LinearKind, LinearModelFit, LinearModels, LoadKind, ServoFit, ServoModel, Terms,
+};
+
+/// Parameters with their intervals; with `explain`, the terms that were tried.
+#[must_use]
+pub fn of_servo_model(document: &ServoModelDocument, units: Units<'_>, explain: bool) -> String {
+    let model = &document.model;
+    let level = model.covariance.as_ref().map(|covariance| covariance.level);
+    let mut text = format!(
+        "\nservo model: {}\n  fit {:.2} %; of parts that it had not seen {:.2} % (a linear servo of second order: {:.2} %)\n",
+        kind_in_words(model),
+        model.fit.simulation_percent,
+        model.fit.held_out_percent,
+        model.fit.linear_held_out_percent
+    );
+    let remarks = ServoRemarks::of(document, units);
+    let line = |remark: &String| format!("  {}\n", wrapped(remark, 2));
+    text.extend(remarks.before.iter().map(line));
+    text += &quantities(&model.quantities, level, units);
+    text.extend(remarks.behind.iter().map(line));
+    if explain {
+        text +=
+            "\n  terms that were tried: fit of parts that they had not seen, and of the whole\n";
+        text.extend(model.ladder.iter().map(rung));
+        text.extend(
+            model
+                .linear_models
+                .as_ref()
+                .map(|found| linear_models(found, &model.fit)),
+        );
+    }
+    text
+}
+
+/// The table of the linear models beside the servo model.
+fn linear_models(found: &LinearModels, fit: &ServoFit) -> String {
+    let samples = match found.samples_used == fit.samples_used {
+        true => "all samples".to_owned(),
+        false => format!(
+            "the {} of {} samples that all predict",
+            found.samples_used, fit.samples_used
+        ),
+    };
+    let mut text = format!(
+        "\n  linear models beside it, each identified again without the parts that it predicts: fit on {samples}\n"
+    );
+    let row = |percent: f64, name: &str| format!("  {percent:7.2} %  {name}\n");
+    text += &row(found.servo_model_percent, "this servo model");
+    let name = |kind: LinearKind| match kind {
+        LinearKind::Linear => "linear model",
+        LinearKind::DirectionSplit => "linear model of strokes up, and of strokes down",
+    };
+    let of = |model: &LinearModelFit| row(model.held_out_percent, name(model.kind));
+    text.extend(found.models.iter().map(of));
+    text
+}
+
+fn rung(tried: &LadderRung) -> String {
+    format!(
+        "  {:7.2} % {:7.2} %  {}{}\n",
+        tried.held_out_percent,
+        tried.fit_percent,
+        terms_in_words(tried.terms),
+        if tried.chosen { "  <- chosen" } else { "" }
+    )
+}
+
+const LIMIT_LEFT_OPEN: &str = "a limit of the drive that the recording leaves open";
+
+/// The terms of a model, as [`terms_in_words`]; friction and a dead band come with a limit of the drive, which the recording may leave open.
+pub(crate) fn kind_in_words(model: &ServoModel) -> String {
+    let terms = model.terms;
+    let is_open = terms.limit && !shows_limit(model);
+    if !is_open {
+        return terms_in_words(terms);
+    }
+    let others = Terms {
+        limit: false,
+        two_speeds: terms.two_speeds && terms.speed_limit,
+        ..terms
+    };
+    match others == Terms::default() {
+        true => LIMIT_LEFT_OPEN.to_owned(),
+        false => format!("{} (and {LIMIT_LEFT_OPEN})", terms_in_words(others)),
+    }
+}
+
+/// "limit of the drive, friction, weight on a hanging arm"
+pub(crate) fn terms_in_words(terms: Terms) -> String {
+    let load = match terms.load {
+        LoadKind::None => "",
+        LoadKind::Constant => "constant load",
+        LoadKind::Pendulum => "weight on a hanging arm",
+        LoadKind::TiltedPendulum => "weight on a tilted arm",
+        LoadKind::Air => "load of the air",
+    };
+    let all = [
+        (terms.limit, "limit of the drive"),
+        (terms.speed_limit, "limit of the speed"),
+        (terms.two_speeds, "two speeds"),
+        (terms.dead_band, "dead band"),
+        (terms.friction && !terms.friction_of_gears, "friction"),
+        (terms.friction_of_gears, "friction of loaded gears"),
+        (terms.load != LoadKind::None, load),
+    ];
+    let present: Vec<&str> = all
+        .into_iter()
+        .filter_map(|(there, word)| there.then_some(word))
+        .collect();
+    match present.is_empty() {
+        true => "linear, of second order".to_owned(),
+        false => present.join(", "),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::presentation::summary::servo::limited_servo::limited_servo;
+    use servoid_identification::servo_model::QuantityKind;
+
+    #[test]
+    fn a_limit_that_the_recording_leaves_open_is_no_kind_of_servo() {
+        let mut model = limited_servo();
+        model.terms = Terms {
+            limit: true,
+            ..Terms::default()
+        };
+        let mut kind = |is_shown: bool, friction: bool| {
+            model.terms.friction = friction;
+            for quantity in &mut model.quantities {
+                let of_limit = quantity
+                    .kind()
+                    .is_some_and(|kind| QuantityKind::OF_LIMIT.contains(&kind));
+                quantity.determined = is_shown || !of_limit;
+            }
+            kind_in_words(&model)
+        };
+        assert_eq!(kind(true, true), "limit of the drive, friction");
+        assert_eq!(
+            kind(false, true),
+            "friction (and a limit of the drive that the recording leaves open)"
+        );
+        assert_eq!(kind(false, false), LIMIT_LEFT_OPEN);
+    }
+}

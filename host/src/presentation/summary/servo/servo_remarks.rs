@@ -1,0 +1,101 @@
+//! What is said of a servo model beside the table of its quantities, by the terminal and by a page alike.
+
+use super::measured_limits::against_the_model;
+use super::top_speeds::one_unreached;
+use super::what_to_record::advice_on_servo_model;
+use super::whole_stroke::whole_stroke;
+use crate::data::model_file::ServoModelDocument;
+use crate::data::units::Units;
+use crate::presentation::summary::wording::numbers::{digits, four_digits};
+use servoid_identification::results::{Bounds, with_unit};
+use servoid_identification::servo_model::{ServoModel, Stops};
+
+/// Sentences around the table of quantities.
+pub(crate) struct ServoRemarks {
+    /// What the intervals are of, the offsets of the runs, and stops, which are no quantities: before the table.
+    pub(crate) before: Vec<String>,
+    /// What the table means, and what to record: behind it.
+    pub(crate) behind: Vec<String>,
+}
+
+impl ServoRemarks {
+    /// Those of one servo.
+    pub(crate) fn of(document: &ServoModelDocument, units: Units<'_>) -> Self {
+        let model = &document.model;
+        let before = [
+            of_intervals(model),
+            run_offsets_in_words(model, units),
+            stops_in_words(model.stops, units).map(|stops| format!("The servo has {stops}.")),
+        ];
+        let quantities = &model.quantities;
+        let has_other_fits = quantities.iter().any(|found| found.other_fits.is_some());
+        let behind = [
+            has_other_fits.then(|| OTHER_FITS.to_owned()),
+            whole_stroke(model, units),
+            against_the_model(model, units),
+            one_unreached(model, units),
+            whose_controller(document),
+        ];
+        let advice = advice_on_servo_model(model).into_iter().map(str::to_owned);
+        Self {
+            before: before.into_iter().flatten().collect(),
+            behind: behind.into_iter().flatten().chain(advice).collect(),
+        }
+    }
+}
+
+/// Why there are no intervals, or that they hold for other servos as well.
+fn of_intervals(model: &ServoModel) -> Option<String> {
+    if let Bounds::Withdrawn(reason) = &model.covariance {
+        return Some(format!(
+            "No intervals can be given, because {}.",
+            reason.because()
+        ));
+    }
+    let others = model.alternatives.len();
+    (others > 0).then(|| {
+        format!("{others} other sets of terms predict as well: the intervals hold for all of them.")
+    })
+}
+
+/// What stands in the place of intervals where none hold.
+const OTHER_FITS: &str = "Other fits, to parts of the recording and with other terms, come to figures that far apart. That is no interval: what the model lacks is \
+    in all of them, and the truth may lie outside.";
+
+/// Which controller the quantities are of, and how much stiffer the others are, where there are several.
+fn whose_controller(document: &ServoModelDocument) -> Option<String> {
+    let (first, others) = document.controller_names.split_first()?;
+    let stiffness = |number: usize| document.model.parameters(number).stiffness;
+    let other = |(name, number): (&f64, usize)| {
+        let times = stiffness(number) / stiffness(0);
+        format!("{name} is {} times as stiff", digits(times, 3))
+    };
+    let others: Vec<String> = others.iter().zip(1..).map(other).collect();
+    (!others.is_empty()).then(|| format!(
+        "Bandwidth, damping ratio, error of full drive and what is left at rest are those with the controller {first}; {}.",
+        others.join(", ")
+    ))
+}
+
+/// Where the servo stops.
+pub(crate) fn stops_in_words(stops: Stops, units: Units<'_>) -> Option<String> {
+    let at = |end: f64| with_unit(four_digits(end), units.output.unwrap_or_default());
+    match [stops.lower, stops.upper].map(|end| end.map(at)) {
+        [None, None] => None,
+        [Some(lower), Some(upper)] => Some(format!("stops at {lower} and {upper}")),
+        [end, None] | [None, end] => Some(format!("a stop at {}", end.unwrap_or_default())),
+    }
+}
+
+/// That each run has an offset of its own, and how far these lie from their mean.
+pub(crate) fn run_offsets_in_words(model: &ServoModel, units: Units<'_>) -> Option<String> {
+    let ends = |end: fn(f64, f64) -> f64| model.run_offsets.iter().copied().reduce(end);
+    let (least, most) = ends(f64::min).zip(ends(f64::max))?;
+    let unit = units.output.map(|unit| format!(" {unit}"));
+    Some(format!(
+        "The {} runs rest at different positions: each has an offset of its own, {least:+.3} to {most:+.3}{} from their mean, which is \
+         the offset here.",
+        model.run_offsets.len(),
+        unit.unwrap_or_default()
+    ))
+}

@@ -1,0 +1,36 @@
+//! How long a whole stroke takes, which is longer than a data sheet says.
+
+use super::measured_limits::limits_in_words;
+use super::top_speeds::has_unreached_top_speeds;
+use crate::data::units::Units;
+use crate::presentation::summary::wording::numbers::digits;
+use crate::presentation::summary::wording::sixty_degrees::{both_ways, sixty_degrees};
+use servoid_identification::results::with_unit;
+use servoid_identification::servo_model::ServoModel;
+
+/// How long a whole stroke of 60 degrees takes, which people ask first.
+pub(crate) fn whole_stroke(model: &ServoModel, units: Units<'_>) -> Option<String> {
+    let times = both_ways(model.stroke_times_s(sixty_degrees(units)?)?);
+    let (commands, servo) = (model.commands?, model.parameters(0));
+    let [least, most] = servo.range();
+    let [low, high] = [commands.least, commands.largest].map(|end| end.max(least).min(most));
+    let recorded = (high - low) * servo.gain.abs();
+    let beyond = (recorded < sixty_degrees(units)?).then(|| {
+        format!(
+            " It is simulated: the recording has strokes of up to {} only.",
+            with_unit(digits(recorded, 3), units.output.unwrap_or_default())
+        )
+    });
+    let at_speed = match (has_unreached_top_speeds(model), limits_in_words(model, units)) {
+        (true, _) => {
+            "the one at top speed, which the servo did not reach in this recording, so that it is extrapolated".to_owned()
+        }
+        (false, Some(limits)) => format!("that of {limits}"),
+        (false, None) => "the one at top speed".to_owned(),
+    };
+    Some(format!(
+        "A stroke of 60 degrees takes {times}, with delay, acceleration and braking: from the change of the command until the servo stays within 2 % of the stroke from its end.{} \
+         Data sheets leave that out: hold their time for 60 degrees against {at_speed}.",
+        beyond.unwrap_or_default()
+    ))
+}

@@ -1,0 +1,336 @@
+//! Two servo models beside each other, as text.
+
+use crate::data::units::Units;
+use crate::presentation::summary::response::metrics::TableRow;
+use crate::presentation::summary::servo::clauses::LOOKS_LIKE_A_LOAD;
+use crate::presentation::summary::servo::quantity_table::{scale_and_unit, under_load};
+use crate::presentation::summary::servo::servo_remarks::stops_in_words;
+use crate::presentation::summary::wording::layout::wrapped;
+use crate::presentation::summary::wording::numbers::{digits_beside, four_digits, percent};
+use crate::presentation::summary::wording::sixty_degrees::{both_ways, whole_ms};
+use servoid_identification::comparison::{QuantityPair, ServoModelComparison};
+use servoid_identification::results::{Bounds, Interval, with_unit};
+use servoid_identification::servo_model::{QuantityKind, Stops};
+
+/// Quantities that a sentence names at the most; the table has them all.
+const NAMED: usize = 4;
+
+/// A sentence on what differs for sure, and on a load that one model alone has; `a` and `b` are the names of the two.
+#[must_use]
+pub fn sentence_on_servo_models(
+    a: &str,
+    b: &str,
+    found: &ServoModelComparison,
+    units: Units<'_>,
+) -> String {
+    let sentences = [
+        Some(what_is_sure(a, b, found, units)),
+        load_of_one(a, b, found, units),
+        strokes_of_both(a, b, found),
+    ];
+    let sentences: Vec<String> = sentences.into_iter().flatten().collect();
+    sentences.join(" ")
+}
+
+/// How long a stroke takes, which people decide by.
+fn strokes_of_both(a: &str, b: &str, found: &ServoModelComparison) -> Option<String> {
+    let stroke = found.stroke?;
+    let [of_a, of_b] = [both_ways(stroke.a_s?), both_ways(stroke.b_s?)];
+    Some(format!(
+        "By the models a stroke of 60 degrees takes {of_a} in {a}, and {of_b} in {b}."
+    ))
+}
+
+/// That one model has a load, and the other one none that shows.
+fn load_of_one(a: &str, b: &str, found: &ServoModelComparison, units: Units<'_>) -> Option<String> {
+    let is_load = |pair: &&QuantityPair| {
+        pair.kind()
+            .is_some_and(|kind| QuantityKind::OF_LOAD.contains(&kind))
+    };
+    let mut loads = found.quantities.iter().filter(is_load);
+    let [of_a, of_b] = [
+        loads.clone().find(|pair| pair.a.is_some()),
+        loads.find(|pair| pair.b.is_some()),
+    ];
+    let (with, without, pair, value) = match (of_a, of_b) {
+        (Some(pair), None) => (a, b, pair, pair.a?),
+        (None, Some(pair)) => (b, a, pair, pair.b?),
+        _ => return None,
+    };
+    let (scale, unit) = scale_and_unit(pair.unit, units);
+    let value = with_unit(four_digits(scale * value), &unit);
+    let doubt = match pair.kind() {
+        Some(QuantityKind::LoadAtMiddle) => format!("; {LOOKS_LIKE_A_LOAD}"),
+        _ => String::new(),
+    };
+    Some(format!(
+        "The model of {with} has a load ({} {value}{doubt}), and in that of {without} none shows.",
+        pair.name
+    ))
+}
+
+/// What differs for sure.
+fn what_is_sure(a: &str, b: &str, found: &ServoModelComparison, units: Units<'_>) -> String {
+    let bounds = match &found.bounds {
+        Bounds::Withdrawn(reason) => {
+            let because = reason.because();
+            let because = format!(
+                "because for at least one of the two {because}; the values stand without intervals"
+            );
+            return match found.stops.filter(|stops| stops.differ) {
+                Some(stops) => {
+                    let [of_a, of_b] = [stops.a, stops.b].map(|of| stops_or_none(of, units));
+                    format!(
+                        "As machines they differ: {a} has {of_a}, and {b} has {of_b}. No statement about other differences, {because}."
+                    )
+                }
+                None => format!("As machines: no statement about the difference, {because}."),
+            };
+        }
+        Bounds::Valid(bounds) => bounds,
+    };
+    let sure: Vec<String> = found
+        .quantities
+        .iter()
+        .zip(&bounds.differences)
+        .filter(|(_, difference)| difference.is_sure())
+        .filter_map(|(pair, _)| in_words(a, b, pair, units))
+        .collect();
+    let level = percent(bounds.level);
+    let rest = match sure.len() {
+        0 if !found.compares() => {
+            return format!(
+                "As machines nothing is compared: the recordings determine no quantity of both {a} and {b}."
+            );
+        }
+        0 => {
+            return format!(
+                "As machines: no quantity of {a} and {b} is shown to differ ({level} % intervals)."
+            );
+        }
+        count if count > NAMED => format!("; and {} more", count - NAMED),
+        _ => String::new(),
+    };
+    let named: Vec<String> = sure.into_iter().take(NAMED).collect();
+    format!(
+        "As machines they differ, each quantity by itself at {level} %: {}{rest}.",
+        named.join("; ")
+    )
+}
+
+/// "delay 10.3 ms in A, 12.1 ms in B"
+fn in_words(a: &str, b: &str, pair: &QuantityPair, units: Units<'_>) -> Option<String> {
+    let (scale, unit) = scale_and_unit(pair.unit, units);
+    let shown = |value: f64| with_unit(four_digits(scale * value), &unit);
+    let (of_a, of_b) = (shown(pair.a?), shown(pair.b?));
+    Some(format!("{} {of_a} in {a}, {of_b} in {b}", pair.name))
+}
+
+/// "a stop at 6 deg", "no stop"
+fn stops_or_none(stops: Stops, units: Units<'_>) -> String {
+    stops_in_words(stops, units).unwrap_or_else(|| "no stop".to_owned())
+}
+
+/// Width of a column of the table \[letters\].
+const COLUMN: usize = 21;
+
+/// The letter of a side, with the name of its file where the column has room for it.
+fn head_of_side(letter: char, name: &str) -> String {
+    let file = match name.split(", ").count() {
+        1 => name.rsplit(['/', '\\']).next().unwrap_or(name).to_owned(),
+        files => format!("{files} files"),
+    };
+    let both = format!("{letter}  {file}");
+    match both.chars().count() <= COLUMN {
+        true => both,
+        false => letter.to_string(),
+    }
+}
+
+/// The servos A and B of the files `names` quantity by quantity, with what is sure about their difference.
+#[must_use]
+pub fn of_servo_models(names: [&str; 2], found: &ServoModelComparison, units: Units<'_>) -> String {
+    let [a, b] = [head_of_side('A', names[0]), head_of_side('B', names[1])];
+    let bounds = found.bounds.valid();
+    let (difference, below) = match bounds {
+        Some(bounds) => (
+            "difference",
+            format!("{} % intervals below", percent(bounds.level)),
+        ),
+        None => ("", "no intervals".to_owned()),
+    };
+    let head = format!("  {below:34} {a:>COLUMN$} {b:>COLUMN$} {difference:>COLUMN$}");
+    let mut text = format!("\n{}\n", head.trim_end());
+    for row in servo_model_rows(found, units) {
+        let line = |label: &str, cells: Vec<&str>| {
+            let cells: String = cells
+                .iter()
+                .map(|cell| format!(" {cell:>COLUMN$}"))
+                .collect();
+            format!("{}\n", format!("  {label:34}{cells}").trim_end())
+        };
+        let (values, intervals) = row
+            .cells
+            .iter()
+            .map(|(v, i)| (v.as_str(), i.as_str()))
+            .unzip();
+        text += &line(&row.label, values);
+        if bounds.is_some() {
+            text += &line("", intervals);
+        }
+    }
+    text + &format!("\n  {}\n", wrapped(how_servo_models_are_compared(found), 2))
+}
+
+/// The way the differences were computed.
+pub(crate) fn how_servo_models_are_compared(found: &ServoModelComparison) -> &'static str {
+    match found.bounds {
+        Bounds::Valid(_) => {
+            "Difference: second less first, from the ends of both intervals: it holds wherever both hold, and is wider than independent \
+             recordings would need."
+        }
+        Bounds::Withdrawn(_) => {
+            "Without intervals on both sides nothing is said about the difference."
+        }
+    }
+}
+
+/// Each quantity: value and interval of both, and of the difference where both have intervals.
+pub(crate) fn servo_model_rows(found: &ServoModelComparison, units: Units<'_>) -> Vec<TableRow> {
+    let bounds = found.bounds.valid();
+    let kinds = || found.quantities.iter().filter_map(QuantityPair::kind);
+    let row = |(index, pair): (usize, &QuantityPair)| {
+        let (scale, unit) = scale_and_unit(pair.unit, units);
+        let width = |interval: Option<Interval>| {
+            let (lower, upper) = interval.and_then(|found| found.lower.zip(found.upper))?;
+            Some(scale * (upper - lower))
+        };
+        // Without intervals, digits far below what the two sides are apart say nothing.
+        let apart = pair.a.zip(pair.b).map(|(a, b)| scale * (a - b).abs());
+        let shown = |value: Option<f64>, interval: Option<Interval>| {
+            let digits = |v| match bounds {
+                Some(_) => digits_beside(scale * v, 4, width(interval)),
+                None => digits_beside(scale * v, 3, apart),
+            };
+            value.map_or("-".to_owned(), digits)
+        };
+        let in_unit = |value: Option<f64>, interval: Option<Interval>| {
+            let unit = value.map_or("", |_| &unit);
+            with_unit(shown(value, interval), unit)
+        };
+        let ends = |interval: Option<Interval>, value: Option<f64>| match interval {
+            // What a record leaves open has ends that nobody reads.
+            Some(found) if value.is_some() && found.lower.or(found.upper).is_some() => {
+                let [lower, upper] = [found.lower, found.upper].map(|end| shown(end, interval));
+                format!("{lower} .. {upper}")
+            }
+            Some(_) if value.is_none() => "not determined".to_owned(),
+            _ => String::new(),
+        };
+        let sure = bounds.and_then(|bounds| bounds.differences.get(index));
+        let [of_a, of_b, apart] = match sure {
+            Some(found) => [found.a, found.b, found.difference],
+            None => [None; 3],
+        };
+        let mut cells = vec![
+            (in_unit(pair.a, of_a), ends(of_a, pair.a)),
+            (in_unit(pair.b, of_b), ends(of_b, pair.b)),
+        ];
+        if bounds.is_some() {
+            let less = apart.map_or_else(String::new, |found| in_unit(found.value, apart));
+            cells.push((less, ends(apart, apart.and_then(|found| found.value))));
+        }
+        TableRow {
+            label: format!("{}{}", pair.name, under_load(pair.kind(), kinds())),
+            cells,
+        }
+    };
+    let mut rows: Vec<TableRow> = found.quantities.iter().enumerate().map(row).collect();
+    rows.extend(stroke_rows(found));
+    rows.extend(found.stops.map(|stops| {
+        let in_words = |of: Stops| (stops_or_none(of, units), String::new());
+        let mut cells = vec![in_words(stops.a), in_words(stops.b)];
+        cells.extend(bounds.map(|_| Default::default()));
+        TableRow {
+            label: "stops".to_owned(),
+            cells,
+        }
+    }));
+    rows
+}
+
+/// How long a stroke of 60 degrees takes, each way; no interval is known of that.
+fn stroke_rows(found: &ServoModelComparison) -> Vec<TableRow> {
+    let Some(stroke) = found.stroke else {
+        return Vec::new();
+    };
+    let ms = |time_s: Option<f64>| {
+        let time = time_s.map_or("-".to_owned(), |time_s| format!("{} ms", whole_ms(time_s)));
+        (time, String::new())
+    };
+    let row = |(way, name): (usize, &str)| {
+        let of = |times: Option<[f64; 2]>| times.and_then(|both| both.get(way).copied());
+        let (a_s, b_s) = (of(stroke.a_s), of(stroke.b_s));
+        let mut cells = vec![ms(a_s), ms(b_s)];
+        if found.bounds.valid().is_some() {
+            let apart = a_s.zip(b_s).map(|(a_s, b_s)| b_s - a_s);
+            cells.push(apart.map_or_else(Default::default, |apart| ms(Some(apart))));
+        }
+        TableRow {
+            label: format!("stroke of 60 degrees {name}"),
+            cells,
+        }
+    };
+    [(0, "upwards"), (1, "downwards")]
+        .into_iter()
+        .map(row)
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use servoid_identification::comparison::StrokeTimes;
+    use servoid_identification::results::Reason;
+    use servoid_identification::servo_model::Unit;
+
+    fn sentence(a: Option<f64>, b: Option<f64>) -> String {
+        let found = ServoModelComparison {
+            quantities: vec![QuantityPair {
+                name: QuantityKind::LoadAtMiddle.name().to_owned(),
+                unit: Unit::Command,
+                a,
+                b,
+            }],
+            stops: None,
+            stroke: Some(StrokeTimes {
+                size: 60.0,
+                a_s: Some([0.239, 0.171]),
+                b_s: b.map(|_| [0.2, 0.2001]),
+            }),
+            bounds: Bounds::Withdrawn(Reason::ErrorsNotNoise),
+        };
+        let units = Units {
+            input: Some("deg"),
+            output: Some("deg"),
+        };
+        sentence_on_servo_models("A", "B", &found, units)
+    }
+
+    #[test]
+    fn a_load_that_one_model_alone_has_is_named() {
+        let loaded = sentence(None, Some(0.2042));
+        assert!(
+            loaded.ends_with(
+                "The model of B has a load (load at the middle 0.2042 deg; a drive that is weaker to one side looks the same), and in that of A none \
+                 shows. By the models a stroke of 60 degrees takes 239 ms upwards and 171 ms downwards in A, and 200 ms in B."
+            ),
+            "{loaded}"
+        );
+        assert!(!sentence(Some(0.3), None).contains("a stroke of 60"));
+        assert!(sentence(Some(0.3), None).contains("The model of A has a load"));
+        for both in [sentence(Some(0.3), Some(0.2)), sentence(None, None)] {
+            assert!(!both.contains("has a load"), "{both}");
+        }
+    }
+}
