@@ -122,7 +122,7 @@ fn main() {
                 Some(Reason::LagDrift) => 0,
                 Some(Reason::HeldOutput) => 1,
                 Some(Reason::EarlyMotion) => 2,
-                Some(Reason::TravelEnd) => 3,
+                Some(Reason::TravelEnd | Reason::TravelEndOpen) => 3,
                 Some(_) => 4,
                 None => 5,
             };

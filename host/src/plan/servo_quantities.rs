@@ -146,7 +146,7 @@ fn remedies(
             Some("take larger strokes: the servo hardly moves, and its friction does not show")
         }
         // No reference that goes beyond the stop serves for anything else, either.
-        Some(Reason::TravelEnd) => return vec![WITHIN_THE_STOPS],
+        Some(Reason::TravelEnd | Reason::TravelEndOpen) => return vec![WITHIN_THE_STOPS],
         Some(_) if !has_holds => Some(
             "add a run of another reference with holds in which the servo comes to rest, such as stairs: this one has none that could be longer",
         ),

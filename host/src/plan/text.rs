@@ -95,7 +95,7 @@ fn none_because(reason: Reason) -> String {
         Reason::CommandsWait => "write each command at the pulse with which it begins",
         Reason::GainDrift => "take a model of a part in which the servo does not change",
         Reason::EarlyMotion | Reason::LagDrift => "write command and position by one clock",
-        Reason::TravelEnd => "take strokes on this side of the stop",
+        Reason::TravelEnd | Reason::TravelEndOpen => "take strokes on this side of the stop",
         Reason::LoadHoldsDrive => "take strokes that the load lets the servo end",
         Reason::HeldOutput => "read the sensor with every sample",
         Reason::InputFollowsOutput => "record with a reference that was planned before",

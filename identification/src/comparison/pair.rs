@@ -93,9 +93,7 @@ impl<'a> Identified<'a> {
         let symmetry = self.split.as_ref().and_then(|split| split.symmetry.valid());
         Asymmetry {
             p: symmetry.map(|symmetry| symmetry.p),
-            largest_percent: symmetry.map(|s| {
-                100.0 * s.largest_difference / self.model.metrics.dc_gain.value.unwrap_or(1.0)
-            }),
+            largest_percent: symmetry.map(|found| 100.0 * found.largest_difference),
         }
     }
 

@@ -213,9 +213,9 @@ fn stops(a: &ServoModel, b: &ServoModel) -> Option<StopsOfBoth> {
     })
 }
 
-/// Whether `servo` has a stop at an end where `other` has none, and follows commands beyond it by more than its errors.
+/// Whether `servo` has a stop, and shows it, at an end where `other` has none, and follows commands beyond it by more than its errors.
 fn has_a_stop_of_its_own(servo: &ServoModel, other: &ServoModel) -> bool {
-    let Some(commands) = other.commands else {
+    let Some(commands) = other.commands.filter(|_| servo.shows_its_stops()) else {
         return false;
     };
     let [own, others] = [servo, other].map(|of| of.parameters(0).range());

@@ -102,8 +102,8 @@ impl Validity {
             Some(Reason::ServoStopped)
         } else if let Some(fault) = time_fault {
             Some(fault.reason())
-        } else if evidence.travel_ends.iter().any(Option::is_some) {
-            Some(Reason::TravelEnd)
+        } else if let Some(reason) = reason_of_travel(&evidence.travel_ends) {
+            Some(reason)
         } else if evidence.slow_servo.is_some() {
             Some(Reason::ResponseNotOver)
         } else if unexcited_above_hz.is_some() {
@@ -227,4 +227,14 @@ impl ValidityEvidence<'_> {
         let next = (self.basis.highest() + 1) as f64;
         next / (self.basis.settling() as f64 * self.sample_period_s)
     }
+}
+
+/// What the ends of the travel say against bounds: that the servo stops there, where an end shows it, or else that this is open.
+fn reason_of_travel(ends: &[Option<TravelEnd>; 2]) -> Option<Reason> {
+    let mut found = ends.iter().flatten().peekable();
+    found.peek()?;
+    Some(match found.any(TravelEnd::is_of_several_commands) {
+        true => Reason::TravelEnd,
+        false => Reason::TravelEndOpen,
+    })
 }

@@ -26,7 +26,9 @@ pub enum Reason {
     CommandsWait,
     /// The output stops at an angle within the range of the commands, as at a mechanical stop, or under a load that holds the drive.
     TravelEnd,
-    /// The same where a servo model explains it by a load that holds the drive, and has no stop.
+    /// The output falls short of its outermost commands, and too few of them show whether a stop, a load or friction does that.
+    TravelEndOpen,
+    /// As [`TravelEnd`](Self::TravelEnd), where a servo model explains it by a load that holds the drive, and has no stop.
     LoadHoldsDrive,
     /// The gain changes along the record, as under a supply that sags.
     GainDrift,
@@ -80,7 +82,7 @@ impl Reason {
         !self.leaves_a_servo()
             || matches!(
                 self,
-                Self::TravelEnd | Self::LoadHoldsDrive | Self::GainDrift
+                Self::TravelEnd | Self::TravelEndOpen | Self::LoadHoldsDrive | Self::GainDrift
             )
     }
 
@@ -96,6 +98,9 @@ impl Reason {
             Self::CommandsWait => "each command waits for a moment of its own, as for a pulse",
             Self::TravelEnd => {
                 "the servo does not go as far as its outermost commands, as at a stop or under a load that holds it"
+            }
+            Self::TravelEndOpen => {
+                "the servo falls short of its outermost commands, and too few of them show why"
             }
             Self::LoadHoldsDrive => "a load, or a stop, holds the servo short of some commands",
             Self::GainDrift => "the servo's gain changes along the recording",

@@ -160,7 +160,7 @@ fn preferred(mut all: Vec<Found>, possible: &PossibleStops) -> Found {
     // With other stops it predicts better, if only by chance: a load stands for a stop down to the noise, with another delay.
     let is_open = stops != found.best().stops;
     let level = &mut found.candidates.level;
-    *level = level.unless(is_open.then_some(Reason::TravelEnd));
+    *level = level.unless(is_open.then_some(Reason::TravelEndOpen));
     found
 }
 
@@ -279,7 +279,9 @@ impl Search<'_> {
         let has_stop = !self.shown.stops.are_none();
         let by_stop = has_stop.then_some(Reason::TravelEnd);
         match self.options.against.or(by_stop) {
-            Some(Reason::TravelEnd) if !has_stop && terms.load != LoadKind::None => {
+            Some(Reason::TravelEnd | Reason::TravelEndOpen)
+                if !has_stop && terms.load != LoadKind::None =>
+            {
                 Some(Reason::LoadHoldsDrive)
             }
             found => found,

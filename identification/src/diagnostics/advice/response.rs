@@ -110,7 +110,7 @@ pub(super) fn travel_end(evidence: &Evidence<'_>, which: usize) -> Option<Advice
              dead band leaves all short by as much.",
         ));
     }
-    if from == to {
+    if !found.is_of_several_commands() {
         return Some(Advice::new(
             Check::TravelEnd,
             format!(

@@ -51,6 +51,11 @@ pub(crate) struct TravelEnd {
 }
 
 impl TravelEnd {
+    /// Whether several commands end there, each further out than the one before. What holds the servo short of one command may be a load or friction.
+    pub(crate) fn is_of_several_commands(&self) -> bool {
+        self.is_shown && self.commands.0 != self.commands.1
+    }
+
     /// The ends under the highest and the lowest commands that are held, by the rests alone. Of a sensor with steps, what is short by no more
     /// is rounded.
     pub(crate) fn of_rests(record: &Record) -> [Option<Self>; 2] {

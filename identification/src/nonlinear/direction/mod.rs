@@ -60,7 +60,7 @@ pub struct Symmetry {
     /// `largest_deviation` exceeds `critical_value`, and the difference is more than 2 % of the
     /// stroke.
     pub asymmetric: bool,
-    /// Largest difference g_up - g_down \[share of the stroke\].
+    /// Largest difference g_up - g_down \[share of the stroke, which is what the servo moves: the gain for each unit of the command\].
     pub largest_difference: f64,
     /// When it occurs, after the edge \[s\].
     pub at_s: f64,
@@ -190,6 +190,8 @@ fn symmetry(split: &SplitFit, timing: Timing) -> Symmetry {
     let at = (0..delta.len())
         .max_by(|&a, &b| delta[a].abs().total_cmp(&delta[b].abs()))
         .unwrap_or(0);
+    // Commands in µs have gains of a tenth of a degree: δ alone is no share of a stroke.
+    let largest_difference = 2.0 * delta[at] / split.gain();
     let size = parameters.len();
     let block = Mat::from_fn(size, size, |i, j| {
         split.covariance[(parameters.start + i, parameters.start + j)]
@@ -200,8 +202,8 @@ fn symmetry(split: &SplitFit, timing: Timing) -> Symmetry {
         largest_deviation,
         critical_value,
         asymmetric: largest_deviation > critical_value
-            && 2.0 * delta[at].abs() > MATERIAL_ASYMMETRY,
-        largest_difference: 2.0 * delta[at],
+            && largest_difference.abs() > MATERIAL_ASYMMETRY,
+        largest_difference,
         at_s: timing.seconds(at as f64),
     }
 }

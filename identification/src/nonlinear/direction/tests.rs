@@ -90,3 +90,33 @@ fn both_strokes_and_both_levels_of_an_asymmetric_servo_are_found() {
         assert!(share > 0.76, "{name}: {share}");
     }
 }
+
+#[test]
+fn the_unit_of_the_command_changes_no_difference_between_strokes() {
+    let in_degrees = model(&slow(), &fast(), 0.0, 1, 0.99);
+    let input: Vec<f64> = staircase()
+        .iter()
+        .map(|degrees| 1500.0 + 11.0 * degrees)
+        .collect();
+    let clean = respond_by_stroke(&slow(), &fast(), &staircase(), -5.0, 0.0);
+    let record = Record::of_run(PERIOD, input, measured(&clean, 1.0, 1)).unwrap();
+    let in_pulses = split_with(
+        &record,
+        FsfBasis::full(SETTLING).unwrap(),
+        NoiseOrder::Auto,
+        Bounds::Valid(0.99),
+        false,
+    )
+    .unwrap();
+    let of = |model: &DirectionModel| {
+        let found = model.symmetry.valid().unwrap();
+        (found.largest_difference, found.asymmetric)
+    };
+    let ((pulses, also_asymmetric), (degrees, asymmetric)) = (of(&in_pulses), of(&in_degrees));
+    // The same numbers in another unit: only rounding differs.
+    assert!(
+        (pulses / degrees - 1.0).abs() < 1e-6,
+        "{pulses} for {degrees}"
+    );
+    assert!(asymmetric && also_asymmetric);
+}

@@ -434,6 +434,13 @@ impl ServoModel {
         (better && most).then_some(percent)
     }
 
+    /// Whether the recording shows that its stops are stops: several commands beyond each end there. One command alone ends short of itself
+    /// before a load, too, and by friction.
+    #[must_use]
+    pub fn shows_its_stops(&self) -> bool {
+        self.covariance.withdrawn() != Some(Reason::TravelEndOpen)
+    }
+
     /// Whether the servo is linear: no term but delay, stiffness and damping helps prediction.
     #[must_use]
     pub fn is_linear(&self) -> bool {

@@ -1,18 +1,20 @@
 //! The output at rest under command 0, and how far it is open.
 //!
+//! Without the stops: commands in pulse widths are far from 0, and beyond every stop there. What is stated is where the servo would rest.
+//!
 //! With the load: a record that knows where the servo rests may not know whether a load holds it there. In a dead band the load decides at
 //! which edge the shaft rests, and friction how much of the band is open. Where the record does not show the side of that, the shaft may rest at
 //! either edge: the output at rest jumps there, and derivatives do not see it.
 
 use crate::results::Interval;
-use servoid_dynamics::ServoParameters;
+use servoid_dynamics::{ServoParameters, Stops};
 
 /// A number of a servo, from it and the middle of the commands.
 pub(super) type Formula = fn(&ServoParameters<f64>, f64) -> Option<f64>;
 
 /// The output at rest under command 0.
 pub(super) fn at_rest(servo: &ServoParameters, _middle: f64) -> Option<f64> {
-    Some(servo.resting_output(0.0))
+    Some(without_stops(servo).resting_output(0.0))
 }
 
 /// The output at rest at either edge of the dead band: that of the same servo without it, under a command that is as far off.
@@ -43,21 +45,28 @@ fn at_edge(servo: &ServoParameters, side: f64) -> Option<f64> {
     let width = servo.dead_band?;
     let without = ServoParameters {
         dead_band: None,
-        ..*servo
+        ..without_stops(servo)
     };
     Some(without.resting_output(side * width))
 }
 
+fn without_stops(servo: &ServoParameters) -> ServoParameters {
+    ServoParameters {
+        stops: Stops::default(),
+        ..*servo
+    }
+}
+
 fn holding(servo: &ServoParameters, which: usize) -> Option<f64> {
     servo.dead_band?;
-    let load = servo.load.at(servo.resting_angle(0.0));
+    let load = servo.load.at(without_stops(servo).resting_angle(0.0));
     Some(servo.holding_drives(load)[which])
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use servoid_dynamics::{Friction, Load, Stops};
+    use servoid_dynamics::{Friction, Load};
 
     #[test]
     fn the_edge_is_known_where_load_or_friction_decide_it() {
@@ -103,5 +112,27 @@ mod tests {
         assert!(is_known(without));
         let edges = EDGES.map(|edge| edge(&servo(0.0, 0.0), 0.0));
         assert_eq!(edges, [Some(2.0), Some(0.0)]);
+    }
+
+    #[test]
+    fn a_stop_does_not_move_the_offset() {
+        let in_pulses = ServoParameters {
+            delay_s: 0.01,
+            stiffness: 100.0,
+            damping: 20.0,
+            gain: 0.09,
+            offset: -135.0,
+            limit: None,
+            speed_limit: None,
+            dead_band: None,
+            friction: None,
+            load: Load::None,
+            stops: Stops {
+                lower: Some(-40.0),
+                upper: None,
+            },
+        };
+        assert_eq!(in_pulses.resting_output(0.0), -40.0);
+        assert_eq!(at_rest(&in_pulses, 1500.0), Some(-135.0));
     }
 }

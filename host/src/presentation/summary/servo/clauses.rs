@@ -6,13 +6,19 @@ use crate::presentation::summary::wording::layout::listed_words;
 use crate::presentation::summary::wording::numbers::{digits, four_digits};
 use crate::presentation::summary::wording::speed_words::{reached_speed, speed_in_words, upwards};
 use servoid_identification::results::Reason;
-use servoid_identification::servo_model::{LoadKind, Quantity, QuantityKind, ServoModel, Spread};
+use servoid_identification::servo_model::{
+    LoadKind, Quantity, QuantityKind, ServoModel, Spread, Stops,
+};
 
-/// "runs into a stop at 12.01 deg".
+/// "runs into a stop at 12.01 deg", where the recording shows that.
 pub(super) fn stopped(model: &ServoModel, units: Units<'_>) -> Option<String> {
     let unit = with_space(units.output);
     let at = |output: f64| format!("{}{unit}", four_digits(output));
-    match (model.stops.lower, model.stops.upper) {
+    let stops = match model.shows_its_stops() {
+        true => model.stops,
+        false => Stops::default(),
+    };
+    match (stops.lower, stops.upper) {
         (None, None) => None,
         (Some(one), None) | (None, Some(one)) => Some(format!("runs into a stop at {}", at(one))),
         (Some(lower), Some(upper)) => Some(format!(

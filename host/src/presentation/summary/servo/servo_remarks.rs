@@ -25,7 +25,7 @@ impl ServoRemarks {
         let before = [
             of_intervals(model),
             run_offsets_in_words(model, units),
-            stops_in_words(model.stops, units).map(|stops| format!("The servo has {stops}.")),
+            of_stops(model, units),
         ];
         let quantities = &model.quantities;
         let has_other_fits = quantities.iter().any(|found| found.other_fits.is_some());
@@ -75,6 +75,18 @@ fn whose_controller(document: &ServoModelDocument) -> Option<String> {
         "Bandwidth, damping ratio, error of full drive and what is left at rest are those with the controller {first}; {}.",
         others.join(", ")
     ))
+}
+
+/// The stops of the model, and whether they are sure.
+fn of_stops(model: &ServoModel, units: Units<'_>) -> Option<String> {
+    let stops = stops_in_words(model.stops, units)?;
+    Some(match model.shows_its_stops() {
+        true => format!("The servo has {stops}."),
+        false => format!(
+            "The servo may have {stops}: the model predicts better with that, but too few commands show it, and a load, friction or a gain that falls there \
+             looks the same."
+        ),
+    })
 }
 
 /// Where the servo stops.
