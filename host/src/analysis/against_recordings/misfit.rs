@@ -1,10 +1,11 @@
-//! What sets a recording apart from a model of it: an offset, a scale, a shift in time, or noise.
+//! What sets a recording apart from a model of it: spikes, an offset, a scale, a shift in time, or noise.
 //!
 //! A servo model begins where the first sample of a run is. Where the zero of the sensor has moved, that is not where the command holds the servo, and
 //! the model moves from there first: an error that the offset does not explain. So the model is simulated again with the first samples as it would have
 //! them, until offset and scale stay as they are.
 
 use super::noise_at_rest::noise_at_rest;
+use super::spikes::Spikes;
 use servoid_identification::{Record, Run};
 
 /// The farthest shift that is looked for \[s\]: servos answer sooner.
@@ -21,6 +22,8 @@ pub(crate) struct Misfit {
     pub(crate) lag: Option<Lag>,
     /// The noise at rest (rms), where the recording shows it.
     pub(crate) noise: Option<f64>,
+    /// Rows that stand apart from their neighbours, where there are any.
+    pub(crate) spikes: Option<Spikes>,
 }
 
 /// A recording against a model of it that is scaled.
@@ -217,6 +220,7 @@ impl Misfit {
             scale: factor.is_finite().then_some(scale),
             lag: Lag::of(runs, &moved.simulated, period_s),
             noise: noise_at_rest(runs, &moved.simulated),
+            spikes: Spikes::of(runs, &moved.simulated, period_s),
         }
     }
 }

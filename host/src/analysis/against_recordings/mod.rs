@@ -2,4 +2,5 @@
 
 pub(super) mod misfit;
 pub(super) mod noise_at_rest;
+pub(super) mod spikes;
 pub(super) mod validation;

@@ -1,6 +1,7 @@
 //! A model against recordings that it was not identified from.
 
 use super::misfit::{Line, Misfit, Scale};
+use super::spikes::Spikes;
 use crate::analysis::one_servo::load_at_rest;
 use crate::analysis::recording_advice::sample_period::unlikely_period;
 use crate::data::dataset::Dataset;
@@ -238,6 +239,11 @@ fn cause(
     open_s: f64,
     in_unit: impl Fn(f64) -> String,
 ) -> String {
+    // Spikes spoil every figure below, be they ever so few.
+    let is_of_spikes = |spikes: &&Spikes| spikes.left < OF_A_CAUSE * rmse;
+    if let Some(spikes) = misfit.spikes.as_ref().filter(is_of_spikes) {
+        return of_spikes(spikes, in_unit);
+    }
     let is_all = |left: f64| left < LARGER_ERROR * own_rmse;
     let is_most = |left: f64| is_all(left) && left < OF_A_CAUSE * misfit.left_of_offset;
     if is_all(misfit.left_of_offset) && misfit.left_of_offset < rmse {
@@ -299,6 +305,20 @@ fn cause(
             false => ANOTHER_MOTION.to_owned(),
         }),
     }
+}
+
+/// That the error is that of single rows.
+fn of_spikes(spikes: &Spikes, in_unit: impl Fn(f64) -> String) -> String {
+    let rows = match spikes.count {
+        1 => "one row that stands".to_owned(),
+        count => format!("{count} rows that stand"),
+    };
+    format!(
+        "It is {rows} apart from what is before and behind, as spikes of a sensor or of its line do (the first at {:.3} s of its run): without that the \
+         error is {}. Identification weights such rows down; leave their cells empty to validate without them.",
+        spikes.first_s,
+        in_unit(spikes.left)
+    )
 }
 
 /// Said before it where times are open.
@@ -387,6 +407,7 @@ mod tests {
             scale: None,
             lag: None,
             noise: None,
+            spikes: None,
         }
     }
 

@@ -10,17 +10,25 @@ use super::layout::is_unit;
 /// assert_eq!(unit_of("pos_counts"), Some("counts"));
 /// assert_eq!(unit_of("us"), Some("us"));
 /// assert_eq!(unit_of("position"), None);
+/// // The first of several servos, as flight logs name their columns.
+/// assert_eq!(unit_of("servo[0]"), None);
 /// ```
 pub fn unit_of(column: &str) -> Option<&str> {
     let bracketed = column
         .trim_end()
         .strip_suffix([']', ')'])
         .and_then(|rest| rest.rsplit_once(['[', '(']))
-        .map(|(_, unit)| unit.trim());
+        .map(|(_, unit)| unit.trim())
+        .filter(|unit| !is_number(unit));
     let last = || last_word(column).map(|(_, unit)| unit);
     let alone = || Some(column).filter(|name| is_unit_of_letters(name));
     let found = bracketed.or_else(last).or_else(alone);
     found.filter(|unit| !unit.is_empty())
+}
+
+/// Whether what stands in brackets is the number of a column among several.
+fn is_number(bracketed: &str) -> bool {
+    bracketed.bytes().all(|byte| byte.is_ascii_digit())
 }
 
 /// "angle" and "deg" of "angle_deg" or "angle deg".

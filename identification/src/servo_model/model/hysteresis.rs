@@ -10,12 +10,13 @@ use crate::servo_model::quantities::quantity_kind::QuantityKind;
 pub struct UnexplainedHysteresis {
     /// Between rests that are reached from above and from below, in the record \[output\].
     pub shown: f64,
-    /// What friction and dead band of the model make of it at the most, as far as the record determines these \[output\].
+    /// What friction and dead band of the model make of it at the most \[output\]: those of the fit, whether or not the record determines each by
+    /// itself, because a file has them as well.
     pub explained: f64,
 }
 
 impl ServoModel {
-    /// The hysteresis of the record, where friction and dead band that it determines do not make as much, or where errors that are not noise show that
+    /// The hysteresis of the record, where friction and dead band of the model do not make as much, or where errors that are not noise show that
     /// they are not all.
     #[must_use]
     pub fn unexplained_hysteresis(&self) -> Option<UnexplainedHysteresis> {
@@ -23,7 +24,6 @@ impl ServoModel {
         let each_side = [QuantityKind::RestingError, QuantityKind::DeadBand]
             .into_iter()
             .filter_map(|kind| self.quantity(kind))
-            .filter(|found| found.determined)
             .map(|found| found.value)
             .sum::<f64>();
         let explained = 2.0 * each_side * self.parameters(0).gain.abs();
