@@ -1,7 +1,7 @@
 //! Single rows of a recording that stand apart from their neighbours, as spikes of a sensor or of its line do.
 //!
 //! A motor cannot leave its course for one row: what a model misses goes on from row to row, and a spike does not. So the error of each row is held
-//! against the median of the four around it.
+//! against the median of the six around it, two of which may be spikes too.
 
 use servoid_identification::Run;
 
@@ -9,7 +9,7 @@ use servoid_identification::Run;
 const APART: f64 = 50.0;
 
 /// Rows on each side that a row is held against.
-const BESIDE: usize = 2;
+const BESIDE: usize = 3;
 
 /// The spikes of some runs.
 #[derive(Debug, Clone, Copy, PartialEq)]
