@@ -29,7 +29,9 @@ mod validation;
 mod what_to_record;
 mod whole_stroke;
 
-pub use at_frequencies::{AskedSine, at_frequencies};
+pub use at_frequencies::{
+    AskedSine, GainAndPhase, at_frequencies, sine_of_linear_model, sine_of_machine,
+};
 pub(crate) use beyond_linear::STROKES_OF_ONE_DIRECTION;
 pub use beyond_linear::{of_flight_model, of_limits, of_strokes};
 pub use both_models::{answer_of_servo_model, of_both_models};
