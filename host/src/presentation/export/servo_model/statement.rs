@@ -165,6 +165,7 @@ impl ServoExport<'_> {
         ]);
         let offset = summary::run_offsets_in_words(self.model, self.metadata.units());
         paragraphs.extend(offset.map(|sentence| format!("Offset: {sentence}")));
+        paragraphs.extend(self.metadata.open_delay());
         paragraphs.push(self.quality());
         paragraphs
     }
