@@ -19,6 +19,9 @@ pub(super) const TIME: &str = "Set a command at the time t, then run a step: it 
 /// What a command that is no number does.
 pub(super) const NO_NUMBER: &str = "Numbers: a command that is no number leaves no position from then on, as the parts of JSBSim keep it. Check it before you set it.";
 
+/// Pulses behind which the response is computed: each may begin at another part of a step.
+const PULSES: u32 = 12;
+
 /// Steps of a second: unless the simulation is set to others, and those that the file advises.
 const RATES_HZ: [f64; 2] = [120.0, 500.0];
 
@@ -132,23 +135,28 @@ fn difference_percent(export: &Export<'_>, flight: &FlightModel, step_s: f64) ->
         delay_s: flight.transfer.delay_s.max(0.0),
         ..flight.transfer
     };
-    let apart = (step_response(&exact, step_s)
-        .take(count as usize + 1)
-        .enumerate())
-    .map(|(step, position)| (position - exact.step(step as f64 * step_s)).abs());
-    100.0 * apart.fold(0.0, f64::max)
+    let off = |part: f64| {
+        let response = step_response(&exact, step_s, part).take(count as usize + 1);
+        let apart = response
+            .enumerate()
+            .map(|(step, position)| (position - exact.step((step as f64 - part) * step_s)).abs());
+        apart.fold(0.0, f64::max)
+    };
+    let parts = (0..PULSES).map(|pulse| (f64::from(pulse) * export.frame_s() / step_s).fract());
+    100.0 * parts.map(off).fold(0.0, f64::max)
 }
 
-/// The position at the beginning of each step behind a command of 1, as JSBSim computes it.
-fn step_response(transfer: &LowOrder, step_s: f64) -> impl Iterator<Item = f64> + use<> {
+/// The position at the beginning of each step behind a command of 1 that begins at this `part` of the first one, as JSBSim computes it.
+fn step_response(transfer: &LowOrder, step_s: f64, part: f64) -> impl Iterator<Item = f64> + use<> {
     let mut late = DelayOfParts::new(transfer.delay_s, step_s, 0.0);
     let mut lag = transfer.lag_s.map(|lag| FirstOrder::new(lag, step_s));
     let mut oscillator = transfer.oscillator.map(|found| {
         let w = found.omega_rad_s;
         SecondOrder::new(w * w, 2.0 * found.damping * w, step_s, 0.0)
     });
-    std::iter::repeat_with(move || {
-        let delayed = late.pass(1.0);
+    let commands = std::iter::once(1.0 - part).chain(std::iter::repeat(1.0));
+    commands.map(move |command| {
+        let delayed = late.pass(command);
         let lagged = lag.as_mut().map_or(delayed, |lag| lag.pass(delayed));
         oscillator
             .as_mut()

@@ -116,7 +116,7 @@ fn the_actuator_moves_as_the_low_order_model() {
         );
     }
     let transfer = SUBJECT.flight.transfer;
-    // A command is taken up in the first step of a frame, of which it may be new; a later one waits. Without the hold it acts from the step on in which it comes.
+    // A pulse has the command of the step in which it begins, of which that may be new; a later one waits. Without the hold it acts from the step on in which it comes.
     for (step_s, at, hold, edge) in [
         (STEP_S, "0.0595", "1", 0.06),
         (STEP_S, "0.06", "1", 0.06),
@@ -124,11 +124,11 @@ fn the_actuator_moves_as_the_low_order_model() {
         (STEP_S, "0.067", "0", 0.067),
         (0.002, "0.06", "1", 0.06),
         (0.0025, "0.06", "1", 0.06),
-        // The third step begins at 25 ms, the eighth at 66.7 ms.
-        (1.0 / 120.0, "0.02", "1", 3.0 / 120.0),
-        (1.0 / 120.0, "0.06", "1", 8.0 / 120.0),
+        // The step of 58.3 ms is the first of the command, and a pulse begins in it; that of 25 ms waits for the one of 40 ms.
+        (1.0 / 120.0, "0.02", "1", 0.04),
+        (1.0 / 120.0, "0.06", "1", 0.06),
         (0.003, "0.06", "1", 0.06),
-        (0.003, "0.062", "1", 0.081),
+        (0.003, "0.062", "1", 0.08),
     ] {
         let found = respond(at, step_s, "0", hold, folder.path());
         assert!(found.len() as f64 > 0.25 / step_s, "{}", found.len());

@@ -273,8 +273,7 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     let id = identifier(export.name);
     let [limits, tops] = [&actuator, &any].map(|of| of.rates.map(<[f64; 2]>::from));
     let rate = export.rate(limits, tops.unwrap_or_default());
-    let late = late_pulses(export, step_s);
-    let mut about = about(export, &actuator, rate, &difference, late.as_deref());
+    let mut about = about(export, &actuator, rate, &difference);
     about.push(smooth.in_words(export, late_s));
     let centre = actuator.centre;
     let (mut before, input) = before_servo(&id, centre, export.frame_s());
@@ -308,7 +307,6 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     Ok(ExportedServo::new(text, difference)?
         .lacking(export, "JSBSim", &LEFT_OUT)?
         .warned(long_steps(export))
-        .warned(late)
         .with(behind_in_larger_strokes(fit.share)))
 }
 
@@ -323,34 +321,6 @@ fn long_steps(export: &ServoExport<'_>) -> Option<String> {
             four_digits(longest_ms)
         )
     })
-}
-
-/// This part of a step is rounding where a frame has a whole number of steps.
-const ROUNDING: f64 = 1e-3;
-
-/// That steps lie beside the pulses, where a frame is no whole number of them: the system takes a command in the first step behind its pulse.
-fn late_pulses(export: &ServoExport<'_>, step_s: f64) -> Option<String> {
-    let frame_s = export.frame_s();
-    let steps = frame_s / step_s;
-    if (steps - steps.round()).abs() <= ROUNDING {
-        return None;
-    }
-    let gain = export.parameters.gain.abs();
-    let way = export.top_speeds().map(|(up, down)| {
-        let way = four_digits(gain * up.max(down) * step_s);
-        format!(", {way} {} at the top speed", export.output_unit())
-    });
-    let fitting = (steps.ceil() as usize..).take(3);
-    let fitting: Vec<String> = fitting
-        .map(|steps| four_digits(1e3 * frame_s / steps as f64))
-        .collect();
-    Some(format!(
-        "steps of {} ms do not divide the pulse frame of {} ms: the system takes a command up to a step after its pulse{}, which is not in the differences; steps such as {} ms do",
-        four_digits(1e3 * step_s),
-        four_digits(1e3 * frame_s),
-        way.unwrap_or_default(),
-        fitting.join(" or ")
-    ))
 }
 
 /// How the delay is counted out.
@@ -374,7 +344,6 @@ fn about(
     actuator: &Actuator,
     rate: String,
     difference: &Difference,
-    late: Option<&str>,
 ) -> Vec<String> {
     let mut about = export.statement(Target::Jsbsim);
     about.extend(export.stops_in_words(
@@ -388,7 +357,6 @@ fn about(
         ),
         export.frame(Frame::InFile),
     ]);
-    about.extend(late.map(|late| format!("WARNING: {late}.")));
     about.extend([
         actuator.in_words(),
         DELAY.to_owned(),
