@@ -294,7 +294,7 @@ impl Advice {
         matches!(self.check, Check::Seams | Check::UnlikeRuns)
     }
 
-    /// Whether it only tells how a result came about: nothing is wrong, and nothing is to be done.
+    /// Whether it only says how a result came about: nothing is wrong, and nothing is to be done.
     #[must_use]
     pub fn asks_nothing(&self) -> bool {
         self.check == Check::Conditioning
