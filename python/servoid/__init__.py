@@ -35,6 +35,7 @@ from ._plan import Plan, plan
 from ._recording import Recording, Run, read, recording
 from ._servo_model import Quantity, ServoModel, ServoResponse
 from ._servoid import ServoidError
+from ._sine import SineResponse
 from ._simulate import simulate
 from ._identify import identify
 from ._withdrawn import Withdrawn
@@ -65,6 +66,7 @@ __all__ = [
     "ServoModel",
     "ServoResponse",
     "ServoidError",
+    "SineResponse",
     "StepResponse",
     "Structure",
     "Validation",

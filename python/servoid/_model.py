@@ -28,6 +28,7 @@ from ._export import Export, export
 from ._flight_model import FlightModel
 from ._interval import Interval, interval
 from ._servo_model import ServoModel
+from ._sine import SineResponse, sine, sine_argument
 from ._withdrawn import Withdrawn, withdrawn
 
 if TYPE_CHECKING:
@@ -531,6 +532,41 @@ class Model(Document):
         if is_list_of_runs(u):
             return [self.simulate(one, at_rest=at_rest) for one in u]
         return self._core.simulate(samples("input", u), command_or_none("at_rest", at_rest))
+
+    def at(self, hertz: float) -> SineResponse:
+        """How much of a sine of the command arrives, and how late: gain and phase, as ``servoid identify --at HZ`` prints them.
+
+        They are those of the servo in continuous time, as :attr:`servo_frequency` is. Of a servo that is not linear
+        they are those of the recorded motion: ``servo_model.at(hertz, amplitude)`` has those of an amplitude.
+
+        Parameters
+        ----------
+        hertz : float
+            Frequency (Hz).
+
+        Returns
+        -------
+        SineResponse
+
+        Raises
+        ------
+        ServoidError
+            The frequency is not above 0, or the recording does not show the response there.
+
+        Examples
+        --------
+        >>> import servoid
+        >>> found = servoid.identify(servoid.simulate("linear")).at(3)
+        >>> found.gain.lower < found.gain.value < found.gain.upper, found.late_ms > 0
+        (True, True)
+        """
+        hertz = sine_argument("hertz", hertz)
+        found, why = self._core.sine(hertz)
+        if found is None:
+            raise _servoid.ServoidError(f"there is no response at {hertz:g} Hz: {why}")
+        gain, phase_deg = found
+        bounds = self.frequency.level
+        return sine(hertz, None, gain, phase_deg, bounds, self.withdrawn if bounds is None else None)
 
     def predict(self, u: Any, y: Any = None, *, at_rest: float | None = None) -> Any:
         """The output predicted one step ahead from the input and the measured output; without ``y``, :meth:`simulate`.

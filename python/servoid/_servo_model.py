@@ -13,6 +13,7 @@ from . import _servoid
 from ._arrays import command_or_none, number_or_none, samples
 from ._document import Column, column, column_or_none
 from ._draws import normal
+from ._sine import SineResponse, sine, sine_argument
 from ._withdrawn import Withdrawn, withdrawn
 
 if TYPE_CHECKING:
@@ -336,6 +337,44 @@ class ServoModel:
         if half_width is None:
             return ServoResponse(value, None, None, None if reason is None else Withdrawn(*reason))
         return ServoResponse(value, value - half_width, value + half_width, None)
+
+    def at(self, hertz: float, amplitude: float, *, controller: float | None = None) -> SineResponse:
+        """How much of a sine of the command arrives, and how late: gain and phase, as ``servoid identify --at HZ:AMPLITUDE`` prints them.
+
+        A servo that is limited has others for each amplitude. Both are of the first harmonic of the motion, about the middle of the recorded commands.
+
+        Parameters
+        ----------
+        hertz : float
+            Frequency (Hz).
+        amplitude : float
+            How far the sine goes to each side (unit of the command).
+        controller : float, optional
+            The controller, where the model has several.
+
+        Returns
+        -------
+        SineResponse
+            Its bounds are withdrawn where the command runs further ahead of the servo than in the recording.
+
+        Raises
+        ------
+        ServoidError
+            Frequency or amplitude are not above 0; there is no such controller.
+
+        Examples
+        --------
+        >>> import servoid
+        >>> stairs = servoid.simulate("bench", reference="stairs", amplitude=20, length=20)
+        >>> servo = servoid.identify(stairs, servo_model=True).servo_model
+        >>> small, large = servo.at(8, 1), servo.at(8, 20)
+        >>> large.gain.value < small.gain.value
+        True
+        """
+        asked = sine_argument("hertz", hertz), sine_argument("amplitude", amplitude)
+        (gain, phase_deg), reason = self._core.servo_sine(*asked, number_or_none("controller", controller))
+        because = self.withdrawn if reason is None else Withdrawn(*reason)
+        return sine(*asked, gain, phase_deg, self.level, because)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return (_of_document, (self._core.document,))

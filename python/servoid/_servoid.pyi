@@ -25,6 +25,8 @@ __all__ = [
 _Column = NDArray[np.float64]
 _Path = str | PathLike[str]
 _Options = Mapping[str, Any]
+_Ends = tuple[float | None, float | None, float | None]
+_Sine = tuple[_Ends, _Ends]
 
 class ServoidError(ValueError): ...
 
@@ -84,6 +86,10 @@ class Model:
     def predict(
         self, input: _Column, output: _Column, at_rest: float | None
     ) -> _Column: ...
+    def sine(self, hertz: float) -> tuple[_Sine | None, str | None]: ...
+    def servo_sine(
+        self, hertz: float, amplitude: float, controller: float | None
+    ) -> tuple[_Sine, tuple[str, str] | None]: ...
     def servo_response(
         self, input: _Column, controller: float | None
     ) -> tuple[_Column, _Column | None, tuple[str, str] | None]: ...

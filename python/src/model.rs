@@ -8,11 +8,12 @@ use crate::export::ExportOptions;
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use servoid::analysis::{Exported, text_of_file, to_json};
-use servoid::data::model_file::ModelFile;
+use servoid::data::model_file::{ModelFile, ServoModelDocument};
 use servoid::presentation::plots::{self, Named};
+use servoid::presentation::summary::GainAndPhase;
 use servoid::presentation::{report, summary};
 use servoid_identification::Run;
-use servoid_identification::results::{Bounds, Reason, Withdrawn};
+use servoid_identification::results::{Bounds, Interval, Reason, Withdrawn};
 use std::borrow::Cow;
 use std::path::Path;
 
@@ -52,6 +53,36 @@ impl Model {
             None => run,
         })
     }
+
+    /// The servo model, and the number of the controller of this name.
+    fn servo_with(&self, controller: Option<f64>) -> PyResult<(ServoModelDocument, usize)> {
+        let found = self.file.servo_model().map_err(raised)?;
+        let found =
+            found.ok_or_else(|| raised(anyhow::anyhow!("{} has no servo model", self.name)))?;
+        let known = &found.controller_names;
+        let number = match controller {
+            None if known.len() > 1 => Err(raised(anyhow::anyhow!(
+                "the servo model has the controllers {known:?}: choose one (controller=)"
+            ))),
+            None => Ok(0),
+            Some(name) => known
+                .iter()
+                .position(|other| *other == name)
+                .ok_or_else(|| raised(no_controller(name, known))),
+        }?;
+        Ok((found, number))
+    }
+}
+
+/// Value, lower and upper bound.
+type Ends = (Option<f64>, Option<f64>, Option<f64>);
+
+/// Gain and phase (degrees).
+type Sine = (Ends, Ends);
+
+fn sine(found: GainAndPhase) -> Sine {
+    let ends = |of: Interval| (of.value, of.lower, of.upper);
+    (ends(found.gain), ends(found.phase_deg))
 }
 
 type Response<'py> = (
@@ -212,6 +243,37 @@ impl Model {
         Ok(PyArray1::from_vec(py, predicted))
     }
 
+    /// Gain and phase (degrees) of the linear model under a sine, or why there are none.
+    fn sine(&self, hertz: f64) -> PyResult<(Option<Sine>, Option<String>)> {
+        let found = summary::sine_of_linear_model(&self.file.model, hertz).map_err(raised)?;
+        Ok(match found {
+            Ok(found) => (Some(sine(found)), None),
+            Err(why) => (None, Some(in_python(&why))),
+        })
+    }
+
+    /// The same of the servo model, of this amplitude, and why it has no bounds, where it has none.
+    fn servo_sine(
+        &self,
+        py: Python<'_>,
+        hertz: f64,
+        amplitude: f64,
+        controller: Option<f64>,
+    ) -> PyResult<(Sine, Option<(String, String)>)> {
+        let (servo, number) = self.servo_with(controller)?;
+        let metadata = self.file.metadata.clone();
+        let (found, reason) = compute(py, move |_| {
+            Ok(summary::sine_of_machine(
+                &servo.model,
+                &metadata,
+                hertz,
+                amplitude,
+                number,
+            ))
+        })?;
+        Ok((sine(found), reason.map(in_words).transpose()?))
+    }
+
     /// The response of the servo model to an input from rest at its first value, the half width of its band, and why there is
     /// no band.
     fn servo_response<'py>(
@@ -220,20 +282,7 @@ impl Model {
         input: PyReadonlyArray1<'py, f64>,
         controller: Option<f64>,
     ) -> PyResult<Response<'py>> {
-        let found = self.file.servo_model().map_err(raised)?;
-        let found =
-            found.ok_or_else(|| raised(anyhow::anyhow!("{} has no servo model", self.name)))?;
-        let known = &found.controller_names;
-        let number = match controller {
-            None if known.len() > 1 => Err(raised(anyhow::anyhow!(
-                "the servo model has the controllers {known:?}: choose one (controller=)"
-            ))),
-            None => Ok(0),
-            Some(name) => known
-                .iter()
-                .position(|other| *other == name)
-                .ok_or_else(|| raised(no_controller(name, known))),
-        }?;
+        let (found, number) = self.servo_with(controller)?;
         // It checks that the values can be computed with; a servo model knows no missing input.
         let unknown = vec![f64::NAN; input.as_array().len()];
         let run = Self::run(lent(&input), unknown.into(), None)?.into_owned();

@@ -128,19 +128,24 @@ pub fn with_controller(servo: &str, controller: Option<f64>) -> String {
     )
 }
 
-/// What to say before the servo that `text` describes is simulated: that its model does not predict the recording it comes from. `None` of
-/// one that does, and of a servo that is no model.
+/// What to say before the servo that `text` describes is simulated: that its model does not predict the recording it comes from, or else that it has no
+/// intervals. `None` of one that has both, and of a servo that is no model.
 #[must_use]
 pub fn caution(text: &str) -> Option<String> {
     let path = Path::new(text.split('?').next()?);
     let found = ModelFile::read(path).ok()?.servo_model().ok()??;
     let percent = found.model.prediction_percent();
     let shown = path.display();
-    (!found.model.predicts()).then(|| {
-        format!(
+    if !found.model.predicts() {
+        return Some(format!(
             "the servo model of {shown} predicts the recording that it comes from to {percent:.1} % only: what is simulated by it is not that servo"
-        )
-    })
+        ));
+    }
+    let reason = found.model.covariance.withdrawn()?;
+    Some(format!(
+        "the servo model of {shown} has no intervals, because {}: how far it is from that servo is not known",
+        reason.because()
+    ))
 }
 
 /// What 1 is taken for in the command of the model that `text` describes, where its unit is not known.

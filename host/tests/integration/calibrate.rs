@@ -324,6 +324,7 @@ mod at_a_terminal {
         let rig = dir.path().join("rig.toml");
         let mut session = begin(&rig, "sim:bench?sensor-gain=0.9");
         session.answer("position 1 of 5, 1100 µs", "-40");
+        session.wait_for("no angle", |seen| seen.contains("asks for -40.0)?"));
         session.answer("position 2 of 5", "twenty");
         session.answer("a number of degrees", "-20");
         session.answer("position 3 of 5", "skip");
@@ -381,12 +382,9 @@ mod at_a_terminal {
             seen.contains("DOUBTFUL: the angles are 2.0") && seen.contains("Put this into")
         });
         session.press("\r");
+        // What it prints last may be read after its end.
+        session.wait_for("no readings", |seen| seen.contains("--pairs=-80="));
         assert!(session.end().success(), "{}", session.seen());
-        assert!(
-            session.seen().contains("--pairs=-80="),
-            "{}",
-            session.seen()
-        );
         assert_eq!(before, std::fs::read_to_string(&rig).unwrap());
     }
 

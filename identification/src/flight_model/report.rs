@@ -98,10 +98,10 @@ fn quality(found: &FlightModel, tried: &OrderTried) -> String {
     };
     let error = found.largest_error_percent;
     match (found.approximation, found.band_hz) {
-        (false, None) => format!("no lack of fit (p = {:.2})", tried.p),
+        (false, None) => not_rejected(tried),
         (false, Some([from, to])) => format!(
-            "no lack of fit from {from:.2} to {to:.1} Hz (p = {:.2}); below and above, the order is assumed, and the gain at rest rests on it",
-            tried.p
+            "from {from:.2} to {to:.1} Hz {}; below and above, the order is assumed, and the gain at rest rests on it",
+            not_rejected(tried)
         ),
         (true, None) => format!(
             "approximation{rejected}: its step response is at most {error:.1} % of the step from the identified one"
@@ -111,6 +111,14 @@ fn quality(found: &FlightModel, tried: &OrderTried) -> String {
              one; below and above, nothing shows how far it is off, the gain at rest included"
         ),
     }
+}
+
+/// The digits of the table of orders, so that both are one number.
+fn not_rejected(tried: &OrderTried) -> String {
+    format!(
+        "not rejected (lack of fit p = {:.3}; rejected below {ORDER_REJECTED})",
+        tried.p
+    )
 }
 
 fn hold(found: &FlightModel) -> String {

@@ -294,6 +294,12 @@ impl Advice {
         matches!(self.check, Check::Seams | Check::UnlikeRuns)
     }
 
+    /// Whether it only says how a result came about: nothing is wrong, and nothing is to be done.
+    #[must_use]
+    pub fn asks_nothing(&self) -> bool {
+        self.check == Check::Conditioning
+    }
+
     /// Whether the finding is that the input follows the output.
     #[must_use]
     pub fn is_of_feedback(&self) -> bool {

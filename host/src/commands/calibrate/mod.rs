@@ -221,7 +221,7 @@ impl Calibrate {
         let (readings, rests) = if self.travel_only {
             Default::default()
         } else {
-            self.readings(&mut mover, &pulses)?
+            self.readings(&mut mover, &pulses, port::is_simulated(&rig.address))?
         };
         let sensor = match readings.as_slice() {
             [] => None,
@@ -292,9 +292,14 @@ impl Calibrate {
     }
 
     /// The sensor's counts at known angles.
-    fn readings(&self, mover: &mut Mover<'_>, pulses: &[u16]) -> Result<(Vec<Reading>, Vec<Rest>)> {
+    fn readings(
+        &self,
+        mover: &mut Mover<'_>,
+        pulses: &[u16],
+        is_simulated: bool,
+    ) -> Result<(Vec<Reading>, Vec<Rest>)> {
         if self.asks_for_angles() {
-            return protractor::read(mover, pulses);
+            return protractor::read(mover, pulses, is_simulated);
         }
         let rests = mover.visit(pulses, &|_| false)?;
         let scale = DegreeScale::of_rig(mover.rig());

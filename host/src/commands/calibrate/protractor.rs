@@ -2,8 +2,10 @@
 
 use crate::commands::output::print_remark;
 use crate::commands::prompts;
+use crate::data::DegreeScale;
 use crate::instrument::calibration::{MoveError, Mover, Reading, Rest};
 use anyhow::Result;
+use servoid_protocol::PulseWidth;
 use std::cell::{Cell, RefCell};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
@@ -15,12 +17,18 @@ const LEAVE_OUT: &str = "skip";
 const PATIENCE: Duration = Duration::from_millis(100);
 
 /// Goes to each position and asks for the angle there. [`LEAVE_OUT`] leaves the position out; Enter alone does not, because
-/// it may have been typed at an earlier question.
-pub(super) fn read(mover: &mut Mover<'_>, pulses: &[u16]) -> Result<(Vec<Reading>, Vec<Rest>)> {
+/// it may have been typed at an earlier question. Of a servo that `is_simulated` nobody can read it, and the question says what the pulse asks for.
+pub(super) fn read(
+    mover: &mut Mover<'_>,
+    pulses: &[u16],
+    is_simulated: bool,
+) -> Result<(Vec<Reading>, Vec<Rest>)> {
     let (mut readings, mut rests) = (Vec::new(), Vec::new());
+    let scale = DegreeScale::of_rig(mover.rig());
     for (number, &pulse_us) in pulses.iter().enumerate() {
         let position = format!("position {} of {}", number + 1, pulses.len());
-        let read = read_one(mover, pulse_us, &position);
+        let commanded = is_simulated.then(|| scale.reference(PulseWidth(pulse_us)));
+        let read = read_one(mover, pulse_us, &position, commanded);
         // On a line of its own, where it can be copied.
         let (rest, angle) = read.inspect_err(|_| print_remark(so_far(&readings)))?;
         if let Some(angle_deg) = angle {
@@ -48,6 +56,7 @@ fn read_one(
     mover: &mut Mover<'_>,
     pulse_us: u16,
     position: &str,
+    commanded: Option<f64>,
 ) -> Result<(Rest, Option<f64>), MoveError> {
     let waits = mover.is_paced_by_reader();
     let asked: RefCell<Option<Receiver<Option<f64>>>> = RefCell::new(None);
@@ -57,7 +66,7 @@ fn read_one(
             return true;
         }
         let mut asked = asked.borrow_mut();
-        let receiver = asked.get_or_insert_with(|| ask_beside(question(rest, position)));
+        let receiver = asked.get_or_insert_with(|| ask_beside(question(rest, position, commanded)));
         let patience = if waits { PATIENCE } else { Duration::ZERO };
         match receiver.recv_timeout(patience) {
             Ok(angle) => answer.set(Some(angle)),
@@ -71,9 +80,12 @@ fn read_one(
     Ok((rest, answer.get().flatten()))
 }
 
-fn question(rest: &Rest, position: &str) -> String {
+fn question(rest: &Rest, position: &str, commanded: Option<f64>) -> String {
+    let commanded = commanded.map_or_else(String::new, |angle| {
+        format!("; the pulse asks for {angle:.1}")
+    });
     format!(
-        "{position}, {} µs: {:.1} counts (standard deviation {:.1}). Angle on the protractor (degrees; {LEAVE_OUT:?} leaves the position out)?",
+        "{position}, {} µs: {:.1} counts (standard deviation {:.1}). Angle on the protractor (degrees; {LEAVE_OUT:?} leaves the position out{commanded})?",
         rest.pulse_us, rest.counts, rest.sd_counts
     )
 }

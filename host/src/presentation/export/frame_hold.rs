@@ -1,8 +1,9 @@
-//! What is not known of the pulse frame that holds a command.
+//! What is not known of the hold of a command: in a pulse frame, and between the rows of a recording.
 //!
 //! A servo on pulses sees a command with the next pulse. Where the recorded commands were written at their pulses, as servoid does, that wait is
 //! no part of the model's delay, and a simulation adds it by a hold. Where they were written at any other time, its mean is in the delay.
 
+use super::text::number;
 use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::summary::four_digits;
 
@@ -15,6 +16,16 @@ impl ModelMetadata {
     pub fn frame_remark(&self) -> Option<String> {
         (self.pulse_frame_s.is_none())
             .then(|| format!("no frame hold is assumed: state --frame-ms {WHEN_TO_STATE}"))
+    }
+
+    /// What the rows of a command that moves on between them leave open of the delay.
+    pub(super) fn open_delay(&self) -> Option<String> {
+        (self.moving_command).then(|| {
+            format!(
+                "Delay: that of a servo that was held at the command of each row. The command of the recording moves on with every row: if the servo followed it between them, its delay is up to {} ms longer than in this file.",
+                number((self.sensor_delay_uncertainty_s * 1e7).round() / 1e4)
+            )
+        })
     }
 
     /// That a stated hold may count twice.

@@ -1,6 +1,8 @@
 //! A JSBSim system: hold, delay and poles.
 
+use super::emulation::{FirstOrder, SecondOrder};
 use super::error::ExportError;
+use super::jsbsim_delay::{DelayOfParts, aligned};
 use super::model::Export;
 use super::neutral::neutral;
 use super::statement::{InFile, low_order_covariance};
@@ -17,11 +19,11 @@ pub(super) const TIME: &str = "Set a command at the time t, then run a step: it 
 /// What a command that is no number does.
 pub(super) const NO_NUMBER: &str = "Numbers: a command that is no number leaves no position from then on, as the parts of JSBSim keep it. Check it before you set it.";
 
-/// Steps of a second, unless the simulation is set to others.
-const USUAL_HZ: f64 = 120.0;
+/// Pulses behind which the response is computed: each may begin at another part of a step.
+const PULSES: u32 = 12;
 
-/// Steps by which the parts delay at the least: those of a filter chain without a delay of its own, as JSBSim runs them.
-const SHORTEST_STEPS: f64 = 1.5;
+/// Steps of a second: unless the simulation is set to others, and those that the file advises.
+const RATES_HZ: [f64; 2] = [120.0, 500.0];
 
 /// The system.
 pub(super) fn write(export: &Export<'_>) -> Result<String, ExportError> {
@@ -41,26 +43,19 @@ pub(super) fn write(export: &Export<'_>) -> Result<String, ExportError> {
         offset: true,
     });
     paragraphs.extend(low_order_covariance(flight, &XML_STYLE));
-    let steepest = steepest(export, flight);
+    let [usual, advised] =
+        RATES_HZ.map(|hz| four_digits(difference_percent(export, flight, 1.0 / hz)));
+    let [usual_hz, advised_hz] = RATES_HZ;
     paragraphs.push(format!(
-        "Run it at 500 Hz or more: JSBSim replaces poles by Tustin's rule and has delays of whole steps, so that the position is right to half a step of time. At {USUAL_HZ} Hz, the usual rate of JSBSim, that is {} ms, or {} % of a step of the command where the response is steepest. {TIME} Set the step before the aircraft is loaded: delays are counted out then.",
-        four_digits(0.5e3 / USUAL_HZ),
-        four_digits(100.0 * 0.5 / USUAL_HZ * steepest)
+        "Run it at {advised_hz} Hz or more: JSBSim replaces poles by Tustin's rule. Behind a step of the command the position is that of the low-order model to {usual} % at {usual_hz} Hz, the usual rate of JSBSim, and to {advised} % at {advised_hz} Hz; the delay is right to a part of a step. {TIME} Set the step before the aircraft is loaded: delays are counted out then."
     ));
-    let lacking_s = SHORTEST_STEPS / USUAL_HZ - flight.transfer.delay_s.max(0.0);
-    if !held && lacking_s > 0.0 {
-        paragraphs.push(format!(
-            "These parts delay by one and a half steps at the least. The delay L of this file is shorter than that at {USUAL_HZ} Hz: there it is late by {} ms, which is {} % of a step of the command where the response is steepest; a higher rate brings it closer.",
-            four_digits(1e3 * lacking_s),
-            four_digits(100.0 * lacking_s * steepest)
-        ));
-    }
     let centre = neutral(export.metadata.units(), export.commands());
     // The gain of the identified response, and not that of the low-order one, which is a little off.
     let gain = export.model.step.value.last().copied().unwrap_or(f64::NAN);
     let at_centre = export.model.offset + gain * centre;
     paragraphs.push(start(export.metadata.units(), centre, at_centre));
     paragraphs.push(NO_NUMBER.to_owned());
+    let delay_s = flight.transfer.delay_s.max(0.0);
     let (filters, output) = filters(&flight.transfer, &id);
     let (hold, input) = before_servo(&id, centre, export.frame_s());
     let values = [
@@ -70,7 +65,11 @@ pub(super) fn write(export: &Export<'_>) -> Result<String, ExportError> {
         ("input", format!("fcs/{id}-{input}")),
         ("centre", number(centre)),
         ("offset", number(at_centre)),
-        ("delay", number(flight.transfer.delay_s.max(0.0))),
+        (
+            "aligned",
+            aligned(&id, &format!("fcs/{id}-delayed"), delay_s),
+        ),
+        ("delay", number(delay_s)),
         ("filters", filters),
         ("output", output),
         ("gain", number(flight.transfer.gain)),
@@ -122,20 +121,47 @@ pub(super) fn hold_switch(id: &str, frame_s: f64) -> String {
     }
 }
 
-/// The largest slope of the step response, as shares of its final value for each second: of the low-order model where none is identified.
-fn steepest(export: &Export<'_>, flight: &FlightModel) -> f64 {
+/// The largest distance of the system from the low-order model behind a step of the command \[% of the step\], in steps of this length.
+fn difference_percent(export: &Export<'_>, flight: &FlightModel, step_s: f64) -> f64 {
     let model = export.model;
     let of_band = model.band_estimate.as_ref();
     let settling = of_band.map_or(model.structure.settling_samples, |found| {
         found.settling_samples
     });
-    // That of the filter in the file: noise makes single samples of an identified response steeper.
-    let discrete = flight.transfer.discrete(model.timing());
-    let response = discrete.simulate(&vec![1.0; settling], 0.0);
-    let last = response.last().copied().unwrap_or(f64::NAN);
-    let slope = |(earlier, later): (&f64, &f64)| ((later - earlier) / last).abs();
-    let slopes = response.iter().zip(response.iter().skip(1)).map(slope);
-    slopes.fold(0.0, f64::max) / export.model.sample_period_s
+    let count = settling as f64 * model.sample_period_s / step_s;
+    // No program has a delay below zero.
+    let exact = LowOrder {
+        gain: 1.0,
+        delay_s: flight.transfer.delay_s.max(0.0),
+        ..flight.transfer
+    };
+    let off = |part: f64| {
+        let response = step_response(&exact, step_s, part).take(count as usize + 1);
+        let apart = response
+            .enumerate()
+            .map(|(step, position)| (position - exact.step((step as f64 - part) * step_s)).abs());
+        apart.fold(0.0, f64::max)
+    };
+    let parts = (0..PULSES).map(|pulse| (f64::from(pulse) * export.frame_s() / step_s).fract());
+    100.0 * parts.map(off).fold(0.0, f64::max)
+}
+
+/// The position at the beginning of each step behind a command of 1 that begins at this `part` of the first one, as JSBSim computes it.
+fn step_response(transfer: &LowOrder, step_s: f64, part: f64) -> impl Iterator<Item = f64> + use<> {
+    let mut late = DelayOfParts::new(transfer.delay_s, step_s, 0.0);
+    let mut lag = transfer.lag_s.map(|lag| FirstOrder::new(lag, step_s));
+    let mut oscillator = transfer.oscillator.map(|found| {
+        let w = found.omega_rad_s;
+        SecondOrder::new(w * w, 2.0 * found.damping * w, step_s, 0.0)
+    });
+    let commands = std::iter::once(1.0 - part).chain(std::iter::repeat(1.0));
+    commands.map(move |command| {
+        let delayed = late.pass(command);
+        let lagged = lag.as_mut().map_or(delayed, |lag| lag.pass(delayed));
+        oscillator
+            .as_mut()
+            .map_or(lagged, |filter| filter.pass(lagged))
+    })
 }
 
 /// The poles, one component for each factor of the denominator, and the property that they end in.

@@ -7,15 +7,18 @@
 
 mod csv;
 mod doubts;
+mod emulation;
 mod error;
 mod frame_hold;
 mod jsbsim;
+mod jsbsim_delay;
 mod languages;
 mod model;
 mod neutral;
 mod recorded;
 pub mod servo_model;
 mod statement;
+mod strokes;
 mod target;
 mod text;
 

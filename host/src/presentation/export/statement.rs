@@ -169,6 +169,7 @@ impl Export<'_> {
         paragraphs.extend(warnings.map(|warning| format!("WARNING: {warning}.")));
         let advice = self.model.advice.iter();
         paragraphs.extend(advice.map(|a| format!("Advice: {} {}", a.finding, a.remedy)));
+        paragraphs.extend(self.strokes());
         paragraphs.extend(self.recorded());
         paragraphs.extend([
             self.units_and_signs(),
@@ -241,13 +242,7 @@ impl Export<'_> {
 
     fn hold(&self, held: bool) -> String {
         let milliseconds = |seconds: f64| number((seconds * 1e7).round() / 1e4);
-        let begin = match self.metadata.moving_command {
-            false => "Delay: all of the servo's own delay, counted from the edge of the command as it was applied, is in the model.".to_owned(),
-            true => format!(
-                "Delay: that of a servo that was held at the command of each row. The command of the recording moves on with every row: if the servo followed it between them, its delay is up to {} ms longer than in this file.",
-                milliseconds(self.metadata.sensor_delay_uncertainty_s)
-            ),
-        };
+        let begin = self.metadata.open_delay().unwrap_or_else(|| "Delay: all of the servo's own delay, counted from the edge of the command as it was applied, is in the model.".to_owned());
         let frame = self
             .metadata
             .pulse_frame_s

@@ -17,7 +17,9 @@ mod validation;
 mod wording;
 
 pub use both_models::{answer_of_servo_model, of_both_models};
-pub use response::at_frequencies::{AskedSine, at_frequencies};
+pub use response::at_frequencies::{
+    AskedSine, GainAndPhase, at_frequencies, sine_of_linear_model, sine_of_machine,
+};
 pub(crate) use response::beyond_linear::STROKES_OF_ONE_DIRECTION;
 pub use response::beyond_linear::{of_flight_model, of_limits, of_strokes};
 pub use response::linear_model::{Extent, of_model};

@@ -3,6 +3,7 @@
 use super::{SUBJECT, export, must, rows, works};
 use crate::support::{arg, run};
 use serde_json::json;
+use servoid_identification::flight_model::LowOrder;
 use servoid_test_support::tools::missing;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -33,6 +34,9 @@ pub(super) const AIRCRAFT: &str = r#"<?xml version="1.0"?>
 
 /// Step of the simulation (s).
 const STEP_S: f64 = 0.0005;
+
+/// By how much of its largest motion within a step a position may be off: a delay of whole steps would make it half of it or more.
+const OF_A_STEP: f64 = 0.3;
 
 /// Steps the command at a time and prints the time at which a step begins, and the position behind it.
 const SCRIPT: &str = r"
@@ -112,7 +116,7 @@ fn the_actuator_moves_as_the_low_order_model() {
         );
     }
     let transfer = SUBJECT.flight.transfer;
-    // A command is taken up in the first step of a frame, of which it may be new; a later one waits. Without the hold it acts from the step on in which it comes.
+    // A pulse has the command of the step in which it begins, of which that may be new; a later one waits. Without the hold it acts from the step on in which it comes.
     for (step_s, at, hold, edge) in [
         (STEP_S, "0.0595", "1", 0.06),
         (STEP_S, "0.06", "1", 0.06),
@@ -120,26 +124,75 @@ fn the_actuator_moves_as_the_low_order_model() {
         (STEP_S, "0.067", "0", 0.067),
         (0.002, "0.06", "1", 0.06),
         (0.0025, "0.06", "1", 0.06),
-        // The third step begins at 25 ms, the eighth at 66.7 ms.
-        (1.0 / 120.0, "0.02", "1", 3.0 / 120.0),
-        (1.0 / 120.0, "0.06", "1", 8.0 / 120.0),
+        // The step of 58.3 ms is the first of the command, and a pulse begins in it; that of 25 ms waits for the one of 40 ms.
+        (1.0 / 120.0, "0.02", "1", 0.04),
+        (1.0 / 120.0, "0.06", "1", 0.06),
         (0.003, "0.06", "1", 0.06),
-        (0.003, "0.062", "1", 0.081),
+        (0.003, "0.062", "1", 0.08),
     ] {
         let found = respond(at, step_s, "0", hold, folder.path());
         assert!(found.len() as f64 > 0.25 / step_s, "{}", found.len());
-        // Whole steps and Tustin's rule: half a step of time each way, so no more than the servo moves
-        // in a whole one.
-        let moved = |k: i32| {
-            transfer.step(step_s * f64::from(k + 1)) - transfer.step(step_s * f64::from(k))
-        };
-        let largest = (0..1000).map(|k| moved(k).abs()).fold(0.0, f64::max);
+        let largest = OF_A_STEP * largest_motion(&transfer, step_s);
         for (time, position) in found {
             let exact = SUBJECT.model.offset + transfer.step(time - edge);
             assert!(
                 (position - exact).abs() < largest,
                 "{at}: {position} for {exact} at {time}"
             );
+        }
+    }
+}
+
+/// The largest motion within a step of this length, behind a step of the command.
+fn largest_motion(transfer: &LowOrder, step_s: f64) -> f64 {
+    let at = |step: u32| transfer.step(transfer.delay_s + step_s * f64::from(step));
+    let moved = (0..1000).map(|step| (at(step + 1) - at(step)).abs());
+    moved.fold(0.0, f64::max)
+}
+
+/// Delays of no step, of a part of one, of one and of some: at rates that JSBSim has, as right as the header says.
+#[test]
+fn a_delay_is_right_to_a_part_of_a_step() {
+    if !works("python3", &["-c", "import jsbsim"]) {
+        return missing("delays in JSBSim", "python's jsbsim is not installed");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let out = stand(folder.path()).join("servo_bench_1.xml");
+    let file = folder.path().join("delayed.json");
+    let name = ["--name", "bench 1", "-o", arg(&out), "-q", "--force"];
+    for delay_s in [0.0, 0.002, 0.005, 0.0083, 1.0 / 120.0, 0.012, 0.02] {
+        let mut flight = SUBJECT.flight.clone();
+        flight.transfer.delay_s = delay_s;
+        flight.delay_s.value = Some(delay_s);
+        let transfer = flight.transfer;
+        let mut document = crate::support::json(&SUBJECT.file);
+        document["flight_model"] = json!(flight);
+        std::fs::write(&file, document.to_string()).unwrap();
+        let options = ["export", arg(&file), "--to", "jsbsim", "--frame-ms", "0"];
+        run(&[&options[..], &name].concat());
+        let said = std::fs::read_to_string(&out).unwrap();
+        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+        for hz in [120.0, 400.0, 500.0] {
+            let begin = 6.0 / 120.0;
+            let exact = |time: f64| SUBJECT.model.offset + transfer.step(time - begin);
+            let found = respond("0.05", 1.0 / hz, "0", "1", folder.path());
+            let apart = found.iter().map(|(time, at)| (at - exact(*time)).abs());
+            let apart = apart.fold(0.0, f64::max);
+            assert!(
+                apart < OF_A_STEP * largest_motion(&transfer, 1.0 / hz),
+                "{apart} at {hz} Hz with a delay of {delay_s} s"
+            );
+            if hz != 400.0 {
+                let stated = format!(" % at {hz} Hz");
+                let (before, _) = said.split_once(&stated).unwrap();
+                let stated = before.rsplit(' ').next().unwrap().parse::<f64>().unwrap();
+                let percent = 100.0 * apart / transfer.gain.abs();
+                // Four digits are written.
+                assert!(
+                    (percent - stated).abs() < 1e-3 * stated,
+                    "{percent} {stated}"
+                );
+            }
         }
     }
 }

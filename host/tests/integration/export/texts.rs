@@ -311,3 +311,71 @@ fn a_linear_file_says_which_commands_and_speeds_were_recorded() {
         );
     }
 }
+
+/// The text in one line, without the signs that begin the lines of a comment.
+fn prose(text: &str) -> String {
+    let text = text.replace(['\n', '#', '%', '*'], " ");
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// Of one size, of several, and of a servo that is not linear, which moves otherwise in others.
+#[test]
+fn a_linear_file_says_for_which_strokes_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let of = |change: &dyn Fn(&mut serde_json::Value), target: &str| {
+        prose(&text(&changed(folder.path(), change), target, &[]))
+    };
+    for target in TARGETS {
+        let one_size = of(&|json| json["only_stroke"] = 10.0.into(), target);
+        let said = "Strokes: all of the recording are of 10 deg, and this model is for those.";
+        assert!(one_size.contains(said), "{target}: {one_size}");
+        let several = of(
+            &|json| {
+                json.as_object_mut().unwrap().remove("only_stroke");
+            },
+            target,
+        );
+        assert!(!several.contains("Strokes:"), "{target}: {several}");
+        let not_linear = of(
+            &|json| {
+                json["linear"] = false.into();
+                json.as_object_mut().unwrap().remove("only_stroke");
+            },
+            target,
+        );
+        let said = "moves otherwise in smaller and in larger strokes. This model is for those of the recording together (commands from -5.00 to 5.00 deg).";
+        assert!(not_linear.contains(said), "{target}: {not_linear}");
+    }
+}
+
+/// The linear file and that of the servo model, from one function.
+#[test]
+fn both_files_say_what_rows_leave_open_of_the_delay() {
+    let folder = tempfile::tempdir().unwrap();
+    let record = folder.path().join("stairs.csv");
+    let file = folder.path().join("stairs.json");
+    let stairs = [
+        "--servo",
+        "bench",
+        "--reference",
+        "stairs",
+        "--length",
+        "20",
+    ];
+    run(&[&["simulate", "-o", arg(&record)], &stairs[..]].concat());
+    run(&["identify", arg(&record), "--servo-model", "-o", arg(&file)]);
+    let open = "if the servo followed it between them, its delay is up to 12.0 ms longer than in this file.";
+    let mut document = crate::support::json(&file);
+    for (moves, servo_model) in [(false, false), (false, true), (true, false), (true, true)] {
+        if moves {
+            document["moving_command"] = true.into();
+            document["sensor_delay_uncertainty_s"] = 0.012.into();
+        }
+        std::fs::write(&file, document.to_string()).unwrap();
+        let more: &[&str] = if servo_model { &["--servo-model"] } else { &[] };
+        for target in ["python", "c", "jsbsim"] {
+            let said = prose(&text(&file, target, more));
+            assert_eq!(said.contains(open), moves, "{target} {servo_model}: {said}");
+        }
+    }
+}

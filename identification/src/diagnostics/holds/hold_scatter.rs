@@ -33,7 +33,7 @@ impl HoldScatter {
         let off = self.visits.hypot(self.levels);
         let levels = (off > 0.0).then(|| {
             format!(
-                "levels are off by {} of the command, as by rounding of what was written, or by friction",
+                "levels are off by {} in the unit of the command, as by rounding of what was written, or by friction",
                 two_digits(off)
             )
         });
@@ -81,7 +81,7 @@ mod tests {
         };
         let little = of(1.234e-6, 0.0031);
         assert!(
-            little.contains("scatter by 0.0012 ms, and levels are off by 0.0031 of"),
+            little.contains("scatter by 0.0012 ms, and levels are off by 0.0031 in the"),
             "{little}"
         );
         assert!(of(0.01234, 0.0).contains("scatter by 12 ms."));

@@ -4,7 +4,6 @@
 //! order. The filter is the one that lags as far behind a ramp as the servo does.
 
 use super::difference::Difference;
-use super::emulation::{DelayLine, SecondOrder};
 use super::exported::ExportedServo;
 use super::fixed_step::chosen_step_s;
 use super::full_command::{FULL_DEG, FullCommand};
@@ -15,6 +14,7 @@ use super::subject::ServoExport;
 use super::terms::Term;
 use super::trial_command::Trial;
 use super::worst_command::with_worst;
+use crate::presentation::export::emulation::{DelayLine, SecondOrder};
 use crate::presentation::export::error::ExportError;
 use crate::presentation::export::target::Target;
 use crate::presentation::export::text::{SCRIPT_STYLE, number};

@@ -3,9 +3,7 @@
 //! Behind the actuator the filter's lag behind a ramp, c/k times the speed, is the distance at which a servo of full drive begins to
 //! brake. A servo whose speed alone is limited does not brake, and would be late by c/k: its filter comes first.
 
-use super::delay_in_steps::{delay_in_words, rounded_delay, to_nanoseconds};
 use super::difference::Difference;
-use super::emulation::{DelayLine, SecondOrder};
 use super::exported::ExportedServo;
 use super::fixed_step::longest_s;
 use super::rate_limit::{RateFit, behind_in_larger_strokes, best_share};
@@ -15,8 +13,10 @@ use super::subject::{NO_LIMIT, ServoExport};
 use super::terms::Term;
 use super::trial_command::Trial;
 use super::worst_command::with_worst;
+use crate::presentation::export::emulation::SecondOrder;
 use crate::presentation::export::error::ExportError;
 use crate::presentation::export::jsbsim::{NO_NUMBER, TIME, before_servo, hold_switch, start};
+use crate::presentation::export::jsbsim_delay::{DelayOfParts, aligned};
 use crate::presentation::export::neutral::neutral;
 use crate::presentation::export::target::Target;
 use crate::presentation::export::text::{XML_STYLE, identifier, number};
@@ -108,22 +108,11 @@ impl Actuator {
         }
     }
 
-    /// By how many steps both delays are late: one of n whole steps delays by n-1, and the second, of three steps, by two.
-    fn delay_steps(&self, step_s: f64) -> usize {
-        let whole = (self.delay_s / step_s) as usize;
-        whole.saturating_sub(1) + 2
-    }
-
-    /// By how much the position is late \[s\]: Tustin's rule is early by half a step.
-    fn late_s(&self, step_s: f64) -> f64 {
-        to_nanoseconds((self.delay_steps(step_s) as f64 - 0.5) * step_s)
-    }
-
     /// The position at the beginning of each step, as JSBSim computes it: an actuator limits the rate, then has its hysteresis and its
     /// delay, and filters are discrete by Tustin's rule.
     fn respond(&self, command: &[f64], step_s: f64) -> Vec<f64> {
         let [least, most] = self.commands;
-        let mut late = DelayLine::new(self.delay_steps(step_s), self.centre);
+        let mut late = DelayOfParts::new(self.delay_s, step_s, self.centre);
         let mut filter = SecondOrder::new(self.stiffness, self.damping, step_s, self.centre);
         let (mut limited, mut played) = (self.centre, self.centre);
         let mut act = |command: f64| {
@@ -157,37 +146,38 @@ impl Actuator {
 
     /// The parts of the system from the property `input` on, in their order, and the property behind them.
     fn parts(&self, id: &str, input: &str) -> (String, String) {
-        let actuator = [
-            (
-                include_str!("../templates/servo_model/limited.xml"),
-                "limited",
-            ),
-            (
-                include_str!("../templates/servo_model/aligned.xml"),
-                "aligned",
-            ),
-        ];
-        let filter = [(include_str!("../templates/oscillator.xml"), "moved")];
-        let order = match self.filter {
-            Filter::Before => [&filter[..], &actuator].concat(),
-            Filter::Behind => [&actuator[..], &filter].concat(),
+        let [limited, aligned_at, moved] =
+            ["limited", "aligned", "moved"].map(|name| format!("fcs/{id}-{name}"));
+        let first = format!("fcs/{id}-{input}");
+        let (to_actuator, to_filter, last) = match self.filter {
+            Filter::Before => (&moved, &first, &aligned_at),
+            Filter::Behind => (&first, &aligned_at, &moved),
         };
-        let mut property = format!("fcs/{id}-{input}");
-        let part = |(template, name): (&str, &str)| {
-            let values = [
+        let values = |input: &str| {
+            [
                 ("id", id.to_owned()),
-                (
-                    "input",
-                    std::mem::replace(&mut property, format!("fcs/{id}-{name}")),
-                ),
+                ("input", input.to_owned()),
                 ("elements", self.elements()),
                 ("square", number(self.stiffness)),
                 ("middle", number(self.damping)),
-            ];
-            fill(template, &values)
+            ]
         };
-        let parts: Vec<String> = order.into_iter().map(part).collect();
-        (parts.join("\n"), property)
+        let actuator = [
+            fill(
+                include_str!("../templates/servo_model/limited.xml"),
+                &values(to_actuator),
+            ),
+            aligned(id, &limited, self.delay_s),
+        ];
+        let filter = [fill(
+            include_str!("../templates/oscillator.xml"),
+            &values(to_filter),
+        )];
+        let parts = match self.filter {
+            Filter::Before => [&filter[..], &actuator].concat(),
+            Filter::Behind => [&actuator[..], &filter].concat(),
+        };
+        (parts.join("\n"), last.clone())
     }
 
     /// What its elements are of the servo.
@@ -283,8 +273,7 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     let id = identifier(export.name);
     let [limits, tops] = [&actuator, &any].map(|of| of.rates.map(<[f64; 2]>::from));
     let rate = export.rate(limits, tops.unwrap_or_default());
-    let late = late_pulses(export, step_s);
-    let mut about = about(export, &actuator, rate, &difference, late.as_deref());
+    let mut about = about(export, &actuator, rate, &difference);
     about.push(smooth.in_words(export, late_s));
     let centre = actuator.centre;
     let (mut before, input) = before_servo(&id, centre, export.frame_s());
@@ -318,12 +307,7 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     Ok(ExportedServo::new(text, difference)?
         .lacking(export, "JSBSim", &LEFT_OUT)?
         .warned(long_steps(export))
-        .warned(late)
-        .with(
-            behind_in_larger_strokes(fit.share)
-                .into_iter()
-                .chain(rounded_delay(export, actuator.late_s(step_s), step_s)),
-        ))
+        .with(behind_in_larger_strokes(fit.share)))
 }
 
 /// That the chosen steps are long: JSBSim runs at 120 Hz as a rule, where a quick servo has no shorter ones.
@@ -339,42 +323,8 @@ fn long_steps(export: &ServoExport<'_>) -> Option<String> {
     })
 }
 
-/// This part of a step is rounding where a frame has a whole number of steps.
-const ROUNDING: f64 = 1e-3;
-
-/// That steps lie beside the pulses, where a frame is no whole number of them: the system takes a command in the first step behind its pulse.
-fn late_pulses(export: &ServoExport<'_>, step_s: f64) -> Option<String> {
-    let frame_s = export.frame_s();
-    let steps = frame_s / step_s;
-    if (steps - steps.round()).abs() <= ROUNDING {
-        return None;
-    }
-    let gain = export.parameters.gain.abs();
-    let way = export.top_speeds().map(|(up, down)| {
-        let way = four_digits(gain * up.max(down) * step_s);
-        format!(", {way} {} at the top speed", export.output_unit())
-    });
-    let fitting = (steps.ceil() as usize..).take(3);
-    let fitting: Vec<String> = fitting
-        .map(|steps| four_digits(1e3 * frame_s / steps as f64))
-        .collect();
-    Some(format!(
-        "steps of {} ms do not divide the pulse frame of {} ms: the system takes a command up to a step after its pulse{}, which is not in the differences; steps such as {} ms do",
-        four_digits(1e3 * step_s),
-        four_digits(1e3 * frame_s),
-        way.unwrap_or_default(),
-        fitting.join(" or ")
-    ))
-}
-
 /// How the delay is counted out.
-fn delay(export: &ServoExport<'_>, actuator: &Actuator, step_s: f64) -> String {
-    format!(
-        "Delay: in steps of {} ms {} JSBSim cuts a delay off to whole steps and delays by one of them less; the second delay of this system makes up for that, for half a step, which is cut off on average, and for half a step by which Tustin's rule is early.",
-        four_digits(1e3 * step_s),
-        delay_in_words(export, actuator.late_s(step_s), step_s)
-    )
-}
+const DELAY: &str = "Delay in steps: right to a part of one. JSBSim cuts a delay off to whole steps and delays by one of them less; the parts behind it make up for that, and for half a step by which Tustin's rule is early.";
 
 /// At which rate the system is to run.
 fn steps(export: &ServoExport<'_>, difference: &Difference) -> String {
@@ -394,7 +344,6 @@ fn about(
     actuator: &Actuator,
     rate: String,
     difference: &Difference,
-    late: Option<&str>,
 ) -> Vec<String> {
     let mut about = export.statement(Target::Jsbsim);
     about.extend(export.stops_in_words(
@@ -408,10 +357,9 @@ fn about(
         ),
         export.frame(Frame::InFile),
     ]);
-    about.extend(late.map(|late| format!("WARNING: {late}.")));
     about.extend([
         actuator.in_words(),
-        delay(export, actuator, difference.trial.step_s),
+        DELAY.to_owned(),
         rate,
         format!(
             "Time: {TIME} {} Set the step before the aircraft is loaded: delays are counted out then.",

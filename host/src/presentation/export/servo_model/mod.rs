@@ -9,7 +9,6 @@ mod ardupilot;
 mod broken_off_stroke;
 mod delay_in_steps;
 mod difference;
-mod emulation;
 mod exported;
 mod fixed_step;
 mod full_command;

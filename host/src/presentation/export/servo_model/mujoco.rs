@@ -5,7 +5,6 @@
 
 use super::delay_in_steps::{delay_in_words, rounded_delay, to_nanoseconds};
 use super::difference::Difference;
-use super::emulation::DelayLine;
 use super::exported::ExportedServo;
 use super::fixed_step::step_s;
 use super::load_mass::{GRAVITY, Turn, Weight};
@@ -17,6 +16,7 @@ use super::subject::ServoExport;
 use super::terms::Term;
 use super::trial_command::Trial;
 use super::worst_command::with_worst;
+use crate::presentation::export::emulation::DelayLine;
 use crate::presentation::export::error::ExportError;
 use crate::presentation::export::target::Target;
 use crate::presentation::export::text::{XML_STYLE, identifier, number};

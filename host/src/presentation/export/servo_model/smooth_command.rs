@@ -61,25 +61,35 @@ impl SmoothCommand {
         self.sampled(|time_s| time_s)
     }
 
-    /// The same, new in the first step of each pulse frame, where there is one.
+    /// The same as the servo has it, held for each pulse frame where there is one: the mean of each step, in which a pulse may begin.
     pub fn held(&self) -> Vec<f64> {
-        self.sampled(|time_s| match self.frame_s > 0.0 {
-            true => {
-                let slack_s = SLACK * self.step_s;
-                let edge_s = ((time_s + slack_s) / self.frame_s).floor() * self.frame_s;
-                ((edge_s - slack_s) / self.step_s).ceil() * self.step_s
-            }
-            false => time_s,
-        })
+        if self.frame_s == 0.0 {
+            return self.command();
+        }
+        let slack_s = SLACK * self.step_s;
+        // A pulse has the command of the step in which it begins.
+        let of_pulse = |pulse_s: f64| {
+            let step = ((pulse_s + slack_s) / self.step_s).floor();
+            self.at(step * self.step_s)
+        };
+        let mean = |step: usize| {
+            let time_s = step as f64 * self.step_s;
+            let pulse_s = ((time_s - slack_s) / self.frame_s).ceil() * self.frame_s;
+            let before = of_pulse(pulse_s - self.frame_s);
+            let part = ((pulse_s - time_s) / self.step_s).min(1.0);
+            part * before + (1.0 - part) * of_pulse(pulse_s)
+        };
+        (0..PERIODS * self.steps_per_period).map(mean).collect()
     }
 
     fn sampled(&self, taken_s: impl Fn(f64) -> f64) -> Vec<f64> {
-        let omega = TAU / self.period_s();
-        let command = |step: usize| {
-            let time_s = taken_s(step as f64 * self.step_s);
-            self.middle + self.amplitude * (omega * time_s).sin()
-        };
+        let command = |step: usize| self.at(taken_s(step as f64 * self.step_s));
         (0..PERIODS * self.steps_per_period).map(command).collect()
+    }
+
+    /// The sine at this time.
+    fn at(&self, time_s: f64) -> f64 {
+        self.middle + self.amplitude * (TAU / self.period_s() * time_s).sin()
     }
 
     fn period_s(&self) -> f64 {

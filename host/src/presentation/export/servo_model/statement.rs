@@ -165,6 +165,7 @@ impl ServoExport<'_> {
         ]);
         let offset = summary::run_offsets_in_words(self.model, self.metadata.units());
         paragraphs.extend(offset.map(|sentence| format!("Offset: {sentence}")));
+        paragraphs.extend(self.metadata.open_delay());
         paragraphs.push(self.quality());
         paragraphs
     }
@@ -246,7 +247,7 @@ impl ServoExport<'_> {
         }
         let here = match does {
             Frame::InFile => format!(
-                "this file takes the command in the first step at or after each multiple of {frame} ms, and holds it until the next"
+                "this file takes the command that stands at each multiple of {frame} ms, and holds it until the next"
             ),
             Frame::BeforeFile => format!(
                 "this file takes it at any step. Put a sample and hold of {frame} ms before it"

@@ -3,7 +3,7 @@
 use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::summary::wording::numbers::{decimals, fixed, head_of_bounds};
 use servoid_identification::Error;
-use servoid_identification::results::{Bounds, FrequencyResponse, Interval, Model};
+use servoid_identification::results::{Bounds, FrequencyResponse, Interval, Model, Reason};
 use servoid_identification::servo_model::ServoModel;
 use std::f64::consts::TAU;
 
@@ -17,6 +17,15 @@ pub struct AskedSine {
     pub hertz: f64,
     /// How far it goes to each side \[unit of the command\], which a servo that is limited depends on.
     pub amplitude: Option<f64>,
+}
+
+/// What becomes of a sine.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GainAndPhase {
+    /// Amplitude of the motion over that of the command \[output per input\]; without ends where bounds are withdrawn.
+    pub gain: Interval,
+    /// Phase \[degrees\]; a lag is negative.
+    pub phase_deg: Interval,
 }
 
 /// Gain and phase \[degrees\] of `model` at each frequency that is asked for, two lines of a table each, and of the servo as a machine at those
@@ -43,27 +52,12 @@ pub fn at_frequencies(
 
 /// Of the servo as a machine, under a sine of this amplitude.
 fn of_machine(servo: &ServoModel, of: &ModelMetadata, hertz: f64, amplitude: f64) -> String {
-    let found = servo.respond_to_sine(hertz, amplitude, 0);
+    let (found, withdrawn) = sine_of_machine(servo, of, hertz, amplitude, 0);
     let level = servo.covariance.as_ref().map(|own| own.level);
-    let head = match (found.bounds, level) {
+    let head = match (withdrawn, level) {
         // That of all of the model is said beside it.
-        (Bounds::Withdrawn(reason), Bounds::Valid(_)) => format!("no bounds: {}", reason.because()),
+        (Some(reason), Bounds::Valid(_)) => format!("no bounds: {}", reason.because()),
         _ => head_of_bounds(level),
-    };
-    let open_deg = 360.0 * hertz * of.sensor_delay_uncertainty_s;
-    let [gain, phase] = match found.bounds.valid() {
-        Some([gain, phase]) => [
-            *gain,
-            Interval {
-                lower: phase.lower.map(|lower| lower - open_deg),
-                upper: phase.upper.map(|upper| upper + open_deg),
-                ..*phase
-            },
-        ],
-        None => [found.gain, found.phase_deg].map(|value| Interval {
-            value: Some(value),
-            ..Interval::default()
-        }),
     };
     let unit = of
         .units()
@@ -71,8 +65,9 @@ fn of_machine(servo: &ServoModel, of: &ModelMetadata, hertz: f64, amplitude: f64
         .map(|unit| format!(" {unit}"))
         .unwrap_or_default();
     let name = format!("servo model, ±{amplitude}{unit}");
-    let open = match found.bounds.valid() {
-        None if open_deg > 0.0 => format!(
+    let open_deg = open_deg(of, hertz);
+    let open = match withdrawn {
+        Some(_) if open_deg > 0.0 => format!(
             "  {:22} the times of the recording leave ±{} deg of it open\n",
             "",
             fixed(open_deg, 1)
@@ -80,8 +75,66 @@ fn of_machine(servo: &ServoModel, of: &ModelMetadata, hertz: f64, amplitude: f64
         _ => String::new(),
     };
     format!("\n  {name:22} {:>10}       {head}\n", "value")
-        + &lines((gain, phase), of, hertz)
+        + &lines((found.gain, found.phase_deg), of, hertz)
         + &open
+}
+
+/// By how much the times of the recording leave the phase open \[degrees\].
+fn open_deg(of: &ModelMetadata, hertz: f64) -> f64 {
+    360.0 * hertz * of.sensor_delay_uncertainty_s
+}
+
+/// The response of the servo as a machine, with the controller number `controller` (from 0), to a sine of this amplitude, and why it has no bounds, where
+/// it has none. What the times of the recording leave open is in them.
+#[must_use]
+pub fn sine_of_machine(
+    servo: &ServoModel,
+    of: &ModelMetadata,
+    hertz: f64,
+    amplitude: f64,
+    controller: usize,
+) -> (GainAndPhase, Option<Reason>) {
+    let found = servo.respond_to_sine(hertz, amplitude, controller);
+    let open_deg = open_deg(of, hertz);
+    match found.bounds {
+        Bounds::Valid([gain, phase]) => {
+            let phase_deg = Interval {
+                lower: phase.lower.map(|lower| lower - open_deg),
+                upper: phase.upper.map(|upper| upper + open_deg),
+                ..phase
+            };
+            (GainAndPhase { gain, phase_deg }, None)
+        }
+        Bounds::Withdrawn(reason) => {
+            let [gain, phase_deg] = [found.gain, found.phase_deg].map(|value| Interval {
+                value: Some(value),
+                ..Interval::default()
+            });
+            (GainAndPhase { gain, phase_deg }, Some(reason))
+        }
+    }
+}
+
+/// The response of the linear model to a sine, without a hold of the command, or why it has none there.
+///
+/// # Errors
+/// The document of the model was changed by hand.
+pub fn sine_of_linear_model(
+    model: &Model,
+    hertz: f64,
+) -> Result<Result<GainAndPhase, String>, Error> {
+    if hertz > 0.5 / model.sample_period_s {
+        return Ok(Err(
+            "above half of the rows in a second: this recording does not show it".to_owned(),
+        ));
+    }
+    let has_bounds = model.frequency.bounds.valid().is_some();
+    let found = gain_and_phase(model, hertz)?;
+    Ok(match (found, model.metrics.why_withheld()) {
+        (None, _) => Err("outside of the frequencies of the commands".to_owned()),
+        (Some(_), Some(because)) if !has_bounds => Err(format!("withheld: {because}")),
+        (Some((gain, phase_deg)), _) => Ok(GainAndPhase { gain, phase_deg }),
+    })
 }
 
 fn of_linear_model(
@@ -101,23 +154,13 @@ fn of_linear_model(
         "linear model", "value"
     );
     for hertz in asked.iter().map(|sine| sine.hertz) {
-        let missing = |why: &str| {
-            format!(
+        text += &match sine_of_linear_model(model, hertz)? {
+            Ok(found) => lines((found.gain, found.phase_deg), of, hertz),
+            Err(why) => format!(
                 "  {:22} {:>10}       {why}\n",
                 format!("gain at {hertz} Hz"),
                 "-"
-            )
-        };
-        if hertz > 0.5 / model.sample_period_s {
-            text += &missing("above half of the rows in a second: this recording does not show it");
-            continue;
-        }
-        text += &match (gain_and_phase(model, hertz)?, model.metrics.why_withheld()) {
-            (None, _) => missing("outside of the frequencies of the commands"),
-            (Some(_), Some(because)) if bounds.valid().is_none() => {
-                missing(&format!("withheld: {because}"))
-            }
-            (Some(found), _) => lines(found, of, hertz),
+            ),
         };
     }
     Ok(text)

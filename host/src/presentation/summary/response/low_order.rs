@@ -2,7 +2,7 @@
 
 use super::first_finding::first_finding;
 use crate::data::units::Units;
-use crate::presentation::summary::wording::numbers::{digits, digits_beside, percent};
+use crate::presentation::summary::wording::numbers::{digits, digits_beside, four_digits, percent};
 use servoid_identification::flight_model::FlightModel;
 use servoid_identification::results::{Interval, Model, with_unit};
 
@@ -33,6 +33,9 @@ pub(crate) fn low_order_sentence(
             continue;
         };
         match value_and_interval(&interval, scale) {
+            Some(_) if name == "delay" && interval.value < Some(0.0) => {
+                known.push(below_zero(&interval));
+            }
             Some((value, interval)) => {
                 let value = with_unit(&value, unit);
                 known.push(format!("a {name} of {value} ({interval})"));
@@ -71,6 +74,21 @@ pub(crate) fn gain_by_order(flight: &FlightModel, units: Units<'_>) -> Option<(S
     Some((with_unit(&value, &gain), below))
 }
 
+/// Of a delay that was fitted below zero, where no servo has one.
+fn below_zero(delay: &Interval) -> String {
+    let in_ms = |seconds: f64| four_digits(1e3 * seconds);
+    let fitted = in_ms(delay.value.unwrap_or(f64::NAN));
+    match delay.upper.filter(|upper| *upper > 0.0) {
+        Some(upper) => format!(
+            "a delay of at most {} ms (fitted as {fitted} ms)",
+            in_ms(upper)
+        ),
+        None => format!(
+            "no delay (fitted as {fitted} ms, as if it moved before its command: commands and positions have other times than the file says)"
+        ),
+    }
+}
+
 /// "0.950", "0.949 .. 0.951".
 fn value_and_interval(interval: &Interval, scale: f64) -> Option<(String, String)> {
     let [value, lower, upper] = [interval.value?, interval.lower?, interval.upper?];
@@ -79,4 +97,20 @@ fn value_and_interval(interval: &Interval, scale: f64) -> Option<(String, String
         shown(value),
         format!("{} .. {}", shown(lower), shown(upper)),
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_delay_below_zero_is_none() {
+        let of = |value, lower, upper| below_zero(&Interval::new(value, lower, upper));
+        let may_be = of(-0.0021, -0.008, 0.0043);
+        assert!(
+            may_be.starts_with("a delay of at most 4.300 ms"),
+            "{may_be}"
+        );
+        assert!(of(-0.0021, -0.0031, -0.0011).starts_with("no delay (fitted as -2.100 ms"));
+    }
 }

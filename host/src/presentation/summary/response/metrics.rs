@@ -140,8 +140,20 @@ impl MetricEntry {
         }
     }
 
-    /// Value and bounds. Without bounds nothing says how many digits hold, so it has three at the most.
+    /// Value and bounds.
     pub(crate) fn cell(&self, interval: &Interval) -> (String, String) {
+        let (value, bounds) = self.shown(interval);
+        // Times and shares are 0 or more in all servos.
+        let says_nothing = interval.upper.is_none()
+            && (interval.lower).is_some_and(|lower| self.number(lower, lower).parse() == Ok(0.0));
+        match says_nothing {
+            true => (value, String::new()),
+            false => (value, bounds),
+        }
+    }
+
+    /// Value and bounds. Without bounds nothing says how many digits hold, so it has three at the most.
+    fn shown(&self, interval: &Interval) -> (String, String) {
         let bounds = self.bounds(interval);
         // A time that the record shows no end of is known by its lower bound alone.
         let open = interval.lower.is_some() && interval.upper.is_none();
@@ -163,7 +175,7 @@ impl MetricEntry {
         };
         let ends = value.zip(lower.zip(upper));
         let Some((value, (lower, upper))) = ends else {
-            return self.cell(&interval);
+            return self.shown(&interval);
         };
         let (_, scale, digits) = self.unit;
         let of_sides = match (self.key, found.a) {

@@ -100,11 +100,13 @@ pub(crate) fn half_way_and_settled(metrics: &Metrics) -> Vec<String> {
     half.into_iter().chain(settled).collect()
 }
 
-/// "32 ms" where no more is to be said, "107 ms (84 to 131)" of what is hardly known, and "at most 22 ms" of what may be nothing; `None` of what may be anything.
+/// "32 ms" where no more is to be said, "107 ms (84 to 131)" of what is hardly known, and "at most 22 ms" of what may be nothing; `None` of what may be anything,
+/// and of a time before the command, which no servo has.
 fn in_ms(time: Interval) -> Option<String> {
     let whole = |seconds: f64| format!("{:.0}", 1e3 * seconds);
     let seconds = time.value?;
-    if is_open(time) {
+    let is_impossible = time.upper.unwrap_or(seconds) < 0.0;
+    if is_open(time) || is_impossible {
         return None;
     }
     Some(match time.lower.zip(time.upper) {
@@ -261,6 +263,11 @@ mod tests {
             ..Interval::default()
         };
         assert_eq!(in_ms(unknown).unwrap(), "13 ms");
+        let before = Interval {
+            value: Some(-0.0021),
+            ..Interval::default()
+        };
+        assert_eq!(in_ms(before), None);
     }
 
     #[test]

@@ -18,7 +18,7 @@ fn option(setting: Setting) -> &'static str {
     }
 }
 
-/// Each finding and its remedy, marked and indented.
+/// Each finding and its remedy, indented, and marked where something is wrong.
 pub(crate) fn findings(advice: &[Advice]) -> String {
     findings_with(advice, "Option")
 }
@@ -29,7 +29,8 @@ pub(crate) fn findings_with(advice: &[Advice], options: &str) -> String {
         let option = (item.setting()).map(|setting| format!(" {options}: {}.", option(setting)));
         let remedy = item.remedy.clone() + &option.unwrap_or_default();
         let [finding, remedy] = [&item.finding, &remedy].map(|text| wrapped(text, 4));
-        format!("\n  ! {finding}\n    {remedy}\n")
+        let mark = if item.asks_nothing() { '-' } else { '!' };
+        format!("\n  {mark} {finding}\n    {remedy}\n")
     };
     advice.iter().map(finding).collect()
 }

@@ -7,6 +7,12 @@ use std::f64::consts::TAU;
 /// Periods that are compared; one comes before them.
 const PERIODS: usize = 3;
 
+/// Parts of a step, in which a pulse may begin.
+const PARTS: usize = 25;
+
+/// This part of a frame or of a step is rounding.
+const ROUNDING: f64 = 1e-4;
+
 /// The sine.
 pub struct Smooth {
     middle: f64,
@@ -40,27 +46,48 @@ impl Smooth {
     /// The command of each step, new in the first step of a frame of `frame_s`, 0 for none.
     pub fn command(&self, frame_s: f64) -> Vec<f64> {
         let command = |step: usize| {
-            let mut time_s = step as f64 * self.step_s;
-            if frame_s > 0.0 {
-                let edge_s = (time_s / frame_s + 1e-6).floor() * frame_s;
-                time_s = (edge_s / self.step_s - 1e-6).ceil() * self.step_s;
+            let time_s = step as f64 * self.step_s;
+            match frame_s > 0.0 {
+                true => self.of_pulse(time_s, frame_s),
+                false => self.of_step(step as f64),
             }
-            let turns = time_s / self.step_s / self.steps as f64;
-            self.middle + self.amplitude * (TAU * turns).sin()
         };
         (0..(1 + PERIODS) * self.steps).map(command).collect()
     }
 
+    fn of_step(&self, step: f64) -> f64 {
+        self.middle + self.amplitude * (TAU * step / self.steps as f64).sin()
+    }
+
+    /// What the last pulse before this time has: the command of the step in which it began.
+    fn of_pulse(&self, time_s: f64, frame_s: f64) -> f64 {
+        // A step of "8.333333" ms is a little short.
+        let pulse_s = (time_s / frame_s + ROUNDING).floor() * frame_s;
+        self.of_step((pulse_s / self.step_s + ROUNDING).floor())
+    }
+
+    /// The command as the servo has it, in parts of a step.
+    fn in_parts(&self) -> Vec<f64> {
+        let parts = (1 + PERIODS) * self.steps * PARTS;
+        let at = |part: usize| match self.frame_s > 0.0 {
+            true => self.of_pulse(part as f64 / PARTS as f64 * self.step_s, self.frame_s),
+            false => self.of_step((part / PARTS) as f64),
+        };
+        (0..parts).map(at).collect()
+    }
+
     /// Requires that these positions, at the beginning of each step, are as late as the header says.
     pub fn check(&self, exported: &Exported, positions: &[f64]) {
-        let command = self.command(self.frame_s);
-        let grid = Grid::for_stiffness(self.step_s, 0.0, exported.servo.stiffness);
+        let command = self.in_parts();
+        let part_s = self.step_s / PARTS as f64;
+        let grid = Grid::for_stiffness(part_s, 0.0, exported.servo.stiffness);
         let rest = exported.servo.resting_output(command[0]);
         let mut exact = Vec::new();
         let start = Start::at_rest(rest, Some(command[0]));
         simulate(&exported.servo, &grid, &start, &command, |_, y| {
             exact.push(y)
         });
+        let exact: Vec<f64> = exact.into_iter().step_by(PARTS).collect();
         let late = (self.phase(positions) - self.phase(&exact)) / TAU;
         let late_s = (late - late.round()) * self.steps as f64 * self.step_s;
         // A tenth of a millisecond is written, and the frequency to 1 %, of a lag of some ms.

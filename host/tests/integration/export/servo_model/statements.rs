@@ -186,6 +186,25 @@ fn what_the_recording_does_not_determine_is_said_without_a_value() {
 }
 
 /// Of a servo that turns against its command, with an offset: who follows the header gets its position.
+/// A simulation has no header, and says it before it begins.
+#[test]
+fn a_simulation_says_that_its_model_has_no_intervals() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("again.csv");
+    let servo = arg(&AIRCRAFT.file);
+    let args = [
+        "simulate",
+        "--servo",
+        servo,
+        "-o",
+        arg(&out),
+        "--length",
+        "4",
+    ];
+    let said = remarks(&[&args[..], &["--reference", "prbs"]].concat());
+    assert!(said.contains("has no intervals, because "), "{said}");
+}
+
 #[test]
 fn what_is_to_be_applied_beside_a_file_is_said_with_its_numbers() {
     let folder = tempfile::tempdir().unwrap();

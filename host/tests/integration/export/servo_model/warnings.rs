@@ -331,25 +331,6 @@ fn one_speed_names_those_that_it_stands_for() {
     assert!(of(2).contains("where the servo has "));
 }
 
-/// Where JSBSim's steps lie beside the pulses, commands come late, which is in no difference.
-#[test]
-fn steps_that_do_not_divide_the_frame_are_warned_of() {
-    let said = |step_ms: &str| {
-        let file = arg(&AIRCRAFT.file);
-        let to = ["export", file, "--servo-model", "--to", "jsbsim"];
-        warnings(&[&to[..], &["--step-ms", step_ms]].concat())
-    };
-    let late = said("8.333333");
-    for words in [
-        "steps of 8.333 ms do not divide the pulse frame of 20.00 ms",
-        "at the top speed",
-        "steps such as 6.667 or 5.000 or 4.000 ms do",
-    ] {
-        assert!(late.contains(words), "{late}");
-    }
-    assert!(!said("2.5").contains("do not divide"));
-}
-
 /// Even reversals in a few words, other strokes one by one.
 fn named(strokes: &[Held]) -> String {
     let even = strokes.len() > 2

@@ -22,6 +22,35 @@ impl DelayLine {
     }
 }
 
+/// 1/(1 + Ts) by Tustin's rule, at rest at 0.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FirstOrder {
+    input: f64,
+    output: f64,
+    last_input: f64,
+    last_output: f64,
+}
+
+impl FirstOrder {
+    /// With the time constant T \[s\].
+    pub fn new(lag_s: f64, step_s: f64) -> Self {
+        let steps = step_s / lag_s;
+        Self {
+            input: steps / (2.0 + steps),
+            output: (2.0 - steps) / (2.0 + steps),
+            last_input: 0.0,
+            last_output: 0.0,
+        }
+    }
+
+    /// One step.
+    pub fn pass(&mut self, newest: f64) -> f64 {
+        self.last_output = self.input * (newest + self.last_input) + self.output * self.last_output;
+        self.last_input = newest;
+        self.last_output
+    }
+}
+
 /// ω²/(s² + 2ζω s + ω²) by Tustin's rule.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SecondOrder {

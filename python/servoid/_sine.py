@@ -1,0 +1,62 @@
+"""The response to a sine that is asked for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ._arrays import number
+from ._interval import Interval
+from ._servoid import ServoidError
+from ._withdrawn import Withdrawn
+
+#: Value, lower and upper bound.
+_Ends = tuple[float | None, float | None, float | None]
+
+
+@dataclass(frozen=True)
+class SineResponse:
+    """What becomes of a sine of the command.
+
+    Attributes
+    ----------
+    hertz : float
+        Its frequency (Hz).
+    amplitude : float or None
+        How far it goes to each side (unit of the command); ``None`` for the linear model, which has the same response to all.
+    gain : Interval
+        Amplitude of the motion over that of the command (output per input).
+    phase_deg : Interval
+        Phase (degrees); a lag is negative. What the times of the recording leave open is in its bounds.
+    level : float or None
+        Level of both intervals; ``None`` where bounds are withdrawn.
+    withdrawn : Withdrawn or None
+        Why there are no bounds; ``None`` where they hold.
+    """
+
+    hertz: float
+    amplitude: float | None
+    gain: Interval
+    phase_deg: Interval
+    level: float | None
+    withdrawn: Withdrawn | None
+
+    @property
+    def late_ms(self) -> float | None:
+        """By how much the motion is later than the command (ms)."""
+        degrees = self.phase_deg.value
+        return None if degrees is None else -degrees / 360.0 / self.hertz * 1e3
+
+
+def sine_argument(name: str, value: object) -> float:
+    """A frequency or an amplitude."""
+    found = number(name, value)
+    if not (np.isfinite(found) and found > 0.0):
+        raise ServoidError(f"{name} is {found}: give a number above 0")
+    return found
+
+
+def sine(hertz: float, amplitude: float | None, gain: _Ends, phase_deg: _Ends, level: float | None, because: Withdrawn | None) -> SineResponse:
+    """A response with the level of its bounds, where it has some."""
+    return SineResponse(hertz, amplitude, Interval(*gain), Interval(*phase_deg), None if because else level, because)
