@@ -101,6 +101,20 @@ fn strokes_of_another_size_that_disagree_are_no_glitches() {
     }
 }
 
+/// A short record from the middle has a single half stroke, and no other stretch of outlying samples. Its beginning is more than a hundredth
+/// of the record, and the history of the model may hide it.
+#[test]
+fn a_single_half_stroke_that_disagrees_is_no_glitch() {
+    for (seed, rest) in (0..).zip([20, 50, 80]) {
+        let full = [20.0, -20.0].into_iter().cycle().take(20);
+        let full = full.flat_map(|level| std::iter::repeat_n(level, HOLD));
+        let input: Vec<f64> = std::iter::repeat_n(0.0, rest).chain(full).collect();
+        let found = identified(&input, Limit::Rate(250.0, 250.0), seed, undisturbed);
+        let taken_out = &found.explanation.taken_out;
+        assert!(!found.model.linear, "{rest}: {taken_out:?}");
+    }
+}
+
 #[test]
 fn a_burst_among_strokes_of_one_size_is_a_glitch() {
     for (seed, start) in (0..).zip([70, 600, 615, 1207]) {

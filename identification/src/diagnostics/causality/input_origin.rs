@@ -9,20 +9,23 @@
 //!
 //! (C. W. J. Granger, *Investigating causal relations by econometric models and cross-spectral methods*, Econometrica 37, 1969) needs
 //! no model of the servo, so that it also speaks where none describes the record.
+//!
+//! A command that is held for several samples has something new where it changes, and its past is in the levels before: ten samples may be a
+//! single level, and the motion would say better how a planned command goes on.
 
-use crate::data::Record;
+use crate::data::{Record, usual_hold};
 use crate::diagnostics::residuals::simulation_error::{SAMPLES, beginnings};
 use crate::thresholds::PLANNED;
 use faer::Mat;
 
-/// Inputs and outputs of the past. The present output is not among them: it may answer the present input.
+/// Levels of the input, and samples of the output, of the past. The present output is not among them: it may answer the present input.
 const LAGS: usize = 10;
 
 /// Regressors: 1, the last input and its changes; then the output and its changes.
 const OWN: usize = LAGS + 1;
 const ALL: usize = OWN + LAGS;
 
-/// Rows that are needed: several for each regressor.
+/// Changes of the input that are needed: several for each regressor.
 const FEWEST_ROWS: usize = 8 * ALL;
 
 /// Share of its variance that must be new in an input: below it is what rounding leaves of a smooth one.
@@ -35,10 +38,18 @@ const SEPARATE: f64 = 1e-9;
 pub(crate) fn explained_by_output(record: &Record) -> Option<f64> {
     let mut products = Mat::<f64>::zeros(ALL + 1, ALL + 1);
     let mut rows = 0;
+    let hold = usual_hold(record).max(1);
     for run in beginnings(record.runs(), SAMPLES) {
         let (input, output) = (run.input(), run.output());
-        for k in LAGS..run.len() {
-            let row = row(&input[k - LAGS..=k], &output[k - LAGS..=k]);
+        for k in LAGS * hold..run.len() {
+            if input[k] == input[k - 1] {
+                continue;
+            }
+            let level = |lag: usize| match lag {
+                0 => input[k],
+                _ => input[k - 1 - (lag - 1) * hold],
+            };
+            let row = row(level, &output[k - LAGS..=k]);
             if row.iter().any(|value| value.is_nan()) {
                 continue;
             }
@@ -63,16 +74,16 @@ pub(crate) fn explained_by_output(record: &Record) -> Option<f64> {
     Some(1.0 - per_degree(with_output, used + more) / per_degree(own, used))
 }
 
-/// Regressors, and the change of the input at last.
-fn row(input: &[f64], output: &[f64]) -> [f64; ALL + 1] {
+/// Regressors, and the change of the input at last, from the levels of the input up to lag [`LAGS`] and the last samples of the output.
+fn row(level: impl Fn(usize) -> f64, output: &[f64]) -> [f64; ALL + 1] {
     let mut row = [1.0; ALL + 1];
-    let change = |of: &[f64], k: usize| of[k] - of[k - 1];
-    (row[1], row[OWN]) = (input[LAGS - 1], output[LAGS - 1]);
+    let step = |lag: usize| level(lag) - level(lag + 1);
+    (row[1], row[OWN]) = (level(1), output[LAGS - 1]);
     for lag in 1..LAGS {
-        row[1 + lag] = change(input, LAGS - lag);
-        row[OWN + lag] = change(output, LAGS - lag);
+        row[1 + lag] = step(lag);
+        row[OWN + lag] = output[LAGS - lag] - output[LAGS - lag - 1];
     }
-    row[ALL] = change(input, LAGS);
+    row[ALL] = step(0);
     row
 }
 
@@ -139,13 +150,26 @@ mod tests {
     /// sample later.
     fn record(gain: f64, noise: f64) -> Record<'static> {
         let mut random = ChaCha8Rng::seed_from_u64(7);
-        let (mut level, mut servo, mut measured, mut last) = (0.0, 0.0, 0.0, 0.0);
+        let levels: Vec<f64> = (0..300)
+            .map(|_| random.random_range(-5.0..5.0f64).round())
+            .collect();
+        commanded(|k| levels[k / 20], gain, noise, 1)
+    }
+
+    /// The same lag under another reference, with commands that are held for so many samples.
+    fn commanded(
+        reference: impl Fn(usize) -> f64,
+        gain: f64,
+        noise: f64,
+        held: usize,
+    ) -> Record<'static> {
+        let mut random = ChaCha8Rng::seed_from_u64(8);
+        let (mut command, mut servo, mut measured, mut last) = (0.0, 0.0, 0.0, 0.0);
         let (mut input, mut output) = (Vec::new(), Vec::new());
-        for k in 0..1500 {
-            if k % 20 == 0 {
-                level = random.random_range(-5.0..5.0f64).round();
+        for k in 0..6000 {
+            if k % held == 0 {
+                command = reference(k) + gain * (reference(k) - measured);
             }
-            let command = level + gain * (level - measured);
             servo += (last - servo) / 5.0;
             last = command;
             measured = servo + noise * random.sample::<f64, _>(StandardNormal);
@@ -168,6 +192,23 @@ mod tests {
         let run = &one.runs()[0];
         let exchanged = Record::of_run(0.01, run.output(), run.input()).unwrap();
         assert!(explained_by_output(&exchanged).unwrap() > 0.9);
+    }
+
+    /// The motion told of a planned sum of sines how it went on, because ten samples of it were one level.
+    #[test]
+    fn a_planned_command_in_frames_has_its_past_in_frames() {
+        let sines = |k: usize| -> f64 {
+            let time = 0.002 * k as f64;
+            let sine = |i: u32| {
+                let hz = 5.5 + 0.1 * f64::from(i);
+                (std::f64::consts::TAU * hz * time + f64::from(i * i)).sin()
+            };
+            ((0..11).map(sine).sum::<f64>() * 20.0).round() / 10.0
+        };
+        let planned = explained_by_output(&commanded(sines, 0.0, 0.01, 10)).unwrap();
+        assert!(planned < 0.2, "{planned}");
+        let looped = explained_by_output(&commanded(sines, 0.8, 2.0, 10)).unwrap();
+        assert!(looped > 0.5, "{looped}");
     }
 
     #[test]

@@ -12,7 +12,7 @@ use super::taken_out::TakenOut;
 use crate::data::{EXACTLY, holds};
 use crate::diagnostics::residuals::simulation_error::Simulated;
 use crate::numerics::median;
-use crate::thresholds::{EQUALLY_LARGE, RESIDUAL_SIGNIFICANCE};
+use crate::thresholds::{EQUALLY_LARGE, OTHER_STROKES_ALONE, RESIDUAL_SIGNIFICANCE};
 
 /// Samples in a row of which glitches are seldom made.
 pub(crate) const LASTING: usize = 3;
@@ -23,14 +23,16 @@ struct Answer {
     samples: Range<usize>,
     half: usize,
     size: f64,
+    /// The first sample with an error, where the history of the model hides the beginning of the answer.
+    first_seen: Option<usize>,
 }
 
 impl Answer {
-    /// Whether these samples begin with the answer.
+    /// Whether these samples begin with the answer, as far as that is seen.
     fn begins_with(&self, found: &TakenOut) -> bool {
-        found.samples >= LASTING
-            && found.run == self.run + 1
-            && (self.samples.start..=self.half).contains(&found.sample)
+        let begins = (self.samples.start..=self.half).contains(&found.sample)
+            || self.first_seen == Some(found.sample);
+        found.samples >= LASTING && found.run == self.run + 1 && begins
     }
 
     fn contains(&self, found: &TakenOut) -> bool {
@@ -69,7 +71,12 @@ pub(super) fn mark_other_strokes(
     let (Some(least), Ok(chance)) = ((met.len() as u64).checked_sub(1), chance) else {
         return;
     };
-    if chance.sf(least) > RESIDUAL_SIGNIFICANCE {
+    // Where all that lasts begins with them, nothing else speaks of glitches.
+    let significance = match met.len() as u64 == events {
+        true => OTHER_STROKES_ALONE,
+        false => RESIDUAL_SIGNIFICANCE,
+    };
+    if chance.sf(least) > significance {
         return;
     }
     for found in found.iter_mut() {
@@ -77,22 +84,26 @@ pub(super) fn mark_other_strokes(
     }
 }
 
-/// The answers to all strokes in which the servo moves.
+/// The answers to all strokes in which the servo moves, or of which the history of the model leaves the end alone.
 fn answers(runs: &[Simulated<'_>], motions: &[Vec<f64>], moving: f64) -> Vec<Answer> {
     let mut answers = Vec::new();
     for (index, (simulated, motion)) in runs.iter().zip(motions).enumerate() {
+        let errors = simulated.own_errors();
+        let first = errors.iter().position(|error| !error.is_nan());
         for hold in holds(&simulated.run, EXACTLY) {
             let Some(before) = hold.before else {
                 continue;
             };
+            let first_seen = first.filter(|first| hold.samples.contains(first));
             let in_motion: Vec<usize> = (hold.samples.clone())
                 .filter(|k| motion.get(*k).is_some_and(|q| *q > moving))
                 .collect();
-            if let Some(half) = in_motion.get(in_motion.len() / 2) {
+            if let Some(half) = in_motion.get(in_motion.len() / 2).copied().or(first_seen) {
                 answers.push(Answer {
                     run: index,
-                    half: *half,
+                    half,
                     size: (hold.level - before).abs(),
+                    first_seen,
                     samples: hold.samples,
                 });
             }
