@@ -151,7 +151,6 @@ pub struct NotCompared {
     margin_percent: f64,
     bounds: (),
     withdrawn: (),
-    p_value: (),
     summary: String,
     advice: Vec<Advice>,
 }
@@ -179,7 +178,6 @@ impl StepResponses {
             margin_percent,
             bounds: (),
             withdrawn: (),
-            p_value: (),
             summary: format!("The step responses are not compared, because {because}."),
             advice: Vec::new(),
         }))
