@@ -146,13 +146,6 @@ class Comparison(Printed):
         return str(self._fields["of"])
 
     @property
-    def p_value(self) -> float | None:
-        """Probability of such a difference by scatter between runs; ``None`` with fewer than three runs a side, and where the
-        references differ and the step responses too."""
-        found: float | None = self._fields["p_value"]
-        return found
-
-    @property
     def advice(self) -> tuple[Advice, ...]:
         """What the recordings cannot answer."""
         return advice(self._fields)

@@ -69,6 +69,7 @@ pub enum LineSpeed {
 /// | `sensor-gain`       | relative to the calibration                        | 1      | all             |
 /// | `sensor-zero-deg`   | angle at which the sensor reads its counts for 0 deg | 0     | all             |
 /// | `stops-deg`         | `LOW:HIGH`, angles below and above 0 at which the shaft meets its stops | none | bench, aircraft |
+/// | `play-deg`          | full width of the play between gears and output    | 0.04   | bench, aircraft |
 /// | `supply`            | relative to nominal                                | 1      | bench, aircraft |
 /// | `friction`          | relative to nominal                                | 1      | bench, aircraft |
 /// | `rotor-phase-deg`   | angle of the propeller at the start                | 0      | aircraft        |
@@ -155,6 +156,8 @@ impl SimulationOptions {
         require(c.sensor_zero.is_finite(), "sensor-zero-deg", NUMBER)?;
         let are_stops = |(low, high): (f64, f64)| low < 0.0 && high > 0.0;
         require(c.stops.is_none_or(are_stops), "stops-deg", STOPS)?;
+        let play = c.play.unwrap_or(0.0);
+        require(play >= 0.0 && play.is_finite(), "play-deg", NOT_NEGATIVE)?;
         require(c.rotor_phase.is_finite(), "rotor-phase-deg", NUMBER)?;
         require(c.clock_phase <= LONGEST, "clock-phase-ms", MILLISECONDS)?;
         let in_time = u32::from(self.first_sample_us) < SAMPLE_US;
@@ -203,7 +206,7 @@ const BAUD: &str = "bits per second, 10 or more, or unlimited";
 
 /// The keys, for the message about an unknown one.
 const KEYS: &str = "seed, realtime, noise, scatter, baud, fault, first-sample-us, pulses, clock-phase-ms, \
-    sensor-gain, sensor-zero-deg, stops-deg, supply, friction, rotor-phase-deg, gain, zeta, omega and delay-ms";
+    sensor-gain, sensor-zero-deg, stops-deg, play-deg, supply, friction, rotor-phase-deg, gain, zeta, omega and delay-ms";
 
 /// An invalid option.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]

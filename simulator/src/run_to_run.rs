@@ -35,6 +35,8 @@ pub struct Conditions {
     /// The angles at which the shaft meets its stops (deg), the lower one first, below and above 0; `None`
     /// where it meets none.
     pub stops: Option<(f64, f64)>,
+    /// Full width of the play between gears and output (deg), 0 or above; `None` for the servo's own.
+    pub play: Option<f64>,
     /// Latency that the phase of the servo's clock adds.
     pub clock_phase: Duration,
     /// Angle of the propeller at time 0 (rad).
@@ -50,6 +52,7 @@ impl Default for Conditions {
             sensor_gain: 1.0,
             sensor_zero: 0.0,
             stops: None,
+            play: None,
             clock_phase: Duration::ZERO,
             rotor_phase: 0.0,
         }
@@ -65,6 +68,7 @@ impl Conditions {
             friction: motor.friction * self.friction,
             latency: motor.latency + self.clock_phase,
             stops: self.stops.or(motor.stops),
+            play: self.play.unwrap_or(motor.play),
             ..motor
         }
     }

@@ -17,8 +17,8 @@ use std::path::{Path, PathBuf};
 ///
 /// The verdict is "different" if the step responses surely differ by more than the margin somewhere, "same" if
 /// they surely differ by less everywhere, and "undecided" otherwise. Several recordings of a side are several
-/// runs; with three or more, the scatter between runs is tested too. Recordings give more than models: up and
-/// down strokes apart, and the rest positions of each side.
+/// runs; with three or more, the verdict is of the servos and contains what differs from run to run. Recordings give more
+/// than models: up and down strokes apart, and the rest positions of each side.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   servoid compare bench.csv aircraft.csv

@@ -322,7 +322,7 @@ fn servo_models_are_compared_where_both_have_one() {
     assert!(0.0 < lower && lower < 0.010 && 0.010 < upper, "{delay}");
     let text = run(&["compare", arg(&early), arg(&late)]);
     assert!(
-        text.contains("As machines they differ") && text.contains(" ms in A, "),
+        text.contains("As machines A and B differ in these") && text.contains(" ms in A, "),
         "{text}"
     );
 
@@ -369,7 +369,7 @@ fn servos_that_no_step_response_compares_are_compared_as_machines_and_that_is_sa
     let columns = ["--input", "u_deg", "--output", "y_deg", "--period", "0.01"];
     let text = run(&[&["compare", arg(&quick), arg(&slow)], &columns[..]].concat());
     assert!(
-        text.contains("\n\nAs machines they differ, each quantity by itself at 99 %: top speed upwards 300.0 deg/s in A, 250."),
+        text.replace('\n', " ").contains("  As machines A and B differ in these recordings, each quantity by itself at 99 % and however little: top speed upwards 300.0 deg/s in A, 250."),
         "{text}"
     );
     // What a record leaves open has no ends that nobody reads.

@@ -183,10 +183,7 @@ pub(super) fn gather(
         let runs = if fewest == 1 { "run" } else { "runs" };
         // With three or more, it is the runs that do not serve.
         let (why, remedy) = match fewest < 3 {
-            true => (
-                "",
-                "Record three or more runs a side, five for the sharper test.",
-            ),
+            true => ("", "Record three or more runs a side."),
             false => (
                 " Some runs do not determine a response by themselves.",
                 "Record runs with several strokes each way.",

@@ -8,11 +8,13 @@ use super::options::{ComparisonOptions, DelayErrors};
 use super::outcome::{Comparison, ComparisonBounds, DifferencePercent, SCHEMA, Sides, Subject};
 use super::over_prediction::{Predictor, over_prediction};
 use super::pair::{Identified, identified, same_period};
+use super::rests_apart::RestsApart;
 use super::run_means::RunMeans;
 use super::verdict::Verdict;
-use super::{advice, other_way, scatter, shift, words};
+use super::{advice, other_way, shift, words};
 use crate::data::Record;
 use crate::error::Error;
+use crate::nonlinear::rests_apart;
 use crate::results::{Bounds, Metrics, Model, Reason};
 use crate::thresholds::MARGIN;
 
@@ -66,16 +68,6 @@ pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Co
     let mut comparison = of_curves(models, &curves, runs.as_ref(), options);
     comparison.turns_the_other_way = other_way::turns(&comparison, [&a, &b]);
     comparison.runs = [a.record.runs().len(), b.record.runs().len()];
-    comparison.p_value = match scatter::p_value(&a, &b) {
-        // A single run may be too short for a model of its own, or one step from rest, which is constant; then there is no test.
-        Err(
-            Error::TooFewSamples { .. }
-            | Error::OneDirection
-            | Error::ConstantInput { .. }
-            | Error::ConstantOutput { .. },
-        ) => None,
-        other => other?,
-    };
     comparison.split = split.is_some();
     // Where the servo rests and how its strokes differ is read off the same fits as the bounds.
     if let Bounds::Valid((sd_at_rest, _)) = a.sd_at_rest().zip(comparison.bounds) {
@@ -94,12 +86,15 @@ pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Co
         comparison.asymmetry = Some(Sides::of([&a, &b], Identified::asymmetry));
     }
     let asked = Asked::of([&a, &b]);
+    let of_record = |reason: Reason| reason.is_of_the_record();
+    if asked.is_one_motion() && !comparison.bounds.withdrawn().is_some_and(of_record) {
+        let of = |side: &Identified<'_>| rests_apart(side.record, &side.alone, level);
+        comparison.rests_apart = Some(RestsApart::of([of(&a), of(&b)], options.scale_sd, level));
+    }
     comparison.motions = Some(asked.motions);
     if asked.may_explain(&comparison) {
         comparison.verdict = Verdict::Undecided;
         comparison.descriptions_of_different_motions = true;
-        // Chance is not all that sets the runs of one side apart from those of the other.
-        comparison.p_value = None;
     }
     let turned = match comparison.turns_the_other_way && comparison.has_verdict() {
         true => Some(compare(a.record, &b.record.turned_round(), options)?),
@@ -241,7 +236,6 @@ fn of_curves(
             delay_shift_s: shift.lower.zip(shift.upper).map(<[f64; 2]>::from),
         }),
         runs: [1, 1],
-        p_value: None,
         delay_shift_s: shift.value,
         delay_shift_definition: shift::DEFINITION.to_owned(),
         split: false,
@@ -251,6 +245,7 @@ fn of_curves(
         same_data: false,
         over_prediction: None,
         levels: None,
+        rests_apart: None,
         asymmetry: None,
         differences: metric_differences(&sides, runs, apart_s > 0.0, options.scale_error()),
         curves: difference_curves,

@@ -40,8 +40,8 @@ mod other_way;
 mod outcome;
 mod over_prediction;
 mod pair;
+mod rests_apart;
 mod run_means;
-mod scatter;
 mod servo_models;
 mod shift;
 mod shift_alone;
@@ -58,6 +58,7 @@ pub use outcome::{
     Direction, Levels, MetricDifference, SCHEMA, Sides, Subject,
 };
 pub use over_prediction::OverPrediction;
+pub use rests_apart::RestsApart;
 pub use servo_models::{
     QuantityDifference, QuantityDifferences, QuantityPair, ServoModelComparison, StrokeTimes,
     compare_servo_models,

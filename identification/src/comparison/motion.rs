@@ -174,9 +174,30 @@ fn levels_of(record: &Record, held: bool) -> usize {
     // turns, and no levels.
     match held && inputs.len() > record.samples() / usual_hold(record) {
         true => lying_apart,
+        false if held => levels_missed(&inputs, hold_lengths(record).len()).unwrap_or(inputs.len()),
         false => inputs.len(),
     }
 }
+
+/// The number of levels where a hand or a controller misses each by a little, so that hardly one of the `values`, in order, is held again: in
+/// `holds` they lie in groups that are narrow beside what is between them. Random levels lie in none.
+fn levels_missed(values: &[f64], holds: usize) -> Option<usize> {
+    if holds >= HELD_AGAIN * values.len() {
+        return None;
+    }
+    let largest = (values.windows(2).map(|pair| pair[1] - pair[0])).fold(0.0, f64::max);
+    let groups: Vec<&[f64]> = (values.chunk_by(|a, b| b - a < APART * largest)).collect();
+    let is_narrow = |group: &&[f64]| group[group.len() - 1] - group[0] < NARROW * largest;
+    (holds >= HELD_AGAIN * groups.len() && groups.iter().all(|group| is_narrow(&group)))
+        .then_some(groups.len())
+}
+
+/// Holds of each level on average from which a reference comes back to its levels.
+const HELD_AGAIN: usize = 2;
+
+/// Shares of the largest distance between neighbouring values: two that are so far apart are two levels, and those of one level lie within so much.
+const APART: f64 = 0.5;
+const NARROW: f64 = 0.25;
 
 /// The inputs without the holds between the ends of the range with which runs begin and end: they wait at neutral, which is no level of the motion.
 fn inputs_of_motion(record: &Record) -> Vec<f64> {
@@ -289,6 +310,26 @@ mod tests {
                 rounded.in_words("").starts_with("a smooth motion"),
                 "{rows}"
             );
+        }
+    }
+
+    #[test]
+    fn stairs_whose_levels_are_missed_by_a_little_are_one_motion_and_random_levels_are_none() {
+        let missed = |factor: u64, by: f64| {
+            let error = move |k: u64| by * ((k + 1).pow(2) * factor % 9973) as f64 / 4986.5 - by;
+            let level = |k: u64| [-10.0, -5.0, 0.0, 5.0, 10.0, 5.0, 0.0, -5.0][k as usize / 20 % 8];
+            of((0..640).map(|k| level(k) + error(k / 20)).collect())
+        };
+        for by in [0.1, 0.3, 0.5] {
+            let (one, another) = (missed(3001, by), missed(4096, by));
+            assert_eq!((one.levels, another.levels), (Some(5), Some(5)), "{by}");
+            assert!(one.is_like(&another), "{one:?} {another:?}");
+        }
+        for (factor, count) in [(3001, 12), (4096, 12), (2111, 14), (777, 16), (4817, 16)] {
+            let level = |k: u64| 10.0 * ((k + 1).pow(2) * factor % 9973) as f64 / 4986.5 - 10.0;
+            let random = of((0..20 * count).map(|k| level(k / 20)).collect());
+            // The first and the last may be waiting.
+            assert!(random.levels >= Some(count as usize - 2), "{random:?}");
         }
     }
 

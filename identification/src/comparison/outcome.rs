@@ -4,11 +4,12 @@ use serde::{Deserialize, Serialize};
 
 use super::motion::Motion;
 use super::over_prediction::OverPrediction;
+use super::rests_apart::RestsApart;
 use super::verdict::Verdict;
 use crate::results::{Advice, Bounds, Interval};
 
 /// Version of the JSON document.
-pub const SCHEMA: u32 = 2;
+pub const SCHEMA: u32 = 3;
 
 /// What a verdict and its bounds are of.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -166,9 +167,6 @@ pub struct Comparison {
     pub bounds: Bounds<ComparisonBounds>,
     /// Runs on each side.
     pub runs: [usize; 2],
-    /// Probability of the difference by scatter between runs of one servo; `None` with fewer than
-    /// three runs on a side.
-    pub p_value: Option<f64>,
     /// Delay that brings the first response closest to the second, each relative to its own final
     /// value \[s\]; `None` when there is no best one.
     pub delay_shift_s: Option<f64>,
@@ -195,6 +193,10 @@ pub struct Comparison {
     pub over_prediction: Option<OverPrediction>,
     /// Where each side comes to rest at the ends of the command; `None` without records or bounds.
     pub levels: Option<Sides<Levels>>,
+    /// How far apart the rests under one command are on each side; `None` without records, under references that differ, and where a
+    /// record has no bounds for what is wrong with it.
+    #[serde(default)]
+    pub rests_apart: Option<RestsApart>,
     /// Up against down strokes on each side; `None` without records or bounds.
     pub asymmetry: Option<Sides<Asymmetry>>,
     /// Metrics of both sides.
@@ -212,5 +214,19 @@ impl Comparison {
     #[must_use]
     pub fn has_verdict(&self) -> bool {
         self.bounds.valid().is_some() && !self.descriptions_of_different_motions
+    }
+
+    /// Whether the two differ in play, which is a small share of a stroke. That nobody knows it is said where the rest is the same. `sides` are their
+    /// names, `unit` that of the output.
+    #[must_use]
+    pub fn play_in_words(&self, sides: [&str; 2], unit: &str) -> Option<String> {
+        let rests = self.rests_apart?;
+        match rests.difference_in_words(sides, unit) {
+            Some(differ) => Some(format!("They differ in play: {differ}.")),
+            None if rests.difference.is_some() || self.verdict == Verdict::Same => {
+                Some(rests.nothing_sure_in_words(sides, unit))
+            }
+            None => None,
+        }
     }
 }

@@ -10,7 +10,7 @@ use crate::identify::{Identification, identify_runs};
 use crate::nonlinear::{DirectionModel, Limits, split_with};
 use crate::numerics::{not_negative, pointwise_critical};
 use crate::options::{Frequencies, NoiseOrder, Options, Settling};
-use crate::results::{Bounds, Interval, Model, Reason};
+use crate::results::{Advice, Bounds, Interval, Model, Reason};
 
 /// One side, identified.
 pub(super) struct Identified<'a> {
@@ -98,14 +98,15 @@ impl<'a> Identified<'a> {
     }
 
     /// Rest at the ends of the command: from the plateaus of a record with several levels, from the
-    /// static line of one with two. Empty where the command is not held until the servo rests.
+    /// static line of one with two. Empty where the command is not held until the servo rests, and where the output drifts, so that it rests elsewhere
+    /// each time.
     pub(super) fn levels(&self) -> Levels {
         let (low, high) = ends(self.record);
         let cells = Limits::level_table(self.record, &self.model);
         let mut commands: Vec<f64> = cells.iter().map(|cell| cell.command).collect();
         commands.dedup();
         let rest = |command: f64| {
-            if !commands.contains(&command) {
+            if self.drifts() || !commands.contains(&command) {
                 return Interval::default();
             }
             let cell = cells
@@ -126,8 +127,17 @@ impl<'a> Identified<'a> {
         }
     }
 
-    /// Where the servo stands at the ends of the command, low and high: where it rests there or, if it was not seen to, on the static line.
+    /// Whether a straight line was taken out of the output of each run.
+    fn drifts(&self) -> bool {
+        self.alone.advice.iter().any(Advice::is_of_drift)
+    }
+
+    /// Where the servo stands at the ends of the command, low and high: where it rests there or, if it was not seen to, on the static line. One whose
+    /// output drifts stands nowhere.
     pub(super) fn stands_at(&self, rests: &Levels) -> Option<[f64; 2]> {
+        if self.drifts() {
+            return None;
+        }
         let on_line = |command: f64| self.split.as_ref()?.level_at(command).value;
         let seen = rests.minus.value.zip(rests.plus.value);
         let both = seen.or_else(|| on_line(rests.command_minus).zip(on_line(rests.command_plus)));

@@ -7,11 +7,14 @@
 //! from b_low - a_up   to b_up - a_low
 //! ```
 //!
-//! which holds wherever both hold. Where two sensors recorded the sides, what their scales may be off from each other is added. For independent records it is wider than it would have to be.
+//! which holds wherever both hold. Where both recordings were made alike, most of the time by which their output may have been recorded earlier or later is one
+//! and the same, and is not in the difference of the delays: that is of the intervals by noise, and of what each may be off by itself. Where two sensors recorded the sides, what their scales may be off from each other is added. For independent records it is wider than it would have to be.
 
 use super::outcome::Comparison;
+use super::rests_apart::RestsApart;
 use super::verdict::Verdict;
 use crate::numerics::pointwise_critical;
+use crate::options::Options;
 use crate::results::{Bounds, Interval};
 use crate::servo_model::{Quantity, QuantityKind, ServoModel, Stops, StopsDocument, Unit};
 use serde::{Deserialize, Serialize};
@@ -24,6 +27,12 @@ pub struct ServoModelComparison {
     /// The stops, where one of the two has any; left out elsewhere.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stops: Option<StopsOfBoth>,
+    /// How far apart the rests under one command are in the record of each.
+    #[serde(default)]
+    pub rests_apart: RestsApart,
+    /// Whether the difference of the delays is without the time by which the outputs of both may have been recorded earlier or later.
+    #[serde(default)]
+    pub shared_delay_error: bool,
     /// How long a whole stroke takes; left out where that was not asked for, or where neither model says it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stroke: Option<StrokeTimes>,
@@ -107,9 +116,16 @@ impl QuantityDifference {
     }
 }
 
-/// Puts two servo models beside each other, where the ratio of the scales of their outputs has the standard deviation `scale_sd`, 0.05 for 5 %. Where they have several controllers, the quantities are those of the first.
+/// Puts two servo models beside each other, where the ratio of the scales of their outputs has the standard deviation `scale_sd`, 0.05 for 5 %, and
+/// the outputs of both were recorded earlier or later than they are taken for by one and the same time, but for an `own_delay_error_s` of each; `None`
+/// where these times have nothing to do with each other. Where they have several controllers, the quantities are those of the first.
 #[must_use]
-pub fn compare_servo_models(a: &ServoModel, b: &ServoModel, scale_sd: f64) -> ServoModelComparison {
+pub fn compare_servo_models(
+    a: &ServoModel,
+    b: &ServoModel,
+    scale_sd: f64,
+    own_delay_error_s: Option<f64>,
+) -> ServoModelComparison {
     let pairs = paired(&a.quantities, &b.quantities);
     let pair = |(a, b): &(Option<&Quantity>, Option<&Quantity>)| {
         let either = a.or(*b)?;
@@ -122,20 +138,31 @@ pub fn compare_servo_models(a: &ServoModel, b: &ServoModel, scale_sd: f64) -> Se
         })
     };
     let level = |of: &ServoModel| of.covariance.as_ref().map(|found| found.level);
+    let delays = own_delay_error_s.and_then(|own| {
+        let both = a.delay_by_noise.zip(b.delay_by_noise)?;
+        Some((both.0.reaching(own, own), both.1.reaching(own, own)))
+    });
     let differences = |level: f64| {
         let scale_error = pointwise_critical(level) * scale_sd;
         pairs
             .iter()
-            .filter_map(|(a, b)| difference(*a, *b, scale_error))
+            .filter_map(|(a, b)| difference(*a, *b, scale_error, delays))
             .collect()
     };
+    let levels = level(a).zip(level(b)).map(|(a, b)| a.min(b));
     ServoModelComparison {
         quantities: pairs.iter().filter_map(pair).collect(),
         stops: stops(a, b),
         stroke: None,
-        bounds: level(a).zip(level(b)).map(|(a, b)| QuantityDifferences {
-            level: a.min(b),
-            differences: differences(a.min(b)),
+        rests_apart: RestsApart::of(
+            [a.rests_apart, b.rests_apart],
+            scale_sd,
+            levels.into_valid().unwrap_or(Options::default().level),
+        ),
+        shared_delay_error: delays.is_some(),
+        bounds: levels.map(|level| QuantityDifferences {
+            level,
+            differences: differences(level),
         }),
     }
 }
@@ -161,7 +188,8 @@ impl ServoModelComparison {
     pub fn answer_before(&self, step_responses: Option<&Comparison>) -> bool {
         let decided = step_responses.is_some_and(|found| found.verdict != Verdict::Undecided);
         let show = step_responses.is_some_and(Comparison::has_verdict);
-        let differ = self.differences().iter().any(QuantityDifference::is_sure);
+        let differ =
+            self.rests_apart.differ() || self.differences().iter().any(QuantityDifference::is_sure);
         !decided && (differ || self.compares() && !show)
     }
 
@@ -250,16 +278,20 @@ fn has_scale(unit: Unit) -> bool {
     }
 }
 
+/// What is sure of one quantity; `delays` are the intervals of the delay that count for its difference, where they are others than those of the quantity.
 fn difference(
     a: Option<&Quantity>,
     b: Option<&Quantity>,
     scale_error: f64,
+    delays: Option<(Interval, Interval)>,
 ) -> Option<QuantityDifference> {
     let interval = |of: Option<&Quantity>| of.and_then(|of| of.interval.valid().copied());
     let (a_is, b_is) = (interval(a), interval(b));
     let both = a.zip(b).filter(|(a, b)| a.determined && b.determined);
     let less = |x: Option<f64>, y: Option<f64>| Some(x? - y?);
-    let difference = both.and(a_is.zip(b_is)).map(|(a, b)| Interval {
+    let is_delay = a.or(b)?.kind() == Some(QuantityKind::Delay);
+    let between = delays.filter(|_| is_delay).or(a_is.zip(b_is));
+    let difference = both.and(between).map(|(a, b)| Interval {
         value: less(b.value, a.value),
         lower: less(b.lower, a.upper),
         upper: less(b.upper, a.lower),
@@ -302,7 +334,7 @@ mod tests {
     fn a_stop_that_only_one_has_is_a_difference_where_the_other_one_goes_beyond_it() {
         let free = model(1.0);
         let mut stopped = free.clone();
-        let found = |a: &ServoModel, b: &ServoModel| compare_servo_models(a, b, 0.0).stops;
+        let found = |a: &ServoModel, b: &ServoModel| compare_servo_models(a, b, 0.0, None).stops;
         assert_eq!(found(&free, &stopped), None);
         // Commands of the record go from -3 to 5.
         for (end, differ) in [(3.0, true), (6.0, false)] {
@@ -313,7 +345,8 @@ mod tests {
             assert_eq!(found(&stopped, &free).unwrap().differ, differ, "{end}");
             assert!(!found(&stopped, &stopped).unwrap().differ);
         }
-        let text = serde_json::to_string(&compare_servo_models(&free, &stopped, 0.0)).unwrap();
+        let text =
+            serde_json::to_string(&compare_servo_models(&free, &stopped, 0.0, None)).unwrap();
         assert!(
             text.contains(r#""stops":{"a":{},"b":{"upper":6.0},"differ":false}"#),
             "{text}"
@@ -323,7 +356,7 @@ mod tests {
     #[test]
     fn a_command_in_another_unit_leaves_what_is_of_the_output() {
         let (slow, fast) = (model(0.5), model(1.0));
-        let found = compare_servo_models(&slow, &fast, 0.0)
+        let found = compare_servo_models(&slow, &fast, 0.0, None)
             .with_stroke([&slow, &fast], 4.0)
             .of_the_output_alone();
         let names: Vec<&str> = found.quantities.iter().map(|of| of.name.as_str()).collect();
@@ -362,13 +395,53 @@ mod tests {
     }
 
     #[test]
+    fn what_two_recordings_leave_open_alike_is_not_in_the_difference_of_their_delays() {
+        let apart = |own_delay_error_s: Option<f64>| {
+            let of = |half: f64| with_interval(model(1.0), half).with_delay_error(0.006);
+            let found = compare_servo_models(&of(0.001), &of(0.002), 0.0, own_delay_error_s);
+            let bounds = found.bounds.valid().unwrap();
+            let delay = bounds.differences.iter().find(|one| one.name == "delay");
+            (found.shared_delay_error, delay.unwrap().difference.unwrap())
+        };
+        let (shared, noise) = apart(Some(0.0));
+        let (_, wider) = apart(Some(0.001));
+        let (both, wide) = apart(None);
+        assert!(shared && !both);
+        // From 1 ms below the first and 4 ms above the second to 2 ms above the first and 2 ms below the second.
+        assert!((noise.lower.unwrap() + 0.004).abs() < 1e-9, "{noise:?}");
+        assert!((noise.upper.unwrap() - 0.005).abs() < 1e-9, "{noise:?}");
+        assert!((wider.upper.unwrap() - 0.007).abs() < 1e-9, "{wider:?}");
+        assert!(wide.lower < wider.lower && wide.upper > wider.upper);
+    }
+
+    #[test]
+    fn rests_that_are_farther_apart_are_a_difference_of_machines_without_intervals_too() {
+        let apart = |model: ServoModel, value: f64| ServoModel {
+            rests_apart: Some(Interval::new(value, value - 0.05, value + 0.05)),
+            ..model
+        };
+        let of = |a: f64, b: f64| {
+            compare_servo_models(&apart(model(1.0), a), &apart(model(1.0), b), 0.0, None)
+        };
+        assert!(of(0.06, 0.6).rests_apart.differ() && of(0.06, 0.6).answer_before(None));
+        assert!(!of(0.06, 0.1).rests_apart.differ());
+        let unknown = compare_servo_models(&model(1.0), &apart(model(1.0), 0.6), 0.0, None);
+        assert!(!unknown.rests_apart.differ());
+        let sentence = unknown.rests_apart.nothing_sure_in_words(["A", "B"], "deg");
+        assert!(
+            sentence.contains("the recording of A does not show"),
+            "{sentence}"
+        );
+    }
+
+    #[test]
     fn machines_that_determine_nothing_are_not_compared_and_come_after_what_step_responses_show() {
         let determined = with_interval(model(1.0), 1.0);
         let mut open = determined.clone();
         for quantity in &mut open.quantities {
             quantity.determined = false;
         }
-        let of = |a: &ServoModel, b: &ServoModel| compare_servo_models(a, b, 0.0);
+        let of = |a: &ServoModel, b: &ServoModel| compare_servo_models(a, b, 0.0, None);
         let (same, nothing) = (of(&determined, &determined), of(&determined, &open));
         assert!(same.compares() && same.answer_before(None));
         assert!(!nothing.compares() && !nothing.answer_before(None));
@@ -404,7 +477,7 @@ mod tests {
             with_interval(slow.clone(), 1.0),
             with_interval(fast.clone(), 1.0),
         );
-        let found = compare_servo_models(&a, &b, 0.0);
+        let found = compare_servo_models(&a, &b, 0.0, None);
         let bounds = found.bounds.valid().unwrap();
         assert_eq!(bounds.differences.len(), found.quantities.len());
         let at = |name: &str| bounds.differences.iter().find(|d| d.name == name).unwrap();
@@ -424,7 +497,7 @@ mod tests {
         assert!(speed.is_sure() && !at("gain").is_sure());
         let mut without = b.clone();
         without.covariance = Bounds::Withdrawn(Reason::ErrorsNotNoise);
-        let found = compare_servo_models(&a, &without, 0.0);
+        let found = compare_servo_models(&a, &without, 0.0, None);
         assert_eq!(found.bounds.withdrawn(), Some(Reason::ErrorsNotNoise));
         let text = serde_json::to_string(&found).unwrap();
         assert!(!text.contains("lower"), "{text}");

@@ -28,17 +28,25 @@ pub(super) fn summary(
         Bounds::Valid(bounds) => {
             let turned = turned.and_then(with_its_sign_changed).unwrap_or_default();
             format!(
-                "{}{turned} {}",
+                "{}{turned} {}{}",
                 answer(found, &bounds),
-                feel(found, options)
+                feel(found, options),
+                play(found, &options.output_unit)
             )
         }
         Bounds::Withdrawn(reason) => format!(
             "{other_way}Not decided by the step responses: for at least one of the two no bounds can be given, because {}. Identify each \
-             side by itself: its advice says what to record.",
-            reason.because()
+             side by itself: its advice says what to record.{}",
+            reason.because(),
+            play(found, &options.output_unit)
         ),
     }
+}
+
+/// What is known of the play of both, as a sentence behind others.
+fn play(found: &Comparison, unit: &str) -> String {
+    let sentence = found.play_in_words(["the first", "the second"], unit);
+    sentence.map_or_else(String::new, |sentence| format!(" {sentence}"))
 }
 
 /// Where each side has bounds by itself, and a comparison none.
@@ -119,7 +127,9 @@ fn answer(found: &Comparison, bounds: &ComparisonBounds) -> String {
             "{subject} are different: {apart}, and {margin} % would still have counted as the same."
         ),
         Verdict::Same => {
-            format!("{subject} are the same within the margin of {margin} %: {apart}.")
+            format!(
+                "{subject} have the same step response within the margin of {margin} %: {apart}."
+            )
         }
         Verdict::Undecided => {
             format!(

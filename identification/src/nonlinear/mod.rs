@@ -5,4 +5,6 @@ mod limits;
 
 pub(crate) use direction::split_with;
 pub use direction::{DirectionModel, Symmetry, split_by_direction};
-pub use limits::{Cell, Hysteresis, Limits, RangeEnd, Rate, RateVerdict, Side, SpeedLimits};
+pub use limits::{
+    Cell, Hysteresis, Limits, RangeEnd, Rate, RateVerdict, Side, SpeedLimits, rests_apart,
+};

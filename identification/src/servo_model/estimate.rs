@@ -427,6 +427,8 @@ fn describe(
         reached: Some(ReachedSpeeds::of(parts, record.sample_period_s())),
         speed_limits: speed_limits(record, point),
         hysteresis: None,
+        rests_apart: None,
+        delay_by_noise: None,
         stops: shown.stops,
         run_offsets: point.run_offsets.clone(),
         fit: fit_of(servo, record, spread),

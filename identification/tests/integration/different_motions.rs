@@ -40,7 +40,7 @@ fn one_servo_under_two_references_is_not_called_two_servos() {
     let (short, long) = (under(0.8, 200.0, 6), under(1.2, 200.0, 7));
     let found = compare(&short, &long, &options).unwrap();
     assert_eq!(found.verdict, Verdict::Undecided, "{}", found.summary);
-    assert!(found.descriptions_of_different_motions && found.p_value.is_none());
+    assert!(found.descriptions_of_different_motions);
     let apart = found.bounds.valid().unwrap().difference_percent;
     assert!(apart.at_least > found.margin_percent, "{apart:?}");
     let reason = "Not decided by the step responses: the strokes differ, ±4 against ±6 deg.";

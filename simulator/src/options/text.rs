@@ -119,6 +119,9 @@ impl SimulationOptions {
             ("stops-deg", ServoKind::Bench | ServoKind::Aircraft) => {
                 self.conditions.stops = Some(setting.read(STOPS, stops)?);
             }
+            ("play-deg", ServoKind::Bench | ServoKind::Aircraft) => {
+                self.conditions.play = Some(setting.parse(NOT_NEGATIVE)?);
+            }
             ("supply", ServoKind::Bench | ServoKind::Aircraft) => {
                 self.conditions.supply = setting.parse(POSITIVE)?;
             }
@@ -133,8 +136,8 @@ impl SimulationOptions {
             ("omega", ServoKind::Linear(p)) => p.natural_frequency = setting.parse(POSITIVE)?,
             ("delay-ms", ServoKind::Linear(p)) => p.delay = setting.milliseconds()?,
             (
-                "stops-deg" | "supply" | "friction" | "rotor-phase-deg" | "gain" | "zeta" | "omega"
-                | "delay-ms",
+                "stops-deg" | "play-deg" | "supply" | "friction" | "rotor-phase-deg" | "gain"
+                | "zeta" | "omega" | "delay-ms",
                 servo,
             ) => {
                 return Err(OptionsError::NotForThisServo(key.into(), servo.name()));
@@ -200,7 +203,7 @@ mod tests {
         assert_eq!(parse("bench?"), Ok(bench));
         let all = "aircraft?seed=18446744073709551615&realtime&noise=white&scatter=clock,rotor\
             &baud=9600&fault=short@3.5,open@4-4.5&first-sample-us=700&pulses=narrow&clock-phase-ms=1.25&sensor-gain=1.01\
-            &sensor-zero-deg=-0.5&stops-deg=-30:25\
+            &sensor-zero-deg=-0.5&stops-deg=-30:25&play-deg=0.6\
             &supply=0.9&friction=1.2&rotor-phase-deg=180";
         let expected = SimulationOptions {
             seed: u64::MAX,
@@ -221,6 +224,7 @@ mod tests {
                 sensor_gain: 1.01,
                 sensor_zero: -0.5,
                 stops: Some((-30.0, 25.0)),
+                play: Some(0.6),
                 clock_phase: Duration::from_micros(1250),
                 rotor_phase: std::f64::consts::PI,
             },

@@ -153,7 +153,6 @@ pub struct NotCompared {
     margin_percent: f64,
     bounds: (),
     withdrawn: (),
-    p_value: (),
     summary: String,
     advice: Vec<Advice>,
 }
@@ -181,7 +180,6 @@ impl StepResponses {
             margin_percent,
             bounds: (),
             withdrawn: (),
-            p_value: (),
             summary: format!("The step responses are not compared, because {because}."),
             advice: Vec::new(),
         }))

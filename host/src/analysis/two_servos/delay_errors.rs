@@ -1,6 +1,6 @@
 //! The delays that were taken out of two sides: how far their times may be off from each other.
 
-use crate::data::dataset::in_ms;
+use crate::data::dataset::{in_ms, own_part_s};
 use crate::data::model_metadata::ModelMetadata;
 use servoid_identification::comparison::{ComparisonOptions, DelayErrors};
 use servoid_identification::results::{Advice, Check, six_digits};
@@ -20,13 +20,24 @@ pub(crate) fn allowed_for(
     }
 }
 
+/// How far off the delay of either servo model may be by itself, where the rest of the error is the same in both \[s\]; `None` where none is.
+pub(super) fn own_error_s(sides: [&ModelMetadata; 2]) -> Option<f64> {
+    match are_sent_alike(sides) {
+        true => Some(own_part_s(sides[0].sensor_delay_uncertainty_s)),
+        false => of_one_sensor(sides).then_some(0.0),
+    }
+}
+
 /// Whether the error is the same in both: that of one sensor, or that of how a command was sent that moves on between the rows of both.
 fn are_shared(sides: [&ModelMetadata; 2]) -> bool {
-    let [a, b] = sides;
-    let are_sent_alike = a.moving_command
+    are_sent_alike(sides) || of_one_sensor(sides)
+}
+
+/// Whether the commands of both move on between rows of one length.
+fn are_sent_alike([a, b]: [&ModelMetadata; 2]) -> bool {
+    a.moving_command
         && b.moving_command
-        && a.sensor_delay_uncertainty_s == b.sensor_delay_uncertainty_s;
-    are_sent_alike || of_one_sensor(sides)
+        && a.sensor_delay_uncertainty_s == b.sensor_delay_uncertainty_s
 }
 
 /// Whether both were recorded by one board with the same delay, and the same uncertainty: the error of one sensor is the same in both.

@@ -1,6 +1,6 @@
 //! Two servos as machines beside each other, as far as their units allow.
 
-use super::scale_errors;
+use super::{delay_errors, scale_errors};
 use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::summary::sixty_degrees;
 use servoid_identification::comparison::{ServoModelComparison, compare_servo_models};
@@ -13,7 +13,12 @@ pub fn compared_servos(
     sides: [&ModelMetadata; 2],
 ) -> ServoModelComparison {
     let [a, b] = models;
-    let found = compare_servo_models(a, b, scale_errors::ratio_sd(sides));
+    let found = compare_servo_models(
+        a,
+        b,
+        scale_errors::ratio_sd(sides),
+        delay_errors::own_error_s(sides),
+    );
     let found = match sixty_degrees(sides[0].units()) {
         Some(size) => found.with_stroke(models, size),
         None => found,

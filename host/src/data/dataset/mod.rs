@@ -26,6 +26,7 @@ pub use about::About;
 pub use error::{DatasetError, DatasetFault};
 pub use from_arrays::{ArrayRun, Arrays};
 pub use loaded::listed;
+pub(crate) use moving_command::own_part_s;
 pub use options::DatasetOptions;
 pub(crate) use sensor_delay::in_ms;
 pub use time_column::TimeUnit;

@@ -11,6 +11,9 @@ use servoid_identification::Run;
 /// command makes of one that moves on. A stick in rows of 10 ms, sent between them too, was followed 5.4 ms later than was seen.
 const OPEN_ROWS: f64 = 0.6;
 
+/// The tenth, which each model has by itself: two recordings that were made alike share the half \[rows\].
+const OWN_ROWS: f64 = 0.1;
+
 /// Correlation of the changes of two neighbouring rows from which on a command moves on between them. That of jumps between holds is 0, that
 /// of levels drawn anew in every row -0.5, and that of a sine 0.1 at 4.3 rows a period, faster than any servo is driven in rows that show it.
 const MOVES_ON: f64 = 0.1;
@@ -53,6 +56,11 @@ pub(super) fn unseen_within_rows(
         shown(OPEN_ROWS * period_s)
     ));
     OPEN_ROWS * period_s
+}
+
+/// The part of such a time of which each recording has its own (s).
+pub(crate) fn own_part_s(open_s: f64) -> f64 {
+    open_s * OWN_ROWS / OPEN_ROWS
 }
 
 #[cfg(test)]

@@ -17,7 +17,8 @@ use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::open_question::OpenQuestion;
-use crate::data::{EXACTLY, Run, holds, last_quarter, mean_output};
+use super::visits::{Visit, visits};
+use crate::data::Run;
 use crate::numerics::median;
 use crate::results::Interval;
 use crate::thresholds::{
@@ -123,26 +124,15 @@ struct LevelMean {
 impl Table {
     /// The table of the holds whose last quarter begins at least `settling` samples after the edge.
     pub(crate) fn new(runs: &[Run], period_s: f64, settling: usize, level: Option<f64>) -> Self {
-        let mut visits: Vec<(f64, Side, f64)> = Vec::new();
-        for run in runs {
-            for hold in holds(run, EXACTLY) {
-                let rest = last_quarter(&hold.samples);
-                let Some(before) = hold
-                    .before
-                    .filter(|_| rest.start >= hold.samples.start + settling)
-                else {
-                    continue;
-                };
-                let from = if hold.level > before {
-                    Side::Below
-                } else {
-                    Side::Above
-                };
-                if let Some(mean) = mean_output(run, rest) {
-                    visits.push((hold.level, from, mean));
-                }
-            }
-        }
+        let cell_of = |visit: Visit| {
+            let from = match visit.command > visit.before {
+                true => Side::Below,
+                false => Side::Above,
+            };
+            (visit.command, from, visit.rest)
+        };
+        let visits: Vec<(f64, Side, f64)> =
+            visits(runs, settling).into_iter().map(cell_of).collect();
         let mut table = Self {
             cells: Vec::new(),
             levels: Vec::new(),

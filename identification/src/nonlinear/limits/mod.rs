@@ -11,15 +11,17 @@ mod directed_strokes;
 mod hysteresis_and_ends;
 mod open_question;
 mod rate;
+mod rests_apart;
 mod speed_drift;
 mod speed_limits;
 mod time_to_rest;
+mod visits;
 
 use serde::{Deserialize, Serialize};
 
-use crate::data::{EXACTLY, Record, Run, holds};
+use crate::data::{EXACTLY, Record, Run, holds, sensor_step};
 use crate::diagnostics::followed_after;
-use crate::results::Model;
+use crate::results::{Interval, Model};
 use crate::thresholds::MARGIN;
 use directed_strokes::strokes_by_direction;
 use time_to_rest::time_to_rest;
@@ -104,13 +106,26 @@ fn with_stops(ends: [RangeEnd; 2], stops: &[f64]) -> [RangeEnd; 2] {
     [at(low, of_low), at(high, of_high)]
 }
 
-fn table(record: &Record, model: &Model, level: Option<f64>) -> hysteresis_and_ends::Table {
-    let runs = match is_described(model) {
+/// How far apart the rests under one command are in `record` \[output\], which play in the gears, a dead band or friction make: the largest distance, with bounds
+/// of the confidence `level` from the scatter of the rests. `None` where no level is reached by two different strokes, each of them made again. The linear
+/// `model` of the record gives the length of a response.
+#[must_use]
+pub fn rests_apart(record: &Record, model: &Model, level: f64) -> Option<Interval> {
+    let visits = visits::visits(&runs_at_rest(record, model), settling(record, model));
+    rests_apart::rests_apart(&visits, sensor_step(record).unwrap_or(0.0), level)
+}
+
+/// The runs of a record as their rests are read from them.
+fn runs_at_rest<'a>(record: &'a Record, model: &Model) -> Vec<Run<'a>> {
+    match is_described(model) {
         true => without_motion(record, model),
         false => record.runs().to_vec(),
-    };
+    }
+}
+
+fn table(record: &Record, model: &Model, level: Option<f64>) -> hysteresis_and_ends::Table {
     hysteresis_and_ends::Table::new(
-        &runs,
+        &runs_at_rest(record, model),
         record.sample_period_s(),
         settling(record, model),
         level,
@@ -159,7 +174,6 @@ fn without_motion<'a>(record: &'a Record, model: &Model) -> Vec<Run<'a>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::Interval;
 
     fn end(command: f64, reached: f64) -> RangeEnd {
         RangeEnd {

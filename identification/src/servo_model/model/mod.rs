@@ -72,6 +72,14 @@ pub struct ServoModel {
     /// that they are.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hysteresis: Option<Interval>,
+    /// How far apart rests under one command are, whatever strokes led there: see [`rests_apart`](crate::nonlinear::rests_apart) \[output\]; `None` where the
+    /// record does not show it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rests_apart: Option<Interval>,
+    /// The delay as far as noise leaves it open, where its interval among the `quantities` allows for output that was recorded earlier or later,
+    /// too: that is the same in two recordings that were made alike.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub delay_by_noise: Option<Interval>,
     /// The stops within the commands of the record, as it shows them by itself.
     #[serde(
         default,
@@ -339,6 +347,10 @@ impl ServoModel {
     /// is taken for. The covariance is that of the noise alone.
     #[must_use]
     pub fn with_delay_error(mut self, seconds: f64) -> Self {
+        if seconds > 0.0 {
+            let delay = self.quantity(QuantityKind::Delay);
+            self.delay_by_noise = delay.and_then(|delay| delay.interval.valid().copied());
+        }
         widen_delay(&mut self.quantities, seconds);
         self
     }

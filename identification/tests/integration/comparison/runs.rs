@@ -16,13 +16,8 @@ fn scatter_between_runs_is_counted_from_three_runs_a_side() {
     };
     let same = compare(&side(0.97, 0..3), &side(0.97, 10..13), &options()).unwrap();
     assert_eq!(same.runs, [3, 3]);
-    assert!(
-        same.p_value.unwrap() > 0.01 && same.verdict != Verdict::Different,
-        "{}",
-        same.summary
-    );
+    assert_ne!(same.verdict, Verdict::Different, "{}", same.summary);
     let different = compare(&side(0.97, 0..5), &side(0.85, 10..15), &options()).unwrap();
-    assert!(different.p_value.unwrap() < 0.01, "{}", different.summary);
     assert_eq!(different.verdict, Verdict::Different);
     assert!(
         different
@@ -196,6 +191,5 @@ fn runs_of_one_step_each_are_compared_as_recordings() {
     };
     let found = compare(&side(300), &side(310), &options()).unwrap();
     assert_eq!(found.runs, [4, 4]);
-    assert_eq!(found.p_value, None);
     assert_eq!(found.of, Subject::Runs);
 }

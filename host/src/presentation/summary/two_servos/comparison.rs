@@ -133,24 +133,6 @@ pub(crate) fn facts_of_comparison(
             );
         }
     }
-    let [runs_a, runs_b] = found.runs;
-    let chance = match found.p_value {
-        Some(_) => format!(
-            "{} with {runs_a} and {runs_b} runs",
-            probability(found.p_value)
-        ),
-        None if found.descriptions_of_different_motions => {
-            "not tested: the references differ".to_owned()
-        }
-        None if found.motions.is_none() => {
-            "not tested: needs the recordings of three runs a side".to_owned()
-        }
-        None if runs_a.min(runs_b) < 3 => {
-            format!("not tested: needs three runs a side (here {runs_a} and {runs_b})")
-        }
-        None => "not tested: some of the runs show no response by themselves".to_owned(),
-    };
-    add("chance, scatter of runs", chance);
     if let Some(over) = &found.over_prediction {
         let share = |interval: &Interval| with_bounds(interval, " %", |v| format!("{v:.2}"));
         let [plus, minus, travel] = [

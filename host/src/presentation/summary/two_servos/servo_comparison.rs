@@ -8,7 +8,7 @@ use crate::presentation::summary::servo::servo_remarks::stops_in_words;
 use crate::presentation::summary::wording::layout::wrapped;
 use crate::presentation::summary::wording::numbers::{digits_beside, four_digits, percent};
 use crate::presentation::summary::wording::sixty_degrees::{both_ways, whole_ms};
-use servoid_identification::comparison::{QuantityPair, ServoModelComparison};
+use servoid_identification::comparison::{QuantityPair, RestsApart, ServoModelComparison};
 use servoid_identification::results::{Bounds, Interval, with_unit};
 use servoid_identification::servo_model::{QuantityKind, Stops};
 
@@ -23,8 +23,13 @@ pub fn sentence_on_servo_models(
     found: &ServoModelComparison,
     units: Units<'_>,
 ) -> String {
+    let differences = differences(a, b, found, units);
+    let known = found.rests_apart.difference.is_some();
+    let play = (!found.rests_apart.differ() && (known || differences.is_empty()))
+        .then(|| (found.rests_apart).nothing_sure_in_words([a, b], units.output.unwrap_or("")));
     let sentences = [
-        Some(what_is_sure(a, b, found, units)),
+        Some(what_is_sure(a, b, found, differences)),
+        play,
         load_of_one(a, b, found, units),
         strokes_of_both(a, b, found),
     ];
@@ -69,53 +74,61 @@ fn load_of_one(a: &str, b: &str, found: &ServoModelComparison, units: Units<'_>)
     ))
 }
 
-/// What differs for sure.
-fn what_is_sure(a: &str, b: &str, found: &ServoModelComparison, units: Units<'_>) -> String {
-    let bounds = match &found.bounds {
-        Bounds::Withdrawn(reason) => {
-            let because = reason.because();
-            let because = format!(
-                "because for at least one of the two {because}; the values stand without intervals"
-            );
-            return match found.stops.filter(|stops| stops.differ) {
-                Some(stops) => {
-                    let [of_a, of_b] = [stops.a, stops.b].map(|of| stops_or_none(of, units));
-                    format!(
-                        "As machines they differ: {a} has {of_a}, and {b} has {of_b}. No statement about other differences, {because}."
-                    )
-                }
-                None => format!("As machines: no statement about the difference, {because}."),
-            };
-        }
-        Bounds::Valid(bounds) => bounds,
-    };
-    let sure: Vec<String> = found
-        .quantities
-        .iter()
-        .zip(&bounds.differences)
+/// What differs for sure, each in a few words: what the recordings show by themselves, then what the models say.
+fn differences(a: &str, b: &str, found: &ServoModelComparison, units: Units<'_>) -> Vec<String> {
+    let rests = (found.rests_apart).difference_in_words([a, b], units.output.unwrap_or(""));
+    let stops = found.stops.filter(|stops| stops.differ).map(|stops| {
+        let [of_a, of_b] = [stops.a, stops.b].map(|of| stops_or_none(of, units));
+        format!("{of_a} in {a}, {of_b} in {b}")
+    });
+    let bounds = found.bounds.valid();
+    let of_models = bounds.map_or(&[][..], |bounds| &bounds.differences);
+    let sure = (found.quantities.iter().zip(of_models))
         .filter(|(_, difference)| difference.is_sure())
-        .filter_map(|(pair, _)| in_words(a, b, pair, units))
-        .collect();
-    let level = percent(bounds.level);
-    let rest = match sure.len() {
-        0 if !found.compares() => {
-            return format!(
-                "As machines nothing is compared: the recordings determine no quantity of both {a} and {b}."
-            );
-        }
-        0 => {
-            return format!(
-                "As machines: no quantity of {a} and {b} is shown to differ ({level} % intervals)."
-            );
-        }
-        count if count > NAMED => format!("; and {} more", count - NAMED),
-        _ => String::new(),
+        .filter_map(|(pair, _)| in_words(a, b, pair, units));
+    rests.into_iter().chain(stops).chain(sure).collect()
+}
+
+/// That they differ, or that it is not known. It is said of the recordings: their bounds are those of noise, and no servo is the same in two runs.
+fn what_is_sure(
+    a: &str,
+    b: &str,
+    found: &ServoModelComparison,
+    differences: Vec<String>,
+) -> String {
+    let count = differences.len();
+    let rest = match count > NAMED {
+        true => format!("; and {} more", count - NAMED),
+        false => String::new(),
     };
-    let named: Vec<String> = sure.into_iter().take(NAMED).collect();
-    format!(
-        "As machines they differ, each quantity by itself at {level} %: {}{rest}.",
-        named.join("; ")
-    )
+    let named: Vec<String> = differences.into_iter().take(NAMED).collect();
+    let named = named.join("; ") + &rest;
+    match &found.bounds {
+        Bounds::Withdrawn(reason) => {
+            let because = format!(
+                "because for at least one of the two {}; the values stand without intervals",
+                reason.because()
+            );
+            match count {
+                0 => format!("As machines: no statement about the difference, {because}."),
+                _ => format!(
+                    "As machines {a} and {b} differ in these recordings: {named}. No statement about other differences, {because}."
+                ),
+            }
+        }
+        Bounds::Valid(_) if count == 0 && !found.compares() => format!(
+            "As machines nothing is compared: the recordings determine no quantity of both {a} and {b}."
+        ),
+        Bounds::Valid(bounds) if count == 0 => format!(
+            "As machines: no quantity of {a} and {b} is shown to differ ({} % intervals).",
+            percent(bounds.level)
+        ),
+        Bounds::Valid(bounds) => format!(
+            "As machines {a} and {b} differ in these recordings, each quantity by itself at {} % and however little: {named}. What differs from run to run is \
+             not included.",
+            percent(bounds.level)
+        ),
+    }
 }
 
 /// "delay 10.3 ms in A, 12.1 ms in B"
@@ -185,6 +198,11 @@ pub fn of_servo_models(names: [&str; 2], found: &ServoModelComparison, units: Un
 /// The way the differences were computed.
 pub(crate) fn how_servo_models_are_compared(found: &ServoModelComparison) -> &'static str {
     match found.bounds {
+        Bounds::Valid(_) if found.shared_delay_error => {
+            "Difference: second less first, from the ends of both intervals, but of the delay without the time by which commands or \
+             positions were recorded earlier or later in both: it is one and the same where both were recorded in one way. It holds wherever both hold, and \
+             is wider than independent recordings would need."
+        }
         Bounds::Valid(_) => {
             "Difference: second less first, from the ends of both intervals: it holds wherever both hold, and is wider than independent \
              recordings would need."
@@ -247,6 +265,7 @@ pub(crate) fn servo_model_rows(found: &ServoModelComparison, units: Units<'_>) -
     };
     let mut rows: Vec<TableRow> = found.quantities.iter().enumerate().map(row).collect();
     rows.extend(stroke_rows(found));
+    rows.extend(row_of_rests(found, units));
     rows.extend(found.stops.map(|stops| {
         let in_words = |of: Stops| (stops_or_none(of, units), String::new());
         let mut cells = vec![in_words(stops.a), in_words(stops.b)];
@@ -257,6 +276,28 @@ pub(crate) fn servo_model_rows(found: &ServoModelComparison, units: Units<'_>) -
         }
     }));
     rows
+}
+
+/// How far apart rests under one command are, with the intervals that their scatter gives, whatever the models say.
+fn row_of_rests(found: &ServoModelComparison, units: Units<'_>) -> Option<TableRow> {
+    let RestsApart { a, b, difference } = found.rests_apart;
+    a.or(b)?;
+    let cell = |of: Option<Interval>| {
+        let Some((of, value)) = of.and_then(|of| Some((of, of.value?))) else {
+            return ("-".to_owned(), "not shown".to_owned());
+        };
+        let width = of.upper.zip(of.lower).map(|(upper, lower)| upper - lower);
+        let [value, lower, upper] = [Some(value), of.lower, of.upper]
+            .map(|number| number.map_or_else(String::new, |v| digits_beside(v, 3, width)));
+        let value = with_unit(value, units.output.unwrap_or(""));
+        (value, format!("{lower} .. {upper}"))
+    };
+    let mut cells = vec![cell(a), cell(b)];
+    cells.extend(found.bounds.valid().map(|_| cell(difference)));
+    Some(TableRow {
+        label: "rests under one command, apart".to_owned(),
+        cells,
+    })
 }
 
 /// How long a stroke of 60 degrees takes, each way; no interval is known of that.
@@ -303,6 +344,8 @@ mod tests {
                 b,
             }],
             stops: None,
+            rests_apart: RestsApart::default(),
+            shared_delay_error: false,
             stroke: Some(StrokeTimes {
                 size: 60.0,
                 a_s: Some([0.239, 0.171]),

@@ -1,0 +1,110 @@
+//! How far apart the rests under one command are, on both sides: play in the gears, a dead band and friction make that.
+//!
+//! A step response is of whole strokes, of which play is a small share: a worn servo responds as a new one does. Where it rests shows the wear.
+
+use crate::numerics::{pointwise_critical, with_unit};
+use crate::results::Interval;
+use serde::{Deserialize, Serialize};
+
+/// How far apart the rests under one command are: see [`rests_apart`](crate::nonlinear::rests_apart) \[output\].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct RestsApart {
+    /// Of the first side; `None` where its record does not show it.
+    pub a: Option<Interval>,
+    /// Of the second side.
+    pub b: Option<Interval>,
+    /// Second less first, from the ends of both intervals: it holds wherever both hold.
+    pub difference: Option<Interval>,
+}
+
+impl RestsApart {
+    /// That of two sides, where the ratio of the scales of their outputs has the standard deviation `scale_sd`, 0.05 for 5 %; bounds have the
+    /// `level`.
+    pub(super) fn of([a, b]: [Option<Interval>; 2], scale_sd: f64, level: f64) -> Self {
+        let between = |a: Interval, b: Interval| {
+            let of_scale = pointwise_critical(level) * scale_sd * b.value?;
+            let less = Interval::new(
+                b.value? - a.value?,
+                b.lower? - a.upper?,
+                b.upper? - a.lower?,
+            );
+            Some(less.reaching(of_scale, of_scale))
+        };
+        Self {
+            a,
+            b,
+            difference: a.zip(b).and_then(|(a, b)| between(a, b)),
+        }
+    }
+
+    /// Whether the two differ for sure.
+    #[must_use]
+    pub fn differ(&self) -> bool {
+        self.difference.is_some_and(|found| !found.contains(0.0))
+    }
+
+    /// How far apart they are in `a` and in `b`, where they differ for sure; `unit` is that of the output.
+    #[must_use]
+    pub fn difference_in_words(&self, [a, b]: [&str; 2], unit: &str) -> Option<String> {
+        let (of_a, of_b) = self.a.zip(self.b).filter(|_| self.differ())?;
+        let decimals = self.decimals();
+        let in_words = |of: Interval| {
+            let [value, low, high] = [of.value, of.lower, of.upper]
+                .map(|number| format!("{:.decimals$}", number.unwrap_or(f64::NAN)));
+            format!(
+                "up to {} ({low} .. {high}) apart in",
+                with_unit(value, unit)
+            )
+        };
+        Some(format!(
+            "rests under one command, which {KEPT_APART_BY}, are {} {a} and {} {b}",
+            in_words(of_a),
+            in_words(of_b)
+        ))
+    }
+
+    /// What is known where no difference is sure: by how much they may differ at the most, or what would show it.
+    #[must_use]
+    pub fn nothing_sure_in_words(&self, [a, b]: [&str; 2], unit: &str) -> String {
+        let decimals = self.decimals();
+        let shown = |number: f64| with_unit(format!("{number:.decimals$}"), unit);
+        match self.most_between() {
+            Some(most) => format!(
+                "Rests under one command, which {KEPT_APART_BY}, are up to {} apart in {a} and {} in {b}, and these differ by {} at the most.",
+                shown(self.a.and_then(|of| of.value).unwrap_or(f64::NAN)),
+                shown(self.b.and_then(|of| of.value).unwrap_or(f64::NAN)),
+                shown(most)
+            ),
+            None => {
+                let of = match (self.a, self.b) {
+                    (None, Some(_)) => format!("the recording of {a} does"),
+                    (Some(_), None) => format!("the recording of {b} does"),
+                    _ => "the recordings do".to_owned(),
+                };
+                format!(
+                    "Whether one has more play than the other is not known: {of} not show how far apart rests under one command are. Record stairs on both \
+                     sides, which reach each level by different strokes, each of them twice or more, and hold it until the servo rests."
+                )
+            }
+        }
+    }
+
+    /// By how much they may differ at the most.
+    fn most_between(&self) -> Option<f64> {
+        let found = self.difference?;
+        Some(found.upper?.max(-found.lower?))
+    }
+
+    /// With which the ends of the intervals have three digits \[decimals\].
+    fn decimals(&self) -> usize {
+        let sides = [self.a, self.b].into_iter().flatten();
+        let largest = sides.filter_map(|of| of.upper).fold(0.0, f64::max);
+        match largest > 0.0 {
+            true => (2.0 - largest.log10().floor()).clamp(0.0, 12.0) as usize,
+            false => 0,
+        }
+    }
+}
+
+/// What does.
+const KEPT_APART_BY: &str = "play in the gears, a dead band or friction keep apart";

@@ -1,0 +1,140 @@
+//! How far apart the rests under one command are.
+//!
+//! Within the play of its gears, a dead band, or what friction holds, a shaft rests where the stroke that brought it left it: at the near edge, or at the far
+//! one after an overshoot. So strokes from one level to another form a cell, whose visits should rest at one place. With d the difference of the
+//! means of two cells at one level, n and m their visits, s² the variance within all cells, and t Student's critical value for all such pairs
+//! at once (Bonferroni),
+//!
+//! ```text
+//! from max(|d| - h)   to max(|d| + h),   h = t s sqrt(1/n + 1/m)
+//! ```
+//!
+//! holds the largest distance with the probability of the level, because all differences are within h of their estimates at once. The steps of a sensor add one
+//! of them. Unlike the mean over directions of [`Hysteresis`](super::Hysteresis), strokes that overshoot and strokes that do not
+//! cancel nothing.
+
+use super::visits::Visit;
+use crate::results::Interval;
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+/// Degrees of freedom from which the scatter within cells says anything.
+const FEWEST_DEGREES: usize = 2;
+
+/// The visits of one level from another.
+struct Cell {
+    command: f64,
+    before: f64,
+    rests: Vec<f64>,
+}
+
+impl Cell {
+    fn mean(&self) -> f64 {
+        self.rests.iter().sum::<f64>() / self.rests.len() as f64
+    }
+}
+
+/// The largest distance between two rests under one command, from all `visits`, with bounds at the `level`; `None` where no command is reached by two different strokes, or
+/// no stroke is made again. Outputs are steps of `step` at the most.
+pub(super) fn rests_apart(visits: &[Visit], step: f64, level: f64) -> Option<Interval> {
+    let cells = cells(visits);
+    let pairs = pairs(&cells);
+    let degrees = visits.len() - cells.len();
+    if degrees < FEWEST_DEGREES || pairs.is_empty() {
+        return None;
+    }
+    let square = |cell: &Cell| {
+        let mean = cell.mean();
+        cell.rests.iter().map(|y| (y - mean).powi(2)).sum::<f64>()
+    };
+    let sd = (cells.iter().map(square).sum::<f64>() / degrees as f64).sqrt();
+    let missed = (1.0 - level) / 2.0 / pairs.len() as f64;
+    let critical = -StudentsT::new(0.0, 1.0, degrees as f64)
+        .ok()?
+        .inverse_cdf(missed);
+    let ends = pairs.iter().map(|[a, b]| {
+        let apart = (a.mean() - b.mean()).abs();
+        let share = 1.0 / a.rests.len() as f64 + 1.0 / b.rests.len() as f64;
+        let half = critical * sd * share.sqrt() + step;
+        [apart, (apart - half).max(0.0), apart + half]
+    });
+    let [value, lower, upper] = ends.reduce(|a, b| [0, 1, 2].map(|k: usize| a[k].max(b[k])))?;
+    Some(Interval::new(value, lower, upper))
+}
+
+fn cells(visits: &[Visit]) -> Vec<Cell> {
+    let mut cells: Vec<Cell> = Vec::new();
+    for visit in visits {
+        let is_same =
+            |cell: &&mut Cell| cell.command == visit.command && cell.before == visit.before;
+        match cells.iter_mut().find(is_same) {
+            Some(cell) => cell.rests.push(visit.rest),
+            None => cells.push(Cell {
+                command: visit.command,
+                before: visit.before,
+                rests: vec![visit.rest],
+            }),
+        }
+    }
+    cells
+}
+
+/// All pairs of cells of one level.
+fn pairs(cells: &[Cell]) -> Vec<[&Cell; 2]> {
+    let with = |(place, a): (usize, &'_ Cell)| {
+        let others = cells[place + 1..].iter();
+        let others = others.filter(move |b| b.command == a.command);
+        others.map(move |b| (place, b)).collect::<Vec<_>>()
+    };
+    let all = cells.iter().enumerate().flat_map(with);
+    all.map(|(place, b)| [&cells[place], b]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Stairs over five levels, each stroke between neighbours twice and one of the whole range; a shaft with `play` that overshoots in strokes of more than 5 rests at
+    /// the far side of it.
+    fn worn(play: f64, noise: f64) -> Vec<Visit> {
+        let levels = [
+            -10.0, -5.0, 0.0, 5.0, 10.0, 0.0, -10.0, 0.0, 10.0, 5.0, 0.0, -5.0,
+        ];
+        let visit = |k: usize| {
+            let (before, command) = (levels[k % 12], levels[(k + 1) % 12]);
+            let stroke: f64 = command - before;
+            let side = if stroke.abs() > 5.0 { 1.0 } else { -1.0 };
+            let error = noise * ((k * k * 7919 % 101) as f64 / 50.0 - 1.0);
+            Visit {
+                command,
+                before,
+                rest: command + side * stroke.signum() * play / 2.0 + error,
+            }
+        };
+        (0..72).map(visit).collect()
+    }
+
+    #[test]
+    fn play_is_found_where_some_strokes_overshoot_and_none_is_where_there_is_none() {
+        for play in [0.0, 0.2, 0.6] {
+            let found = rests_apart(&worn(play, 0.01), 0.0, 0.99).unwrap();
+            assert!(found.contains(play), "{play}: {found:?}");
+            assert!(found.upper.unwrap() < play + 0.04, "{play}: {found:?}");
+        }
+        let stepped = rests_apart(&worn(0.0, 0.0), 0.03, 0.99).unwrap();
+        assert_eq!((stepped.lower, stepped.upper), (Some(0.0), Some(0.03)));
+    }
+
+    #[test]
+    fn two_levels_and_strokes_that_are_made_once_show_nothing() {
+        let all = worn(0.2, 0.01);
+        assert_eq!(rests_apart(&all[..8], 0.0, 0.99), None);
+        let two: Vec<Visit> = (0..20)
+            .map(|k| Visit {
+                command: [5.0, -5.0][k % 2],
+                before: [-5.0, 5.0][k % 2],
+                rest: 0.01 * (k * 7 % 5) as f64,
+            })
+            .collect();
+        assert_eq!(rests_apart(&two, 0.0, 0.99), None);
+    }
+}
