@@ -188,8 +188,7 @@ fn levels_missed(values: &[f64], holds: usize) -> Option<usize> {
     let largest = (values.windows(2).map(|pair| pair[1] - pair[0])).fold(0.0, f64::max);
     let groups: Vec<&[f64]> = (values.chunk_by(|a, b| b - a < APART * largest)).collect();
     let is_narrow = |group: &&[f64]| group[group.len() - 1] - group[0] < NARROW * largest;
-    (holds >= HELD_AGAIN * groups.len() && groups.iter().all(|group| is_narrow(&group)))
-        .then_some(groups.len())
+    (holds >= HELD_AGAIN * groups.len() && groups.iter().all(is_narrow)).then_some(groups.len())
 }
 
 /// Holds of each level on average from which a reference comes back to its levels.
