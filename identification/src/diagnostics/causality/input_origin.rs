@@ -194,7 +194,7 @@ mod tests {
         assert!(explained_by_output(&exchanged).unwrap() > 0.9);
     }
 
-    /// The motion told of a planned sum of sines how it went on, because ten samples of it were one level.
+    /// The motion explained how a planned sum of sines went on, because ten samples of it were one level.
     #[test]
     fn a_planned_command_in_frames_has_its_past_in_frames() {
         let sines = |k: usize| -> f64 {

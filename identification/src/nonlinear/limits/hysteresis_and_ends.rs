@@ -17,8 +17,7 @@ use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::open_question::OpenQuestion;
-use super::visits::{Visit, visits};
-use crate::data::Run;
+use super::visits::Visit;
 use crate::numerics::median;
 use crate::results::Interval;
 use crate::thresholds::{
@@ -110,6 +109,8 @@ pub(crate) struct Table {
     degrees: usize,
     /// Confidence level of intervals; `None` where they have no bounds.
     level: Option<f64>,
+    /// How far a rest may be off because the sensor has steps \[output\]. Each visit of a level is rounded alike, so scatter does not show it.
+    rounding: f64,
     /// Shortest hold that counts \[s\].
     needed_s: f64,
 }
@@ -122,24 +123,24 @@ struct LevelMean {
 }
 
 impl Table {
-    /// The table of the holds whose last quarter begins at least `settling` samples after the edge.
-    pub(crate) fn new(runs: &[Run], period_s: f64, settling: usize, level: Option<f64>) -> Self {
-        let cell_of = |visit: Visit| {
+    /// The table of `visits` that are held for at least `needed_s`, of a sensor with steps of `step`, which is 0 where noise dithers them.
+    pub(super) fn new(visits: &[Visit], needed_s: f64, step: f64, level: Option<f64>) -> Self {
+        let cell_of = |visit: &Visit| {
             let from = match visit.command > visit.before {
                 true => Side::Below,
                 false => Side::Above,
             };
             (visit.command, from, visit.rest)
         };
-        let visits: Vec<(f64, Side, f64)> =
-            visits(runs, settling).into_iter().map(cell_of).collect();
+        let visits: Vec<(f64, Side, f64)> = visits.iter().map(cell_of).collect();
         let mut table = Self {
             cells: Vec::new(),
             levels: Vec::new(),
             variance: 0.0,
             degrees: 0,
             level,
-            needed_s: (settling + settling.div_ceil(3) + 1) as f64 * period_s,
+            rounding: 0.5 * step,
+            needed_s,
         };
         table.fill(&visits);
         table
@@ -190,9 +191,10 @@ impl Table {
             .collect();
     }
 
-    /// Student's interval of a mean whose variance is `share` of that of one visit.
-    fn around(&self, value: f64, share: f64) -> Interval {
-        self.within(value, (self.variance * share).sqrt())
+    /// Student's interval of a rest whose variance is `share` of that of one visit.
+    fn around(&self, rest: f64, share: f64) -> Interval {
+        let interval = self.within(rest, (self.variance * share).sqrt());
+        interval.reaching(self.rounding, self.rounding)
     }
 
     /// Student's interval of a value with a standard deviation.
@@ -246,29 +248,30 @@ impl Table {
             };
         }
         let difference = sum / weights;
-        let interval = self.around(difference, 1.0 / weights);
         let sd = (self.variance / weights).sqrt();
-        let found = difference.abs() > self.critical(HYSTERESIS_FALSE_ALARM / 2.0) * sd;
+        // Both rests of a pair are rounded.
+        let rounding = 2.0 * self.rounding;
+        let interval = self.within(difference, sd).reaching(rounding, rounding);
+        let by_chance = self.critical(HYSTERESIS_FALSE_ALARM / 2.0) * sd + rounding;
+        let found = difference.abs() > by_chance;
         let size = absolute(interval);
         Hysteresis {
             found: Some(found),
             size,
-            statement: if found {
-                format!(
-                    "Hysteresis of {:.3}: the rest position depends on the direction of approach, \
-                     by backlash, dead band or friction.",
+            statement: match (found, size.upper) {
+                (true, _) if difference < 0.0 => format!(
+                    "Hysteresis of {:.3}: rests that are reached from below are higher than those from above, as where the servo overshoots and play, \
+                     a dead band or friction leaves it there.",
                     difference.abs()
-                )
-            } else {
-                match size.upper {
-                    Some(bound) => format!(
-                        "No hysteresis above {bound:.3}: the rest position does not depend on the \
-                         direction of approach by more."
-                    ),
-                    None => "No hysteresis is found: the rest position does not depend on the \
-                             direction of approach by more than it scatters."
-                        .to_owned(),
-                }
+                ),
+                (true, _) => format!(
+                    "Hysteresis of {difference:.3}: the rest position depends on the direction of approach, by backlash, dead band or friction."
+                ),
+                (false, Some(bound)) => format!(
+                    "No hysteresis above {bound:.3}: the mean rest position does not depend on the direction of approach by more."
+                ),
+                (false, None) => "No hysteresis is found: the mean rest position does not depend on the direction of approach by more than it scatters."
+                    .to_owned(),
             },
             remedy: None,
         }

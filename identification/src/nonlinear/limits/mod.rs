@@ -25,6 +25,7 @@ use crate::results::{Interval, Model};
 use crate::thresholds::MARGIN;
 use directed_strokes::strokes_by_direction;
 use time_to_rest::time_to_rest;
+use visits::visits;
 
 pub use hysteresis_and_ends::{Cell, Hysteresis, RangeEnd, Side};
 pub use rate::{Rate, RateVerdict};
@@ -74,7 +75,7 @@ impl Limits {
         Self {
             rate_up: Rate::new("up", &up, level),
             rate_down: Rate::new("down", &down, level),
-            hysteresis: table.hysteresis(),
+            hysteresis: table.hysteresis().beside(rests_apart(record, model, level)),
             ends: table.ends().map(|ends| with_stops(ends, &model.stops)),
             levels: table.cells,
         }
@@ -90,6 +91,25 @@ impl Hysteresis {
     /// That of `record` alone, as among the [limits](Limits::of).
     pub fn of(record: &Record, model: &Model, level: f64) -> Self {
         table(record, model, Some(level)).hysteresis()
+    }
+
+    /// With how far rests are `apart` where that is surely more than the mean over the directions says: strokes that overshoot and strokes that do not
+    /// cancel there.
+    fn beside(self, apart: Option<Interval>) -> Self {
+        let of_mean = self.size.upper.unwrap_or(0.0);
+        let is_more = |apart: &Interval| apart.lower.is_some_and(|lower| lower > of_mean);
+        let bounds = |apart: Interval| Some((apart.value?, apart.lower?, apart.upper?));
+        match apart.filter(is_more).and_then(bounds) {
+            Some((value, lower, upper)) => Self {
+                statement: format!(
+                    "{} But rests under one command are up to {value:.3} ({lower:.3} .. {upper:.3}) apart, by the strokes that led there: play, a dead band or \
+                     friction leaves the servo where it came from, or beyond where it overshot.",
+                    self.statement
+                ),
+                ..self
+            },
+            None => self,
+        }
     }
 }
 
@@ -111,7 +131,7 @@ fn with_stops(ends: [RangeEnd; 2], stops: &[f64]) -> [RangeEnd; 2] {
 /// `model` of the record gives the length of a response.
 #[must_use]
 pub fn rests_apart(record: &Record, model: &Model, level: f64) -> Option<Interval> {
-    let visits = visits::visits(&runs_at_rest(record, model), settling(record, model));
+    let visits = visits(&runs_at_rest(record, model), settling(record, model));
     rests_apart::rests_apart(&visits, sensor_step(record).unwrap_or(0.0), level)
 }
 
@@ -124,10 +144,13 @@ fn runs_at_rest<'a>(record: &'a Record, model: &Model) -> Vec<Run<'a>> {
 }
 
 fn table(record: &Record, model: &Model, level: Option<f64>) -> hysteresis_and_ends::Table {
+    let settling = settling(record, model);
+    // The last quarter of such a hold begins when the response is over.
+    let needed = settling + settling.div_ceil(3) + 1;
     hysteresis_and_ends::Table::new(
-        &runs_at_rest(record, model),
-        record.sample_period_s(),
-        settling(record, model),
+        &visits(&runs_at_rest(record, model), settling),
+        needed as f64 * record.sample_period_s(),
+        sensor_step(record).unwrap_or(0.0),
         level,
     )
 }

@@ -21,13 +21,13 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 const FEWEST_DEGREES: usize = 2;
 
 /// The visits of one level from another.
-struct Cell {
+struct Arrivals {
     command: f64,
     before: f64,
     rests: Vec<f64>,
 }
 
-impl Cell {
+impl Arrivals {
     fn mean(&self) -> f64 {
         self.rests.iter().sum::<f64>() / self.rests.len() as f64
     }
@@ -42,7 +42,7 @@ pub(super) fn rests_apart(visits: &[Visit], step: f64, level: f64) -> Option<Int
     if degrees < FEWEST_DEGREES || pairs.is_empty() {
         return None;
     }
-    let square = |cell: &Cell| {
+    let square = |cell: &Arrivals| {
         let mean = cell.mean();
         cell.rests.iter().map(|y| (y - mean).powi(2)).sum::<f64>()
     };
@@ -61,14 +61,14 @@ pub(super) fn rests_apart(visits: &[Visit], step: f64, level: f64) -> Option<Int
     Some(Interval::new(value, lower, upper))
 }
 
-fn cells(visits: &[Visit]) -> Vec<Cell> {
-    let mut cells: Vec<Cell> = Vec::new();
+fn cells(visits: &[Visit]) -> Vec<Arrivals> {
+    let mut cells: Vec<Arrivals> = Vec::new();
     for visit in visits {
         let is_same =
-            |cell: &&mut Cell| cell.command == visit.command && cell.before == visit.before;
+            |cell: &&mut Arrivals| cell.command == visit.command && cell.before == visit.before;
         match cells.iter_mut().find(is_same) {
             Some(cell) => cell.rests.push(visit.rest),
-            None => cells.push(Cell {
+            None => cells.push(Arrivals {
                 command: visit.command,
                 before: visit.before,
                 rests: vec![visit.rest],
@@ -79,8 +79,8 @@ fn cells(visits: &[Visit]) -> Vec<Cell> {
 }
 
 /// All pairs of cells of one level.
-fn pairs(cells: &[Cell]) -> Vec<[&Cell; 2]> {
-    let with = |(place, a): (usize, &'_ Cell)| {
+fn pairs(cells: &[Arrivals]) -> Vec<[&Arrivals; 2]> {
+    let with = |(place, a): (usize, &'_ Arrivals)| {
         let others = cells[place + 1..].iter();
         let others = others.filter(move |b| b.command == a.command);
         others.map(move |b| (place, b)).collect::<Vec<_>>()

@@ -61,7 +61,10 @@ impl Interval {
     /// The interval with its bounds `by` further out; one that is not negative stays so.
     #[must_use]
     pub(crate) fn widened(self, by: f64) -> Self {
-        let below = |lower: f64| (lower - by).max(lower.min(0.0));
+        let below = |lower: f64| match lower < 0.0 {
+            true => lower - by,
+            false => (lower - by).max(0.0),
+        };
         Self {
             lower: self.lower.map(below),
             upper: self.upper.map(|upper| upper + by),

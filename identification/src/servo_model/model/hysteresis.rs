@@ -1,14 +1,14 @@
 //! Positions of rest that depend on the direction of approach, in the record and by a model of the servo.
 
 use super::ServoModel;
-use crate::results::Reason;
+use crate::results::{Interval, Reason};
 use crate::servo_model::quantities::quantity_kind::QuantityKind;
 
 /// Rests that are farther apart in the record than the model shows why, or than it is sure to show why: it has friction and a dead band, but no play of
 /// the gears.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UnexplainedHysteresis {
-    /// Between rests that are reached from above and from below, in the record \[output\].
+    /// Between rests under one command, in the record \[output\].
     pub shown: f64,
     /// What friction and dead band of the model make of it at the most \[output\]: those of the fit, whether or not the record determines each by
     /// itself, because a file has them as well.
@@ -20,7 +20,7 @@ impl ServoModel {
     /// they are not all.
     #[must_use]
     pub fn unexplained_hysteresis(&self) -> Option<UnexplainedHysteresis> {
-        let shown = self.hysteresis?.value?;
+        let (shown, at_least) = self.apart_at_rest()?;
         let each_side = [QuantityKind::RestingError, QuantityKind::DeadBand]
             .into_iter()
             .filter_map(|kind| self.quantity(kind))
@@ -28,9 +28,18 @@ impl ServoModel {
             .sum::<f64>();
         let explained = 2.0 * each_side * self.parameters(0).gain.abs();
         let lacks_something = self.covariance.withdrawn() == Some(Reason::ErrorsNotNoise);
-        (explained < shown || lacks_something).then_some(UnexplainedHysteresis {
+        (explained < at_least || lacks_something).then_some(UnexplainedHysteresis {
             shown,
             explained: explained.min(shown),
         })
+    }
+
+    /// How far rests under one command are apart in the record, and at least: the largest distance where strokes are made again, or else the mean one
+    /// between both directions of approach.
+    fn apart_at_rest(&self) -> Option<(f64, f64)> {
+        let sure =
+            |apart: Interval| Some((apart.value?, apart.lower.filter(|lower| *lower > 0.0)?));
+        let by_direction = || self.hysteresis?.value.map(|mean| (mean, mean));
+        self.rests_apart.and_then(sure).or_else(by_direction)
     }
 }

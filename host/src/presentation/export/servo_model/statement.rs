@@ -91,7 +91,7 @@ impl ServoExport<'_> {
         let unit = self.output_unit();
         let [shown, explained] = [found.shown, found.explained].map(four_digits);
         Some(format!(
-            "positions of rest reached from above and from below are {shown} {unit} apart in the recording, of which this servo model explains {explained} {unit}: play in the gears, which it has not, makes strokes of that size quite different"
+            "rests under one command are as much as {shown} {unit} apart in the recording, of which this servo model explains {explained} {unit}: play in the gears, which it has not, makes strokes of that size quite different"
         ))
     }
 

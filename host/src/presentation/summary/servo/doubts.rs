@@ -39,7 +39,7 @@ pub(super) fn changing_speed(model: &ServoModel) -> Option<String> {
     ))
 }
 
-/// " Positions of rest ...": that they depend on the direction of approach by more than the model shows why.
+/// " Rests under one command ...": that they depend on the direction of approach by more than the model shows why.
 pub(super) fn hysteresis(model: &ServoModel, units: Units<'_>) -> Option<String> {
     let found = model.unexplained_hysteresis()?;
     let unit = with_space(units.output);
@@ -54,8 +54,8 @@ pub(super) fn hysteresis(model: &ServoModel, units: Units<'_>) -> Option<String>
         false => String::new(),
     };
     Some(format!(
-        " Positions of rest reached from above and from below are {}{unit} apart{explained}: play in the gears, of which the model has none, does that, as do a \
-         dead band and friction. Play may be more than that, because a servo that overshoots comes to rest within it.",
+        " Rests under one command are as much as {}{unit} apart{explained}: play in the gears, of which the model has none, does that, as do a dead band and \
+         friction.",
         digits(found.shown, 3)
     ))
 }
