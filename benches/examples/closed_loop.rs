@@ -1,4 +1,4 @@
-//! Prints the table "Closed loop" of docs/method.md: whether recordings in closed loop have bounds, and whether these hold.
+//! Prints the table "Closed loop" of docs/assumptions.md: whether recordings in closed loop have bounds, and whether these hold.
 //!
 //!     cargo run --release -p servoid-benches --example closed_loop -- 4
 

@@ -1,4 +1,4 @@
-//! The table "Gains that change, and slow servos" of docs/method.md:
+//! The table "Gains that change, and slow servos" of docs/assumptions.md:
 //!
 //! ```sh
 //! cargo run --release -p servoid-benches --example drifting_servos -- 12

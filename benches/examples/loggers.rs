@@ -1,4 +1,4 @@
-//! The table "Times that are not what they seem, and stops" of docs/method.md:
+//! The table "Times that are not what they seem, and stops" of docs/assumptions.md:
 //!
 //! ```sh
 //! cargo run --release -p servoid-benches --example loggers -- 40

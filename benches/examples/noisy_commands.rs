@@ -1,4 +1,4 @@
-//! The tables "Noise in the column of the command" of docs/method.md:
+//! The tables "Noise in the column of the command" of docs/assumptions.md:
 //!
 //! ```sh
 //! cargo run --release -p servoid-benches --example noisy_commands -- 60 70000

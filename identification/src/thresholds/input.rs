@@ -76,13 +76,13 @@ pub const SPEED_DRIFT: f64 = 0.05;
 /// Change of the gain over a run that matters \[%\]; see [`LAG_DRIFT_SIGNIFICANCE`].
 ///
 /// Protects: users from findings of no consequence, since the estimate is that of the mean gain; less is within the changes of one servo from day to day.
-/// Evidence: by choice, not tuned; "Gains that change, and slow servos" in docs/method.md has what is found below and above it.
+/// Evidence: by choice, not tuned; "Gains that change, and slow servos" in docs/assumptions.md has what is found below and above it.
 pub const GAIN_DRIFT_PERCENT: f64 = 2.0;
 
 /// Share of the changes of the output that a lag must explain for the servo to be called a slow one.
 ///
 /// Protects: servos that are limited, or not linear, from the advice to record longer. Evidence: the recordings of "Gains that change, and slow servos" in
-/// docs/method.md, in which a lag explains up to 94 % of servos whose speed is limited, and less than 95 % of slow lags only where they hardly move
+/// docs/assumptions.md, in which a lag explains up to 94 % of servos whose speed is limited, and less than 95 % of slow lags only where they hardly move
 /// beside their noise, as under a PRBS.
 pub const EXPLAINED_BY_LAG: f64 = 0.95;
 
@@ -94,7 +94,7 @@ pub const LAG_BESIDE_SETTLING: f64 = 4.0;
 /// Ratio of the ranges of the command in both halves of a run up to which its lag is asked for.
 ///
 /// Protects: servos that are not linear, which answer another motion sooner or later, from a drift of the lag. Evidence: table "Times that are
-/// not what they seem, and stops" of docs/method.md, whose one recording in forty without a finding has such a command.
+/// not what they seem, and stops" of docs/assumptions.md, whose one recording in forty without a finding has such a command.
 pub const RANGES_ALIKE: f64 = 1.25;
 
 /// The same of how far the command goes in all, and of how often it moves: of a few dozen random levels halves differ by up to two times, of sweeps and of holds that
@@ -116,12 +116,12 @@ pub const STOP_SHORT: f64 = 0.01;
 /// Samples in a row at the farthest output, where the model goes beyond it, that count as a stroke to a stop.
 ///
 /// Protects: peaks of the motion, which the noise puts at the farthest output for a sample or two. Evidence: the lines without a stop of the
-/// table of stops in docs/method.md, which have none in 80 recordings; by choice, not tuned.
+/// table of stops in docs/assumptions.md, which have none in 80 recordings; by choice, not tuned.
 pub const STOP_SAMPLES: usize = 5;
 
 /// Standard deviations from which on an output that stays behind the model at its farthest is beyond chance.
 ///
-/// Protects: bounds of recordings in which a few strokes end at a stop. Evidence: the table of stops in docs/method.md.
+/// Protects: bounds of recordings in which a few strokes end at a stop. Evidence: the table of stops in docs/assumptions.md.
 pub const STOP_SIGNIFICANCE: f64 = 6.0;
 
 /// Travel of an output that stands still, as a share of its whole travel.

@@ -99,5 +99,5 @@ pub const SERVO_TOP_SPEED_REACHED: f64 = 0.5;
 
 /// Probability below which last rests that fall short of the line through the others are no chance.
 ///
-/// Protects: bounds of stairs whose last level alone lies beyond a stop. Evidence: the table of stops in docs/method.md.
+/// Protects: bounds of stairs whose last level alone lies beyond a stop. Evidence: the table of stops in docs/assumptions.md.
 pub const SHORT_LEVEL_SIGNIFICANCE: f64 = 1e-4;

@@ -7,7 +7,7 @@ use servoid_test_support::plants::Noise;
 /// Records of a case.
 const RECORDS: u64 = 40;
 
-/// Of 40 intervals of 99 % more than two miss in one of 130 tries; a table of docs/method.md has hundreds of records of each line.
+/// Of 40 intervals of 99 % more than two miss in one of 130 tries; a table of docs/coverage.md has hundreds of records of each line.
 fn assert_holds(found: &Held) {
     let missed = |share: f64| (RECORDS as f64 * found.claimed * (1.0 - share)).round();
     assert!(found.claimed >= 0.9, "{found:?}");

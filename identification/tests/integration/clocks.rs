@@ -1,5 +1,5 @@
 //! Records whose times are not what they are taken for, or in which the servo runs into a stop, have no bounds, and a reason. The table
-//! "Times that are not what they seem, and stops" of docs/method.md has more of them.
+//! "Times that are not what they seem, and stops" of docs/assumptions.md has more of them.
 
 use servoid_identification::results::Reason;
 use servoid_identification::{Options, Record, identify};

@@ -1,5 +1,5 @@
 //! Recordings in closed loop have no bounds, or bounds that hold; open loops are not taken for closed ones. The table "Closed loop"
-//! of docs/method.md has more runs of each line.
+//! of docs/assumptions.md has more runs of each line.
 
 use rand::RngExt;
 use rand_distr::StandardNormal;

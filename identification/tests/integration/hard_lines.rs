@@ -1,5 +1,5 @@
 //! Recordings with more than even noise: what is taken out moves no bound, and bounds hold or are withdrawn. The table
-//! "Hard recordings" of docs/method.md has hundreds of runs of each line.
+//! "Hard recordings" of docs/coverage.md has hundreds of runs of each line.
 
 use servoid_identification::results::{Check, Model, Reason, StepBounds};
 use servoid_identification::{Error, Options, Record, Run, Settling, identify, identify_explained};

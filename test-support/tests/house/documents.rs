@@ -39,7 +39,9 @@ fn folders_below(folder: &Path) -> Vec<PathBuf> {
 
 #[test]
 fn every_module_that_the_method_names_exists() {
-    let text = document("method.md");
+    let text = ["method.md", "coverage.md", "assumptions.md"]
+        .map(document)
+        .concat();
     let rooms = folders_below(&workspace().join("identification/src"));
     let exists = |module: &String| {
         rooms
