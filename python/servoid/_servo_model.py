@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -165,7 +166,8 @@ class ServoModel:
         another one is drawn in its place. Far from the estimate coordinates change the motion otherwise than the covariance has it.
 
         Not in the draws: the uncertainty of a sensor's delay and of how a command was sent, coordinates that have no variance because the recording
-        does not show them, and ends of an interval that are cut off.
+        does not show them, and ends of an interval that are cut off. So quantities that the recording does not determine, such as a top speed that
+        no stroke reached, stay near the estimate in all draws. A ``UserWarning`` names them.
 
         Parameters
         ----------
@@ -196,6 +198,9 @@ class ServoModel:
 
         document = json.loads(self._core.document)
         servo = document["servo_model"]
+        if undetermined := [quantity["name"] for quantity in servo["quantities"] if not quantity["determined"]]:
+            names = ", ".join(undetermined)
+            warnings.warn(f"the recording does not determine {names}: the draws have fewer values of that than it allows", stacklevel=2)
         found: list[Model] = []
         is_allowed = self._is_allowed()
         # Every round has numbers of its own, whatever became of those before.

@@ -150,6 +150,7 @@ fn subject(found: &Comparison) -> &'static str {
 
 fn feel(found: &Comparison, options: &ComparisonOptions) -> String {
     let time = behind(found);
+    let rise = rise_time(found).unwrap_or_default();
     let rest = found
         .levels
         .as_ref()
@@ -172,7 +173,7 @@ fn feel(found: &Comparison, options: &ComparisonOptions) -> String {
         }
     };
     let all_of_it = by_time_alone(found);
-    format!("{time}{rest}{scale}; {runs}.{all_of_it}")
+    format!("{time}{rise}{rest}{scale}; {runs}.{all_of_it}")
 }
 
 /// What the shift is of the difference, and that a logger makes one, too, where it is all of it.
@@ -221,6 +222,22 @@ fn behind(found: &Comparison) -> String {
             format!("The second {timing}")
         }
     }
+}
+
+/// "; its rise time is 4.8 ms longer ...", where that is sure: a servo that is slower in the middle of a stroke need not be later.
+fn rise_time(found: &Comparison) -> Option<String> {
+    let rise = (found.differences.iter()).find(|row| row.metric == "rise_time_s")?;
+    let ms = |seconds: Option<f64>| Some(1e3 * seconds?);
+    let (more, lower, upper) = (ms(rise.difference)?, ms(rise.lower)?, ms(rise.upper)?);
+    let (how, from, to) = match (lower > 0.0, upper < 0.0) {
+        (true, _) => ("longer", lower, upper),
+        (_, true) => ("shorter", -upper, -lower),
+        _ => return None,
+    };
+    Some(format!(
+        "; its rise time is {:.1} ms {how} ({from:.1} .. {to:.1})",
+        more.abs()
+    ))
 }
 
 /// The end of the command at which the two rest farthest apart. Where that is within the bounds of the difference, and not nothing, there is
