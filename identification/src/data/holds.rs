@@ -67,7 +67,16 @@ pub(crate) fn hold_lengths(record: &Record) -> Vec<usize> {
 
 /// The time for which the input is usually held between changes: the median \[samples\].
 pub(crate) fn usual_hold(record: &Record) -> usize {
-    let mut lengths = hold_lengths(record);
+    middle(hold_lengths(record))
+}
+
+/// The same of an input that is exactly what it was: one that moves a little with each sample is held for one.
+pub(crate) fn usual_exact_hold(record: &Record) -> usize {
+    let holds = record.runs().iter().flat_map(|run| holds(run, EXACTLY));
+    middle(holds.map(|hold| hold.samples.len()).collect())
+}
+
+fn middle(mut lengths: Vec<usize>) -> usize {
     lengths.sort_unstable();
     lengths.get(lengths.len() / 2).copied().unwrap_or(0)
 }

@@ -7,6 +7,9 @@
 //! A slow end that no test sees changes the parameters, too. What it may be is estimated and allowed for as in the bounds of a step response
 //! ([`slow_end::allowances`]).
 //!
+//! The bounds of a servo that is not linear allow for no slow end, and its creep into a dead band is one. So the interval of its gain contains what that is beside an end of each
+//! time constant, up to the length of the responses that are held against the estimate ([`slow_end::gains`]).
+//!
 //! Where an interval says nothing, there is none.
 
 use std::f64::consts::{LN_10, TAU};
@@ -16,6 +19,7 @@ use super::levenberg_marquardt::Minimum;
 use super::low_order::{LowOrder, Oscillator};
 use super::poles::PoleNames;
 use super::profile::Profile;
+use super::projection::LENGTH;
 use super::slow_end;
 use crate::numerics::not_negative;
 
@@ -43,6 +47,8 @@ pub(super) struct Widths {
     pub(super) critical: [f64; 2],
     /// The lowest frequency of the band that the response is known in \[Hz\]; `None` where all of it is.
     pub(super) lowest_hz: Option<f64>,
+    /// Whether the response is one of this motion alone: the servo is not linear.
+    pub(super) is_of_motion: bool,
 }
 
 /// The ends for `chosen`, an order of `fits`.
@@ -70,6 +76,11 @@ pub(super) fn of(
             x[k] - (x[k] - lower).hypot(by_end),
             x[k] + (upper - x[k]).hypot(by_end),
         ];
+        let ends = match k == 0 && widths.is_of_motion {
+            true => (gains_with_ends(fitter, chosen, critical)?.into_iter())
+                .fold(ends, |[a, b], [lower, upper]| [a.min(lower), b.max(upper)]),
+            false => ends,
+        };
         let is_narrow = ends.iter().all(|end| (end - x[k]).abs() <= farthest[k]);
         is_narrow.then_some(ends)
     };
@@ -87,6 +98,14 @@ fn by_slow_ends(fitter: &Fitter, chosen: &FittedOrder, lowest_hz: Option<f64>) -
         all[0] = 0.0;
     }
     all
+}
+
+/// The intervals of the gain beside slow ends of each time constant; `None` where one is not seen at all.
+fn gains_with_ends(fitter: &Fitter, chosen: &FittedOrder, critical: f64) -> Option<Vec<[f64; 2]>> {
+    // The settling time of a servo that is not linear may be that of its fast part alone.
+    let longest_s = LENGTH as f64 * fitter.settling_s();
+    let ends = fitter.slow_ends(&chosen.transfer, longest_s);
+    slow_end::gains(&chosen.minimum, &ends, critical)
 }
 
 /// How far each parameter of `servo` may go before its interval says nothing.

@@ -175,6 +175,7 @@ fn choose(
         level,
         beyond_even_noise: fitter.projection.beyond_even_noise(model),
         band_hz,
+        is_of_motion: !model.linear && band_hz.is_none(),
         hold_period_s: options.frame_period_s,
     };
     Ok(report::of(&fitter, chosen, &fits, &circumstances))

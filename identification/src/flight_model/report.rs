@@ -19,6 +19,8 @@ pub(super) struct Circumstances {
     /// By how much the standard deviations of the gain, and of all others, are wider than those of even noise.
     pub(super) beyond_even_noise: [f64; 2],
     pub(super) band_hz: Option<[f64; 2]>,
+    /// Whether the response is one of this motion alone: the servo is not linear.
+    pub(super) is_of_motion: bool,
     pub(super) hold_period_s: Option<f64>,
 }
 
@@ -40,6 +42,7 @@ pub(super) fn of(
         let widths = Widths {
             critical: under.beyond_even_noise.map(|factor| factor * of_even),
             lowest_hz: under.band_hz.map(|ends| ends[0]),
+            is_of_motion: under.is_of_motion,
         };
         intervals::of(fitter, chosen, fits, &widths)
     });
@@ -69,10 +72,11 @@ pub(super) fn of(
         hold_period_s: under.hold_period_s,
         statement: String::new(),
     };
-    FlightModel {
-        statement: statement(&found, &chosen.tried),
-        ..found
+    let mut statement = statement(&found, &chosen.tried);
+    if under.is_of_motion && found.gain.lower.is_some() {
+        statement += " The servo is not linear, and its response may end more slowly than any order does: the interval of the gain holds that with such an end.";
     }
+    FlightModel { statement, ..found }
 }
 
 fn statement(found: &FlightModel, tried: &OrderTried) -> String {

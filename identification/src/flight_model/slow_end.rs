@@ -47,6 +47,20 @@ pub(super) fn allowances(minimum: &Minimum, ends: &[Vec<f64>]) -> Vec<f64> {
     largest
 }
 
+/// The gain of `minimum` together with each of these slow ends, as it is with the end among the parameters: `critical` standard deviations to each side. `None` where one is not
+/// seen at all.
+pub(super) fn gains(minimum: &Minimum, ends: &[Vec<f64>], critical: f64) -> Option<Vec<[f64; 2]>> {
+    let gain = minimum.parameters[0];
+    let with = |end: &Vec<f64>| {
+        let seen = Seen::of(minimum, end)?;
+        let moved = gain - seen.taken[0];
+        let sd = (minimum.covariance[(0, 0)] + moved.powi(2) / seen.left).sqrt();
+        let found = gain + seen.share * moved;
+        Some([found - critical * sd, found + critical * sd])
+    };
+    ends.iter().map(with).collect()
+}
+
 /// A slow end beside the parameters of an order.
 struct Seen {
     /// Its part of the response, as estimated.
@@ -72,5 +86,37 @@ impl Seen {
             left,
             taken,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+    use faer::Mat;
+
+    /// Nine tenths of a gain of one are there at once, and the rest is an end. The gain alone is too small then; together with the end it is one.
+    #[test]
+    fn the_gain_with_an_end_contains_the_end() {
+        let (at_once, end) = ([1.0; 4], [0.25, 0.5, 0.75, 1.0]);
+        let estimate: Vec<f64> = (0..4).map(|k| 0.9 * at_once[k] + 0.1 * end[k]).collect();
+        let gain = estimate.iter().sum::<f64>() / 4.0;
+        let residuals: Vec<f64> = estimate.iter().map(|value| value - gain).collect();
+        let minimum = Minimum {
+            parameters: vec![gain],
+            sum_of_squares: dot(&residuals, &residuals),
+            residuals,
+            jacobian: Mat::from_fn(4, 1, |_, _| -1.0),
+            covariance: Mat::from_fn(1, 1, |_, _| 0.25),
+        };
+        // As large as the whole response.
+        let end: Vec<f64> = end.iter().map(|value| gain * value).collect();
+        let [lower, upper] = gains(&minimum, &[end], 2.0).unwrap()[0];
+        assert_relative_eq!(0.5 * (lower + upper), 1.0, max_relative = 1e-9);
+        // By the least squares of both columns.
+        let [aa, ab, bb] = [4.0, 2.5, 1.875];
+        let variance: f64 = (bb + aa - 2.0 * ab) / (aa * bb - ab * ab);
+        assert_relative_eq!(upper - lower, 4.0 * variance.sqrt(), max_relative = 1e-9);
+        assert!(gain < 0.97);
     }
 }

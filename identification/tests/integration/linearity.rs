@@ -80,12 +80,12 @@ fn a_limited_speed_under_held_steps_is_said_and_bounds_keep_their_level() {
 }
 
 #[test]
-fn stops_that_the_outer_levels_of_stairs_lie_beyond_take_the_level() {
+fn a_stop_that_one_outer_level_of_stairs_lies_beyond_takes_the_level_and_is_open() {
     let input = stairs(&[-6.0, -3.0, 0.0, 3.0, 6.0], 4, 150);
     let limit = Limit::Clip(-4.5, 6.5);
     let model = identified(&input, &limited(0.7, 60.0, limit, &input, input[0]), 3);
     assert!(!model.linear);
-    assert_eq!(model.bounds.withdrawn(), Some(Reason::TravelEnd));
+    assert_eq!(model.bounds.withdrawn(), Some(Reason::TravelEndOpen));
 }
 
 /// The speed of such a servo over one row of 2 ms is what the noise has left in the response: p was above 1 % in three of these four.

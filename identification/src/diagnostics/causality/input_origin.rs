@@ -13,7 +13,7 @@
 //! A command that is held for several samples has something new where it changes, and its past is in the levels before: ten samples may be a
 //! single level, and the motion would say better how a planned command goes on.
 
-use crate::data::{Record, usual_hold};
+use crate::data::{Record, usual_exact_hold};
 use crate::diagnostics::residuals::simulation_error::{SAMPLES, beginnings};
 use crate::thresholds::PLANNED;
 use faer::Mat;
@@ -38,7 +38,7 @@ const SEPARATE: f64 = 1e-9;
 pub(crate) fn explained_by_output(record: &Record) -> Option<f64> {
     let mut products = Mat::<f64>::zeros(ALL + 1, ALL + 1);
     let mut rows = 0;
-    let hold = usual_hold(record).max(1);
+    let hold = usual_exact_hold(record).max(1);
     for run in beginnings(record.runs(), SAMPLES) {
         let (input, output) = (run.input(), run.output());
         for k in LAGS * hold..run.len() {

@@ -4,6 +4,9 @@
 //! to a servo that is not linear. So what goes with the size of the motion of a block is taken out first, and a record whose command has another
 //! range, goes another way or moves more often in its second half is not asked.
 //!
+//! What the strokes of a servo that is not linear leave in a block, they leave in that block of each run of the same [reference](References). So blocks at one place of one
+//! reference are one block, with their mean: several runs have less noise, and no more strokes.
+//!
 //! Blocks of a linear servo scatter as their noise does, which may be louder in some. Those of a servo that is not linear differ by much more, each by what its strokes
 //! are, and one or two with little noise must not decide. So a change has to be beyond chance with two kinds of weights, those of the noise w and those that allow
 //! for a variance v between blocks, whose estimate comes from the weighted squares Q that w leaves with d degrees of freedom (DerSimonian and Laird, *Meta-analysis in
@@ -15,6 +18,7 @@
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
+use super::references::References;
 use crate::data::column::span;
 use crate::data::{Moments, Record, Run};
 use crate::diagnostics::residuals::simulation_error::{Simulated, simulated_whole};
@@ -32,6 +36,7 @@ const STILL: f64 = 1e-3;
 
 /// What a block shows.
 pub(super) struct Block {
+    /// Its run, and then its reference.
     run: usize,
     /// Its middle \[samples\].
     pub(super) at: f64,
@@ -46,8 +51,8 @@ pub(super) struct Block {
 /// The blocks of a record.
 pub(super) struct Blocks {
     blocks: Vec<Block>,
-    /// Number of runs.
-    runs: usize,
+    /// Number of references.
+    references: usize,
     /// The longest run \[samples\].
     pub(super) longest: usize,
 }
@@ -65,9 +70,10 @@ impl Blocks {
             return None;
         }
         let runs = simulated_whole(record, moments, fit);
-        let lengths = || runs.iter().map(|run| run.errors.len());
+        let references = References::of(runs.iter().map(|run| &run.run));
+        let lengths = &references.lengths;
         let history = fit.coordinates.basis.settling();
-        let length = (lengths().sum::<usize>() / BLOCKS).max(HISTORIES * history);
+        let length = (lengths.iter().sum::<usize>() / BLOCKS).max(HISTORIES * history);
         let of_run = |(index, run): (usize, &Simulated<'_>)| {
             let regressor = regressor(run);
             let parts = (run.errors.chunks_exact(length)).zip(regressor.chunks_exact(length));
@@ -83,9 +89,9 @@ impl Blocks {
         let mut blocks: Vec<Block> = runs.iter().enumerate().flat_map(of_run).collect();
         keep_moving(&mut blocks);
         Some(Self {
-            blocks,
-            runs: runs.len(),
-            longest: lengths().max()?,
+            blocks: of_references(blocks, &references.of_runs),
+            references: references.count(),
+            longest: lengths.iter().copied().max()?,
         })
     }
 
@@ -99,7 +105,7 @@ impl Blocks {
 
     /// How the values change with a `time` of each block.
     pub(super) fn course(&self, time: &dyn Fn(&Block) -> f64) -> Option<BlockCourse> {
-        course(&self.blocks, self.runs, time)
+        course(&self.blocks, self.references, time)
     }
 }
 
@@ -155,6 +161,41 @@ fn keep_moving(blocks: &mut Vec<Block>) {
     blocks.retain(|block| block.size > STILL * usual);
 }
 
+/// Those of each reference, of which `references` has one for each run: at each place one block, with the mean of what the runs have there, each about its own mean.
+fn of_references(mut blocks: Vec<Block>, references: &[usize]) -> Vec<Block> {
+    let mut sums = vec![[0.0; 2]; references.len()];
+    for block in &blocks {
+        let [weights, values] = &mut sums[block.run];
+        *weights += block.weight;
+        *values += block.weight * block.value;
+    }
+    for block in &mut blocks {
+        let [weights, values] = sums[block.run];
+        block.value -= values / weights;
+        block.run = references[block.run];
+    }
+    // A stable sort: runs stay in their order.
+    blocks.sort_by(|a, b| (a.run.cmp(&b.run)).then(a.at.total_cmp(&b.at)));
+    let same = blocks.chunk_by(|a, b| a.run == b.run && a.at == b.at);
+    same.map(mean_block).collect()
+}
+
+/// The mean of blocks at one place, by their weights.
+fn mean_block(blocks: &[Block]) -> Block {
+    let weight: f64 = blocks.iter().map(|block| block.weight).sum();
+    let mean = |of: fn(&Block) -> f64| {
+        let terms = blocks.iter().map(|block| block.weight * of(block));
+        terms.sum::<f64>() / weight
+    };
+    Block {
+        run: blocks[0].run,
+        at: blocks[0].at,
+        value: mean(|block| block.value),
+        size: mean(|block| block.size),
+        weight,
+    }
+}
+
 /// How values change with a time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct BlockCourse {
@@ -166,15 +207,19 @@ pub(super) struct BlockCourse {
     pub(super) p: f64,
 }
 
-/// That of the values of `blocks`, each run with a mean of its own and all with one effect of the size of the motion.
-fn course(blocks: &[Block], runs: usize, time: &dyn Fn(&Block) -> f64) -> Option<BlockCourse> {
-    let degrees = blocks.len().checked_sub(runs + 3)? as f64;
+/// That of the values of `blocks`, each reference with a mean of its own and all with one effect of the size of the motion.
+fn course(
+    blocks: &[Block],
+    references: usize,
+    time: &dyn Fn(&Block) -> f64,
+) -> Option<BlockCourse> {
+    let degrees = blocks.len().checked_sub(references + 3)? as f64;
     let of_noise: Vec<f64> = blocks.iter().map(|block| block.weight).collect();
-    let by_noise = Line::of(blocks, &of_noise, runs, time);
+    let by_noise = Line::of(blocks, &of_noise, references, time);
     let between = ((by_noise.left - degrees) / by_noise.open).max(0.0);
     let beside = |weight: &f64| (weight.recip() + between).recip();
     let beside: Vec<f64> = of_noise.iter().map(beside).collect();
-    let line = Line::of(blocks, &beside, runs, time);
+    let line = Line::of(blocks, &beside, references, time);
     // Without degrees of freedom, or without any scatter, nothing is known of chance.
     let distribution = StudentsT::new(0.0, 1.0, degrees).ok()?;
     let t = by_noise.t(degrees).abs().min(line.t(degrees).abs());
@@ -198,10 +243,15 @@ struct Line {
 }
 
 impl Line {
-    fn of(blocks: &[Block], weights: &[f64], runs: usize, time: &dyn Fn(&Block) -> f64) -> Self {
+    fn of(
+        blocks: &[Block],
+        weights: &[f64],
+        references: usize,
+        time: &dyn Fn(&Block) -> f64,
+    ) -> Self {
         let weighted: Vec<(&Block, f64)> = blocks.iter().zip(weights.iter().copied()).collect();
         let row = |block: &Block| [1.0, time(block), block.size, block.value];
-        let mut sums = vec![[0.0; 4]; runs];
+        let mut sums = vec![[0.0; 4]; references];
         for (block, weight) in &weighted {
             for (sum, value) in sums[block.run].iter_mut().zip(row(block)) {
                 *sum += weight * value;
@@ -299,6 +349,36 @@ mod tests {
         });
         // Two are expected; nine or more are so in one of 4000 trials.
         assert!(claims.count() < 9);
+    }
+
+    /// Six runs of one reference of a servo that is not linear: what a block is off by, it is in all of them.
+    #[test]
+    fn what_repeats_in_each_run_of_a_reference_counts_once() {
+        let found = |slope: f64, seed: u64| {
+            let mut random = ChaCha8Rng::seed_from_u64(seed);
+            let repeated: Vec<f64> = (0..24).map(|_| random.sample(StandardNormal)).collect();
+            let of_run = |run: usize| -> Vec<Block> {
+                let block = |(number, repeated): (usize, &f64)| Block {
+                    run,
+                    at: number as f64,
+                    value: repeated
+                        + slope * number as f64
+                        + 0.1 * random.sample::<f64, _>(StandardNormal)
+                        + 5.0 * run as f64,
+                    size: 1.0 + 0.1 * number as f64 % 0.7,
+                    weight: 100.0,
+                };
+                repeated.iter().enumerate().map(block).collect()
+            };
+            let blocks: Vec<Block> = (0..6).flat_map(of_run).collect();
+            let blocks = of_references(blocks, &[0; 6]);
+            assert_eq!(blocks.len(), 24);
+            course(&blocks, 1, &|block: &Block| block.at).unwrap().p
+        };
+        let chances = (0..200).filter(|seed| found(0.0, *seed) < 0.01);
+        // Two are expected; nine or more are so in one of 4000 trials.
+        assert!(chances.count() < 9);
+        assert!((0..20).all(|seed| found(0.5, seed) < 1e-5));
     }
 
     #[test]
