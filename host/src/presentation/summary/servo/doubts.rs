@@ -43,19 +43,18 @@ pub(super) fn changing_speed(model: &ServoModel) -> Option<String> {
 pub(super) fn hysteresis(model: &ServoModel, units: Units<'_>) -> Option<String> {
     let found = model.unexplained_hysteresis()?;
     let unit = with_space(units.output);
-    let explained = match found.explained > 0.0 {
-        true if found.explained >= found.shown => {
-            ", which the model explains by friction or a dead band".to_owned()
+    let why = match found.explained {
+        explained if explained >= found.shown => {
+            "friction or a dead band of the model does that, and play in the gears, which it has not, would do it as well".to_owned()
         }
-        true => format!(
-            ", of which the model explains {}{unit}",
-            digits(found.explained, 2)
+        explained if explained > 0.0 => format!(
+            "friction or a dead band of the model makes {}{unit} of that, and play in the gears, which it has not, may make the rest",
+            digits(explained, 2)
         ),
-        false => String::new(),
+        _ => "play in the gears, of which the model has none, does that, as do a dead band and friction".to_owned(),
     };
     Some(format!(
-        " Rests under one command are as much as {}{unit} apart{explained}: play in the gears, of which the model has none, does that, as do a dead band and \
-         friction.",
+        " Rests under one command are as much as {}{unit} apart: {why}.",
         digits(found.shown, 3)
     ))
 }
