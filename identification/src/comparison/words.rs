@@ -224,7 +224,7 @@ fn behind(found: &Comparison) -> String {
     }
 }
 
-/// "; its rise time is 4.8 ms longer ...", where that is sure: a servo that is slower in the middle of a stroke need not be later.
+/// "; the rise time of the second is 4.8 ms longer ...", where that is sure: a servo that is slower in the middle of a stroke need not be later.
 fn rise_time(found: &Comparison) -> Option<String> {
     let rise = (found.differences.iter()).find(|row| row.metric == "rise_time_s")?;
     let ms = |seconds: Option<f64>| Some(1e3 * seconds?);
@@ -235,7 +235,7 @@ fn rise_time(found: &Comparison) -> Option<String> {
         _ => return None,
     };
     Some(format!(
-        "; its rise time is {:.1} ms {how} ({from:.1} .. {to:.1})",
+        "; the rise time of the second is {:.1} ms {how} ({from:.1} .. {to:.1})",
         more.abs()
     ))
 }
