@@ -19,7 +19,8 @@ def to_control(model: Model, kind: str) -> Any:
     """The object of this kind."""
     control = _python_control()
     if kind == "frd":
-        return control.FRD(model.frequency.response, model.frequency.omega_rad_s)
+        # Of the servo in continuous time, as the object is: the hold of the samples would be a lag that no continuous loop has.
+        return control.FRD(model.servo_frequency.response, model.servo_frequency.omega_rad_s)
     impulse, period = model.impulse_response, model.sample_period_s
     last = len(impulse) - 1
     if kind == "tf":
@@ -46,7 +47,7 @@ def _flight(model: Model) -> Any:
     control = _python_control()
     found = model.flight_model
     if found is None:
-        raise ServoidError("the model has no low-order model: identify with flight_model=True")
+        raise ServoidError("the model has no low-order model: identify with flight_model=True, and where that finds none, the summary says why")
     transfer = found["transfer"]
     system = control.TransferFunction([transfer["gain"]], [1.0])
     if transfer.get("oscillator") is not None:

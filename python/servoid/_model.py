@@ -744,7 +744,7 @@ class Model(Document):
         Parameters
         ----------
         kind : {"frd", "tf", "ss", "flight"}
-            ``"frd"``: the frequency response. ``"tf"`` and ``"ss"``: the step response's own discrete system, as a transfer
+            ``"frd"``: the frequency response of the servo alone, for continuous loops (:attr:`servo_frequency`). ``"tf"`` and ``"ss"``: the step response's own discrete system, as a transfer
             function and in state space. ``"flight"``: the continuous low-order model, its delay by a Padé approximation of third
             order (identify with ``flight_model=True``).
 

@@ -258,8 +258,14 @@ def test_control_simulates_as_the_model_does(model, needed):
         np.testing.assert_allclose(found, expected, atol=1e-9)
     frd = model.to_control("frd")
     discrete = model.to_control("tf")
-    omega = model.frequency.omega_rad_s
-    np.testing.assert_allclose(frd(1j * omega), discrete(np.exp(1j * omega * model.sample_period_s)), atol=1e-6)
+    omega = model.servo_frequency.omega_rad_s
+    np.testing.assert_allclose(frd(1j * omega), model.servo_frequency.response, atol=1e-6)
+    # That of the samples has the hold besides: half a sample late, less what samples follow their edges by.
+    of_samples = discrete(np.exp(1j * omega * model.sample_period_s))
+    hold = model.sample_period_s / 2 - model.sample_phase_s
+    late = np.angle(of_samples / frd(1j * omega))
+    slow = omega * model.sample_period_s < 0.3
+    np.testing.assert_allclose(late[slow], -omega[slow] * hold, atol=1e-3)
     flight = model.to_control("flight")
     assert flight.dcgain() == pytest.approx(model.flight_model["transfer"]["gain"])
     with pytest.raises(servoid.ServoidError, match="choose frd"):

@@ -12,6 +12,10 @@ const AT_ONCE: f64 = 0.5;
 /// A share of the recording whose motion shows as a whole: a few rows decide nothing of a response.
 const MOST: f64 = 0.99;
 
+/// Parts of the rise time over each of which speeds are means: from row to row, the errors of a response that the recording hardly determines are larger than its
+/// changes of speed.
+const PARTS: usize = 5;
+
 /// After steps up to which size the servo moves no faster, and gains no speed more quickly, than in the recording, where that is not one of steps. Recordings of
 /// servoid have the reference that was asked for.
 pub(crate) fn advice(data: &Dataset, model: &Model) -> Option<Advice> {
@@ -21,7 +25,7 @@ pub(crate) fn advice(data: &Dataset, model: &Model) -> Option<Advice> {
     if rows < 2 || is_of_steps(&data.record, rows) {
         return None;
     }
-    let most = largest_step(&data.record, model)?;
+    let most = largest_step(&data.record, model, (rows / PARTS).max(1))?;
     let size = with_unit(
         digits(most, 2),
         data.about.units().input.unwrap_or_default(),
@@ -56,16 +60,17 @@ fn changes(record: &Record, rows: usize) -> Vec<f64> {
     record.runs().iter().flat_map(of_run).collect()
 }
 
-/// The largest step after which the model has no more speed, and no more change of it from row to row, than it has in the recording.
-fn largest_step(record: &Record, model: &Model) -> Option<f64> {
-    let mut step = vec![0.0; 2];
+/// The largest step after which the model has no more speed, and no more change of it, than it has in the recording; speeds are means over `lag` rows.
+fn largest_step(record: &Record, model: &Model, lag: usize) -> Option<f64> {
+    let mut step = vec![0.0; 2 * lag];
     step.extend(&model.step.value);
     let runs = record.runs().iter().map(|run| model.simulate(run));
     let runs: Vec<Vec<f64>> = runs.collect();
     let of_order = |difference: fn([f64; 3]) -> f64| {
         let sizes = |y: &Vec<f64>| -> Vec<f64> {
-            let threes = y.windows(3).filter_map(|y| <[f64; 3]>::try_from(y).ok());
-            let sizes = threes.map(|y| difference(y).abs());
+            let (later, last) = (y.iter().skip(lag), y.iter().skip(2 * lag));
+            let threes = y.iter().zip(later).zip(last);
+            let sizes = threes.map(|((a, b), c)| difference([*a, *b, *c]).abs());
             sizes.filter(|size| size.is_finite()).collect()
         };
         let mut recorded: Vec<f64> = runs.iter().flat_map(sizes).collect();

@@ -102,11 +102,13 @@ impl ServoExport<'_> {
             return Some(recorded::no_limit(commands, reached, self.metadata.units()));
         }
         (!self.top_speed_is_known()).then(|| {
-            let recorded = (self.recorded_range())
-                .map(|range| format!(" (commands {range})"))
+            let unit = (self.metadata.units().output).unwrap_or("units of the position");
+            let recorded = (self.reached_by(1.0, unit))
+                .map(|speeds| format!(" ({speeds})"))
                 .unwrap_or_default();
             format!(
-                "the recording does not determine the top speed: larger strokes than its own{recorded} may be far too slow or too quick in this file"
+                "the recording does not determine the top speed: strokes that are faster than the recorded motion{recorded}, large or quickly turned round, may be far too \
+                 slow or too quick in this file"
             )
         })
     }

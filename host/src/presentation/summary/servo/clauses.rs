@@ -107,20 +107,29 @@ pub(super) fn with_space(unit: Option<&str>) -> String {
     unit.map(|unit| format!(" {unit}")).unwrap_or_default()
 }
 
+/// How far friction and a dead band leave it off its command, together: what friction leaves begins at the edge of the band.
 pub(super) fn resting_error(model: &ServoModel, units: Units<'_>) -> Option<String> {
-    let error = determined(model, QuantityKind::RestingError)?;
-    (error.value > 0.0).then(|| {
+    let by_friction = determined(model, QuantityKind::RestingError)?;
+    let all = [Some(by_friction), determined(model, QuantityKind::DeadBand)];
+    let value: f64 = all.iter().flatten().map(|found| found.value).sum();
+    (by_friction.value > 0.0).then(|| {
         let command = with_space(units.input);
-        let bounds = error.interval.valid();
-        let bounds = bounds.and_then(|found| found.lower.zip(found.upper));
+        let ends = |found: &Quantity| {
+            let interval = found.interval.valid()?;
+            interval.lower.zip(interval.upper)
+        };
+        let bounds = all.into_iter().flatten().map(ends);
+        let bounds = bounds.reduce(|a, b| Some((a?.0 + b?.0, a?.1 + b?.1)));
         // A number that may be twice as large, or none, is not said without its interval.
-        let wide = bounds.filter(|(lower, upper)| upper - lower > error.value);
+        let wide = bounds
+            .flatten()
+            .filter(|(lower, upper)| upper - lower > value);
         let wide = wide.map_or_else(String::new, |(lower, upper)| {
             format!(" ({} to {})", digits(lower, 2), digits(upper, 2))
         });
         format!(
             "comes to rest up to {}{command} off{wide}, as by friction, a dead band or play",
-            digits(error.value, 2)
+            digits(value, 2)
         )
     })
 }

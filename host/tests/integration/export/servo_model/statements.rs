@@ -431,7 +431,7 @@ fn what_a_model_does_not_know_of_speeds_is_a_warning() {
         model["quantities"][5]["determined"] = json!(false);
     });
     let said = prose(&export(&open, 0, "ardupilot", &[]).text);
-    let warning = "WARNING: the recording does not determine the top speed: larger strokes than its own (commands from -";
+    let warning = "WARNING: the recording does not determine the top speed: strokes that are faster than the recorded motion (";
     assert!(said.contains(warning), "{said}");
     let linear = SERVOS[0].export("ardupilot", folder.path(), &[]).text;
     let said = prose(&linear);
