@@ -149,14 +149,22 @@ fn few_runs(comparison: &Comparison, models: [&Model; 2]) -> Option<Advice> {
             fewest - 1
         ),
     };
+    let mut remedy = more_runs(comparison, fewest, bounds.level);
+    if models.iter().any(|model| !model.linear) {
+        remedy += OTHER_ORDERS;
+    }
     Some(Advice::new(
         Check::Runs,
         finding,
         most,
         comparison.margin_percent,
-        more_runs(comparison, fewest, bounds.level),
+        remedy,
     ))
 }
+
+/// How runs of a servo that is not linear are of use.
+const OTHER_ORDERS: &str = " The servo is not linear: give each run its levels in another order, and both sides the same orders, because in runs of one order what the \
+    linear model lacks repeats, and many of them lose their bounds by that.";
 
 /// Findings on either side that bear on their difference, and questions that the recordings leave open.
 pub(super) fn gather(

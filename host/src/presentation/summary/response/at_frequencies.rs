@@ -47,8 +47,16 @@ pub fn at_frequencies(
         servo.map(|servo| of_machine(servo, of, sine.hertz, amplitude))
     });
     let machine: String = machine.collect();
-    Ok(of_linear_model(model, of, asked)? + &machine)
+    let linear = of_linear_model(model, of, asked)?;
+    // What is asked of an amplitude, the linear model of a servo that is not linear does not answer.
+    Ok(match model.linear {
+        true => linear + &machine + OF_FRAMES,
+        false => machine + &linear + OF_FRAMES,
+    })
 }
+
+/// Said below the table.
+const OF_FRAMES: &str = "  Late: behind a smooth command that the servo gets as it is. One that is held for frames, as by a pulse every\n  20 ms, is half a frame later.\n";
 
 /// Of the servo as a machine, under a sine of this amplitude.
 fn of_machine(servo: &ServoModel, of: &ModelMetadata, hertz: f64, amplitude: f64) -> String {
@@ -153,7 +161,10 @@ fn of_linear_model(
         "\n  {:22} {:>10}       {head}{motion}\n",
         "linear model", "value"
     );
-    for hertz in asked.iter().map(|sine| sine.hertz) {
+    for (place, AskedSine { hertz, .. }) in asked.iter().copied().enumerate() {
+        if asked.iter().take(place).any(|before| before.hertz == hertz) {
+            continue;
+        }
         text += &match sine_of_linear_model(model, hertz)? {
             Ok(found) => lines((found.gain, found.phase_deg), of, hertz),
             Err(why) => format!(
