@@ -22,7 +22,7 @@ pub(crate) fn advice(data: &Dataset, model: &Model) -> Option<Advice> {
     let is_of_rows = data.about.commands_at_rows || data.about.polled;
     let rise_s = model.metrics.rise_time_s.value.filter(|_| is_of_rows)?;
     let rows = (rise_s / data.record.sample_period_s()).round() as usize;
-    if rows < 2 || is_of_steps(&data.record, rows) {
+    if rows < 2 || is_of_steps(&data.record, rows) || is_vague(model) {
         return None;
     }
     let most = largest_step(&data.record, model, (rows / PARTS).max(1))?;
@@ -42,6 +42,22 @@ pub(crate) fn advice(data: &Dataset, model: &Model) -> Option<Advice> {
         "For larger ones, record steps: a servo may meet a limit of its speed or of its drive there, which a servo model looks for in this recording.",
     ))
 }
+
+/// Whether the response of `model` is known so badly that its errors move faster than the servo.
+fn is_vague(model: &Model) -> bool {
+    let Some(bounds) = model.step.bounds.valid() else {
+        return false;
+    };
+    let ends = bounds.pointwise.lower.iter().zip(&bounds.pointwise.upper);
+    let widest = ends
+        .map(|(lower, upper)| (upper - lower) / 2.0)
+        .fold(0.0, f64::max);
+    let end = model.step.value.last().copied().unwrap_or(0.0);
+    widest > VAGUE * end.abs()
+}
+
+/// Half width of the bounds of a response, as a share of its end, above which it is that.
+const VAGUE: f64 = 0.1;
 
 /// Whether what the command changes within so many rows it changes from one row to the next.
 fn is_of_steps(record: &Record, rows: usize) -> bool {
