@@ -348,6 +348,15 @@ pub(crate) mod place {
 }
 
 impl<S: Scalar> ServoParameters<S> {
+    /// The same servo without its stops.
+    #[must_use]
+    pub fn without_stops(self) -> Self {
+        Self {
+            stops: Stops::default(),
+            ..self
+        }
+    }
+
     /// The limit of the drive, without what does not count beside a [`SpeedLimit`].
     #[must_use]
     pub fn drive_limit(&self) -> Option<DriveLimit<S>> {

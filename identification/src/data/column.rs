@@ -1,13 +1,16 @@
 //! Figures of a column, whose missing values are NaN.
 //!
 //! ```
-//! use servoid_identification::column::{extent, mean, span};
+//! use servoid_identification::column::{extent, mean, median, span};
 //! assert_eq!(mean(&[1.0, f64::NAN, 4.0]), Some(2.5));
 //! assert_eq!(mean(&[f64::NAN]), None);
 //! assert_eq!(extent([3.0, f64::NAN, -1.0].into_iter()), Some((-1.0, 3.0)));
 //! assert_eq!(span([3.0, f64::NAN, -1.0].into_iter()), Some(4.0));
 //! assert_eq!(span([2.0, 2.0].into_iter()), None);
+//! assert_eq!(median(vec![3.0, 1.0, 7.0]), Some(3.0));
 //! ```
+
+pub use crate::numerics::median;
 
 /// The mean of what is not missing; `None` where all of it is.
 #[must_use]

@@ -16,7 +16,7 @@ pub(crate) use critical_values::{
 };
 pub use critical_values::{pointwise_critical, student_critical};
 pub(crate) use lagged_sums::LaggedSums;
-pub(crate) use order_statistics::median;
+pub use order_statistics::median;
 pub(crate) use rounding::{four_digits, not_negative, two_digits};
 pub use rounding::{six_digits, with_unit};
 pub(crate) use servoid_linear_algebra::{

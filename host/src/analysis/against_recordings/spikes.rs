@@ -4,8 +4,9 @@
 //! against the median of the six around it, two of which may be spikes too.
 
 use servoid_identification::Run;
+use servoid_identification::column::median;
 
-/// A row is apart by more than so many times what is usual: noise of heavy tails comes to some tens.
+/// A row is apart by more than so many times what is usual: noise of heavy tails goes on from there. By choice, not tuned.
 const APART: f64 = 50.0;
 
 /// Rows on each side that a row is held against.
@@ -33,14 +34,12 @@ impl Spikes {
         };
         let errors: Vec<Vec<f64>> = runs.iter().zip(simulated).map(errors).collect();
         let apart: Vec<Vec<f64>> = errors.iter().map(|run| beside_neighbours(run)).collect();
-        let usual = median(
-            apart
-                .iter()
-                .flatten()
-                .copied()
-                .filter(|a| !a.is_nan())
-                .collect(),
-        )?;
+        let known = apart
+            .iter()
+            .flatten()
+            .copied()
+            .filter(|apart| !apart.is_nan());
+        let usual = median(known.collect())?;
         let is_spike = |apart: f64| apart > APART * usual;
         let first = |run: &Vec<f64>| run.iter().position(|apart| is_spike(*apart));
         let first = apart.iter().find_map(first)?;
@@ -73,16 +72,6 @@ fn beside_neighbours(errors: &[f64]) -> Vec<f64> {
             .map_or(f64::NAN, |error| (error - middle).abs())
     };
     (0..errors.len()).map(apart).collect()
-}
-
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    let middle = values.len() / 2;
-    let (above, below) = (
-        values.get(middle)?,
-        values.get(middle.saturating_sub(1 - values.len() % 2))?,
-    );
-    Some(0.5 * (above + below))
 }
 
 #[cfg(test)]

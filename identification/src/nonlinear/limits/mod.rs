@@ -25,7 +25,7 @@ use crate::results::{Interval, Model};
 use crate::thresholds::MARGIN;
 use directed_strokes::strokes_by_direction;
 use time_to_rest::time_to_rest;
-use visits::visits;
+use visits::{Visit, visits};
 
 pub use hysteresis_and_ends::{Cell, Hysteresis, RangeEnd, Side};
 pub use rate::{Rate, RateVerdict};
@@ -68,14 +68,14 @@ impl Limits {
     /// # Ok::<(), servoid_identification::Error>(())
     /// ```
     pub fn of(record: &Record, model: &Model, level: f64) -> Self {
-        let settling = settling(record, model);
+        let rests = Rests::of(record, model);
         let reversed = model.impulse_response().iter().sum::<f64>() < 0.0;
-        let [up, down] = strokes_by_direction(record, settling, reversed);
-        let table = table(record, model, Some(level));
+        let [up, down] = strokes_by_direction(record, rests.settling, reversed);
+        let table = rests.table(Some(level));
         Self {
             rate_up: Rate::new("up", &up, level),
             rate_down: Rate::new("down", &down, level),
-            hysteresis: table.hysteresis().beside(rests_apart(record, model, level)),
+            hysteresis: table.hysteresis().beside(rests.apart(level)),
             ends: table.ends().map(|ends| with_stops(ends, &model.stops)),
             levels: table.cells,
         }
@@ -83,14 +83,15 @@ impl Limits {
 
     /// The level table alone: rest positions by level and side. Empty when no hold is long enough.
     pub fn level_table(record: &Record, model: &Model) -> Vec<Cell> {
-        table(record, model, model.level().into_valid()).cells
+        let rests = Rests::of(record, model);
+        rests.table(model.level().into_valid()).cells
     }
 }
 
 impl Hysteresis {
     /// That of `record` alone, as among the [limits](Limits::of).
     pub fn of(record: &Record, model: &Model, level: f64) -> Self {
-        table(record, model, Some(level)).hysteresis()
+        Rests::of(record, model).table(Some(level)).hysteresis()
     }
 
     /// With how far rests are `apart` where that is surely more than the mean over the directions says: strokes that overshoot and strokes that do not
@@ -131,8 +132,40 @@ fn with_stops(ends: [RangeEnd; 2], stops: &[f64]) -> [RangeEnd; 2] {
 /// `model` of the record gives the length of a response.
 #[must_use]
 pub fn rests_apart(record: &Record, model: &Model, level: f64) -> Option<Interval> {
-    let visits = visits(&runs_at_rest(record, model), settling(record, model));
-    rests_apart::rests_apart(&visits, sensor_step(record).unwrap_or(0.0), level)
+    Rests::of(record, model).apart(level)
+}
+
+/// Where a servo rests in a record: what the level table and the distance of rests are made of.
+struct Rests {
+    visits: Vec<Visit>,
+    /// Samples that the response takes to settle.
+    settling: usize,
+    sample_period_s: f64,
+    /// The steps of the sensor \[output\]; 0 where noise dithers them.
+    step: f64,
+}
+
+impl Rests {
+    fn of(record: &Record, model: &Model) -> Self {
+        let settling = settling(record, model);
+        Self {
+            visits: visits(&runs_at_rest(record, model), settling),
+            settling,
+            sample_period_s: record.sample_period_s(),
+            step: sensor_step(record).unwrap_or(0.0),
+        }
+    }
+
+    fn table(&self, level: Option<f64>) -> hysteresis_and_ends::Table {
+        // The last quarter of such a hold begins when the response is over.
+        let needed = self.settling + self.settling.div_ceil(3) + 1;
+        let needed_s = needed as f64 * self.sample_period_s;
+        hysteresis_and_ends::Table::new(&self.visits, needed_s, self.step, level)
+    }
+
+    fn apart(&self, level: f64) -> Option<Interval> {
+        rests_apart::rests_apart(&self.visits, self.step, level)
+    }
 }
 
 /// The runs of a record as their rests are read from them.
@@ -141,18 +174,6 @@ fn runs_at_rest<'a>(record: &'a Record, model: &Model) -> Vec<Run<'a>> {
         true => without_motion(record, model),
         false => record.runs().to_vec(),
     }
-}
-
-fn table(record: &Record, model: &Model, level: Option<f64>) -> hysteresis_and_ends::Table {
-    let settling = settling(record, model);
-    // The last quarter of such a hold begins when the response is over.
-    let needed = settling + settling.div_ceil(3) + 1;
-    hysteresis_and_ends::Table::new(
-        &visits(&runs_at_rest(record, model), settling),
-        needed as f64 * record.sample_period_s(),
-        sensor_step(record).unwrap_or(0.0),
-        level,
-    )
 }
 
 /// Whether the linear model describes the servo, so that its motion may be taken out of the rests and its settling time is that of the servo.

@@ -7,14 +7,14 @@
 //! either edge: the output at rest jumps there, and derivatives do not see it.
 
 use crate::results::Interval;
-use servoid_dynamics::{ServoParameters, Stops};
+use servoid_dynamics::ServoParameters;
 
 /// A number of a servo, from it and the middle of the commands.
 pub(super) type Formula = fn(&ServoParameters<f64>, f64) -> Option<f64>;
 
 /// The output at rest under command 0.
 pub(super) fn at_rest(servo: &ServoParameters, _middle: f64) -> Option<f64> {
-    Some(without_stops(servo).resting_output(0.0))
+    Some(servo.without_stops().resting_output(0.0))
 }
 
 /// The output at rest at either edge of the dead band: that of the same servo without it, under a command that is as far off.
@@ -45,28 +45,21 @@ fn at_edge(servo: &ServoParameters, side: f64) -> Option<f64> {
     let width = servo.dead_band?;
     let without = ServoParameters {
         dead_band: None,
-        ..without_stops(servo)
+        ..servo.without_stops()
     };
     Some(without.resting_output(side * width))
 }
 
-fn without_stops(servo: &ServoParameters) -> ServoParameters {
-    ServoParameters {
-        stops: Stops::default(),
-        ..*servo
-    }
-}
-
 fn holding(servo: &ServoParameters, which: usize) -> Option<f64> {
     servo.dead_band?;
-    let load = servo.load.at(without_stops(servo).resting_angle(0.0));
+    let load = servo.load.at(servo.without_stops().resting_angle(0.0));
     Some(servo.holding_drives(load)[which])
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use servoid_dynamics::{Friction, Load};
+    use servoid_dynamics::{Friction, Load, Stops};
 
     #[test]
     fn the_edge_is_known_where_load_or_friction_decide_it() {

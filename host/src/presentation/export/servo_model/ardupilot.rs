@@ -160,7 +160,7 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     let moved = written.respond(&outputs(smooth.command()));
     let late_s = smooth.lag_s(export, &positions(&moved, servo));
     let found = parameters.respond(&outputs(trial.command()));
-    let unloaded = ServoExport::without_stops(export.parameters_with(Load::None));
+    let unloaded = export.parameters_with(Load::None).without_stops();
     let found = |servo: &ServoParameters| positions(&found, servo);
     let difference = Difference::of(export, trial, found, &unloaded);
     let rate = format!("{:.0}", parameters.rate_hz);

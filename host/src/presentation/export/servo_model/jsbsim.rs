@@ -68,7 +68,7 @@ struct Actuator {
 impl Actuator {
     fn of(export: &ServoExport<'_>) -> Self {
         let p = &export.parameters;
-        let like = ServoExport::without_stops(export.parameters_with(export.only_constant_load()));
+        let like = (export.parameters_with(export.only_constant_load())).without_stops();
         let bias = like.resting_angle(0.0);
         Self {
             filter: Filter::Behind,

@@ -6,7 +6,7 @@ use crate::data::model_metadata::ModelMetadata;
 use crate::data::unitless_command::UnitlessCommand;
 use crate::presentation::export::error::ExportError;
 use servoid_identification::results::Model;
-use servoid_identification::servo_model::{Coordinate, Load, ServoModel, ServoParameters, Stops};
+use servoid_identification::servo_model::{Coordinate, Load, ServoModel, ServoParameters};
 
 /// Longest delay that a servo may have \[s\]: files keep the commands of that time.
 const LONGEST_DELAY_S: f64 = 10.0;
@@ -199,14 +199,6 @@ impl<'a> ServoExport<'a> {
         let limit = self.parameters.speed_limit;
         let [up, down] = limit.map_or([NO_LIMIT; 2], |limit| limit.both_ways());
         [-down, up]
-    }
-
-    /// `servo` without stops.
-    pub(super) fn without_stops(servo: ServoParameters) -> ServoParameters {
-        ServoParameters {
-            stops: Stops::default(),
-            ..servo
-        }
     }
 
     /// The speeds towards larger and smaller theta at which full drive, damping, friction and the constant load balance, or which are cut off
