@@ -2,7 +2,7 @@
 
 use super::plan::{Plan, check_rows};
 use super::task::Task;
-use crate::data::{Moments, Record};
+use crate::data::{Moments, Record, References};
 use crate::diagnostics::INPUT_LAGS;
 use crate::error::Error;
 use crate::estimation::FsfBasis;
@@ -27,9 +27,23 @@ impl Candidate {
     pub(super) fn of_record(record: &Record, options: &Options) -> Result<Self, Error> {
         let candidate = match options.settling {
             Settling::Samples(settling) => Self::for_settling(record, settling, options),
-            Settling::Auto => Self::with_chosen_settling(record, options),
+            Settling::Auto => Self::with_chosen_settling(record, options, 1.0),
         }?;
         candidate.checked()
+    }
+
+    /// With N of at most `longest`, chosen from errors that come again in each run of one reference.
+    pub(super) fn of_repeated_errors(
+        record: &Record,
+        longest: usize,
+        options: &Options,
+    ) -> Result<Self, Error> {
+        let options = Options {
+            longest_settling: Some(odd_at_most(longest)),
+            ..*options
+        };
+        let repeats = References::repeats(record.runs().iter());
+        Self::with_chosen_settling(record, &options, repeats)?.checked()
     }
 
     pub(super) fn for_settling(
@@ -47,7 +61,11 @@ impl Candidate {
         })
     }
 
-    fn with_chosen_settling(record: &Record, options: &Options) -> Result<Self, Error> {
+    fn with_chosen_settling(
+        record: &Record,
+        options: &Options,
+        repeats: f64,
+    ) -> Result<Self, Error> {
         let order = options.noise_order;
         let longest = longest_settling(record, options.longest_settling)?;
         let lags = order.highest();
@@ -57,6 +75,7 @@ impl Candidate {
             record: Some(record),
             longest,
             order,
+            repeats,
         })?;
         let moments = with_all_rows(record, &long, choice.settling + lags);
         let beyond = choice.settling + lags + INPUT_LAGS;
@@ -84,6 +103,7 @@ impl Candidate {
                     record: None,
                     longest: longest.min(options.longest_settling.unwrap_or(longest)),
                     order: options.noise_order,
+                    repeats: 1.0,
                 })?;
                 Plan::of_choice(choice, moments, options)?
             }

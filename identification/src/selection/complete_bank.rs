@@ -10,7 +10,7 @@ use crate::thresholds::WIDE_COMPLETE_BAND;
 /// The shortest acceptable N; `None` where the input does not determine a complete bank.
 pub(crate) fn choose(search: &Search<'_>) -> Option<Choice> {
     let (moments, longest) = (search.moments, search.longest);
-    let long = LongFit::new(moments, longest, search.order)?;
+    let long = LongFit::new(search)?;
     let long = match Excitation::of(moments).is_smooth() {
         true => long.with_averages(),
         false => long,

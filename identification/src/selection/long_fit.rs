@@ -4,10 +4,10 @@ use faer::Mat;
 
 use super::long_fit_noise;
 use super::settling_candidates::SettlingCandidate;
+use super::settling_search::Search;
 use crate::data::Moments;
 use crate::estimation::{Coordinates, Edges, FsfBasis, lower_input_moments, noise_filter};
 use crate::numerics::{backward_solve, dot, factorised, forward_solve, inverse_of_lower};
-use crate::options::NoiseOrder;
 use crate::thresholds::{DETECTION, IMMATERIAL_TAIL};
 
 /// Averages are taken over this part of the settling time.
@@ -19,6 +19,8 @@ pub(crate) struct LongFit {
     pub(crate) settling: usize,
     pub(crate) ar: Vec<f64>,
     rows: usize,
+    /// How often each error comes.
+    repeats: f64,
     /// L^-1 b.
     projected: Vec<f64>,
     /// Sum of squares of the filtered output.
@@ -33,12 +35,13 @@ pub(crate) struct LongFit {
 
 impl LongFit {
     /// `None` when the input does not excite all of it.
-    pub(crate) fn new(moments: &Moments, settling: usize, order: NoiseOrder) -> Option<Self> {
+    pub(crate) fn new(search: &Search<'_>) -> Option<Self> {
+        let (moments, settling) = (search.moments, search.longest);
         let basis = FsfBasis::full(settling).ok()?;
         let coordinates = Coordinates::new(basis);
         let (ar, factor) = long_fit_noise::alternate(
             moments,
-            order,
+            search.order,
             |ar| OffsetFirst::new(moments, &coordinates, ar),
             OffsetFirst::solution,
         )?;
@@ -58,6 +61,7 @@ impl LongFit {
             settling,
             ar,
             rows: moments.rows,
+            repeats: search.repeats,
             projected: factor.projected,
             total: factor.total,
             floor: IMMATERIAL_TAIL * IMMATERIAL_TAIL * spread,
@@ -71,11 +75,11 @@ impl LongFit {
         self.weights.col_as_slice(m + 1)
     }
 
-    /// Variance of ε for the settling time `n`.
+    /// Variance of ε for the settling time `n`, times the number of times that each comes.
     fn variance(&self, n: usize) -> f64 {
         let rss = self.total - self.projected[..=n].iter().map(|z| z * z).sum::<f64>();
         let dof = (self.rows as f64 - (n + 1 + self.ar.len()) as f64).max(1.0);
-        (rss / dof).max(self.floor)
+        self.repeats * (rss / dof).max(self.floor)
     }
 
     /// Looks for the end of the response in its averages too: under a smooth input the noise of a step

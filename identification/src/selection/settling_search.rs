@@ -14,4 +14,6 @@ pub(crate) struct Search<'a> {
     pub(crate) longest: usize,
     /// Order of the noise model.
     pub(crate) order: NoiseOrder,
+    /// How often each error comes, of those that are no noise: 1 where all are noise. What a test takes for evidence has to be as much in one of them.
+    pub(crate) repeats: f64,
 }

@@ -20,6 +20,7 @@ mod noisy_commands;
 mod poor_records;
 mod prior;
 mod real_data;
+mod repeated_references;
 mod rests;
 mod rounded_commands;
 mod run_gains;

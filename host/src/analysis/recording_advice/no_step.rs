@@ -43,10 +43,10 @@ pub(crate) fn advice(data: &Dataset, model: &Model) -> Option<Advice> {
     ))
 }
 
-/// Whether the response of `model` is known so badly that its errors move faster than the servo.
+/// Whether the response of `model` is known so badly that its errors may move faster than the servo, as of one without bounds.
 fn is_vague(model: &Model) -> bool {
     let Some(bounds) = model.step.bounds.valid() else {
-        return false;
+        return true;
     };
     let ends = bounds.pointwise.lower.iter().zip(&bounds.pointwise.upper);
     let widest = ends

@@ -13,7 +13,8 @@
 //! Δδ = (S + λ I)^-1 (X'ε - λ δ),     S = X'X - C'A^-1 C,     λ = σ²/s²,
 //! ```
 //!
-//! and σ² A^-1 C (S + λ I)^-1 C'A^-1 is what not knowing δ adds to the covariance. Two combinations of δ, which are an offset and a gain, are known by s² alone.
+//! and σ² A^-1 C (S + λ I)^-1 C'A^-1 is what not knowing δ adds to the covariance. Two combinations of δ, which are an offset and a gain, are known by s² alone. They are
+//! the response's: δ is what a line through the levels leaves. Else fit and δ may take a gain from each other in turns, and more at each turn.
 
 use std::cmp::Ordering;
 use std::ops::Range;
@@ -120,9 +121,8 @@ impl LevelEffects {
         let score: Vec<f64> = score.map(|(score, delta)| score - lambda * delta).collect();
         let step = times(&covariance, &score);
         let moved = self.effects.iter().zip(step);
-        let effects: Vec<(f64, f64)> = moved
-            .map(|((level, delta), by)| (*level, delta + by))
-            .collect();
+        let moved = moved.map(|((level, delta), by)| (*level, delta + by));
+        let effects = without_line(&moved.collect::<Vec<_>>());
         let squares: f64 = effects.iter().map(|(_, delta)| delta * delta).sum();
         let spread: f64 = (0..self.len()).map(|l| covariance[(l, l)]).sum();
         Some(Self {
@@ -147,6 +147,20 @@ impl LevelEffects {
             relative_variance: 2.0 / left,
         });
     }
+}
+
+/// What a line through `points` leaves of each of them.
+fn without_line(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let mean =
+        |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / points.len() as f64;
+    let (x, y) = (mean(|point| point.0), mean(|point| point.1));
+    let product: f64 = points
+        .iter()
+        .map(|point| (point.0 - x) * (point.1 - y))
+        .sum();
+    let square: f64 = points.iter().map(|point| (point.0 - x).powi(2)).sum();
+    let left = |point: &(f64, f64)| (point.0, point.1 - y - product / square * (point.0 - x));
+    points.iter().map(left).collect()
 }
 
 /// The visits to each level.

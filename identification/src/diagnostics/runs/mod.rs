@@ -6,7 +6,6 @@ pub(super) mod delayed_response;
 pub(super) mod gain_drift;
 pub(super) mod initial_rest;
 pub(super) mod lag_drift;
-mod references;
 pub(super) mod run_blocks;
 pub(super) mod run_equations;
 pub(super) mod run_offsets;

@@ -18,9 +18,8 @@
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use super::references::References;
 use crate::data::column::span;
-use crate::data::{Moments, Record, Run};
+use crate::data::{Moments, Record, References, Run};
 use crate::diagnostics::residuals::simulation_error::{Simulated, simulated_whole};
 use crate::estimation::GlsFit;
 use crate::thresholds::{RANGES_ALIKE, WAYS_ALIKE};

@@ -7,8 +7,7 @@
 use faer::Mat;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
-use super::references::References;
-use crate::data::{Moments, Run};
+use crate::data::{Moments, References, Run};
 use crate::diagnostics::residuals::filtered_rows::{filtered, only, present, with_history};
 use crate::diagnostics::residuals::further_columns::FurtherColumns;
 use crate::diagnostics::residuals::part_means::part_means;

@@ -5,7 +5,8 @@
 //! does so, too.
 //!
 //! Protects: N of a servo that is not linear. Beyond the usual hold the next steps are under way, and how they
-//! are answered differently because of this one passes for a late part of its response.
+//! are answered differently because of this one passes for a late part of its response. The same differences come in each run of one reference,
+//! so that several runs are no more evidence of a longer response than one.
 //!
 //! If not, N is chosen again among settling times up to the usual hold. Holds that are too short for a choice,
 //! or for the response, limit nothing.
@@ -18,8 +19,6 @@ use crate::identify::candidate::Candidate;
 use crate::identify::estimate::Estimate;
 use crate::identify::fitted::Fitted;
 use crate::identify::task::Task;
-use crate::options::Options;
-use crate::selection::odd_at_most;
 use crate::thresholds::MARGIN;
 
 pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
@@ -39,11 +38,7 @@ pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
     if !rests && !is_rejected {
         return Ok(fitted);
     }
-    let options = Options {
-        longest_settling: Some(odd_at_most(hold)),
-        ..*task.options
-    };
-    let shorter = Candidate::of_record(record, &options).ok();
+    let shorter = Candidate::of_repeated_errors(record, hold, task.options).ok();
     let Some(shorter) = shorter.and_then(|found| found.within_holds(rests)) else {
         return Ok(fitted);
     };

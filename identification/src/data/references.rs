@@ -3,7 +3,7 @@
 //! A servo that is not linear leaves the same errors in each run of a reference. There they are no chance that runs average out: what repeats in all runs of one reference
 //! counts once, however many there are.
 
-use crate::data::Run;
+use super::record::Run;
 
 /// Square of the difference of two commands, in parts of that of one about its mean, up to which they are one reference: edges that a logger saw some rows apart. Two draws of
 /// random levels differ by twice that square.
@@ -13,15 +13,15 @@ const ALIKE: f64 = 0.25;
 const AS_LONG: f64 = 1.1;
 
 /// The reference of each of some runs, numbered from 0 in the order in which they come.
-pub(super) struct References {
+pub(crate) struct References {
     /// Of each run.
-    pub(super) of_runs: Vec<usize>,
+    pub(crate) of_runs: Vec<usize>,
     /// The longest run of each \[samples\].
-    pub(super) lengths: Vec<usize>,
+    pub(crate) lengths: Vec<usize>,
 }
 
 impl References {
-    pub(super) fn of<'a>(runs: impl Iterator<Item = &'a Run<'a>>) -> Self {
+    pub(crate) fn of<'a>(runs: impl Iterator<Item = &'a Run<'a>>) -> Self {
         let (mut of_runs, mut lengths) = (Vec::new(), Vec::new());
         let mut firsts: Vec<&Run> = Vec::new();
         for run in runs {
@@ -38,8 +38,15 @@ impl References {
     }
 
     /// Number of references.
-    pub(super) fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         self.lengths.len()
+    }
+
+    /// How often a sample of these runs is the answer to the same commands.
+    pub(crate) fn repeats<'a>(runs: impl Iterator<Item = &'a Run<'a>> + Clone) -> f64 {
+        let samples: usize = runs.clone().map(Run::len).sum();
+        let of_references: usize = Self::of(runs).lengths.iter().sum();
+        samples as f64 / of_references.max(1) as f64
     }
 }
 
