@@ -128,8 +128,13 @@ fn more_runs(found: &Comparison, runs: usize, level: f64) -> String {
     }
 }
 
-/// That so few runs leave a difference beyond the margin possible, where nothing else decides.
-fn few_runs(comparison: &Comparison, models: [&Model; 2]) -> Option<Advice> {
+/// That so few runs leave a difference beyond the margin possible, where nothing else decides, or that the responses themselves are not known well enough:
+/// without any scatter of the runs, the largest difference may be `of_recordings` \[percent\].
+fn few_runs(
+    comparison: &Comparison,
+    models: [&Model; 2],
+    of_recordings: Option<f64>,
+) -> Option<Advice> {
     let bounds = comparison.bounds.valid()?;
     let undecided =
         comparison.verdict == Verdict::Undecided && !comparison.descriptions_of_different_motions;
@@ -139,17 +144,24 @@ fn few_runs(comparison: &Comparison, models: [&Model; 2]) -> Option<Advice> {
     let fewest = comparison.runs[0].min(comparison.runs[1]);
     let most = bounds.difference_percent.at_most;
     let mut findings = models.iter().flat_map(|model| &model.advice);
-    let finding = match findings.any(Advice::is_of_scatter) {
-        true => format!(
+    let of_recordings = of_recordings.filter(|most| *most > comparison.margin_percent);
+    let finding = match (of_recordings, findings.any(Advice::is_of_scatter)) {
+        (Some(most), _) => format!(
+            "The step responses are known so badly that {most:.1} % of the step is possible without any scatter of the runs."
+        ),
+        (None, true) => format!(
             "The runs, {fewest} a side, scatter so much that {most:.1} % of the step is possible."
         ),
-        false => format!(
+        (None, false) => format!(
             "The runs are not found to scatter beyond their noise, but {fewest} a side are so few to show it ({} degrees of freedom each) that {most:.1} % \
              of the step is possible.",
             fewest - 1
         ),
     };
-    let mut remedy = more_runs(comparison, fewest, bounds.level);
+    let mut remedy = match of_recordings {
+        Some(_) => "Record longer runs, or larger steps.".to_owned(),
+        None => more_runs(comparison, fewest, bounds.level),
+    };
     if models.iter().any(|model| !model.linear) {
         remedy += OTHER_ORDERS;
     }
@@ -164,14 +176,15 @@ fn few_runs(comparison: &Comparison, models: [&Model; 2]) -> Option<Advice> {
 
 /// How runs of a servo that is not linear are of use.
 const OTHER_ORDERS: &str = " The servo is not linear: give each run its levels in another order, and both sides the same orders, because in runs of one order what the \
-    linear model lacks repeats, and many of them lose their bounds by that.";
+    linear model lacks repeats, and more of them say no more of it.";
 
-/// Findings on either side that bear on their difference, and questions that the recordings leave open.
+/// Findings on either side that bear on their difference, and questions that the recordings leave open; `of_recordings` as in [`few_runs`].
 pub(super) fn gather(
     comparison: &Comparison,
     models: [&Model; 2],
     sides: &[&Identified<'_>],
     output_unit: &str,
+    of_recordings: Option<f64>,
 ) -> Vec<Advice> {
     let mut advice = Vec::new();
     for (which, model) in ["The first", "The second"].into_iter().zip(models) {
@@ -205,7 +218,7 @@ pub(super) fn gather(
             remedy,
         ));
     }
-    advice.extend(few_runs(comparison, models));
+    advice.extend(few_runs(comparison, models, of_recordings));
     let rested = |side: &&Identified<'_>| {
         let cells = Limits::level_table(side.record, &side.model);
         let mut levels: Vec<f64> = cells.iter().map(|cell| cell.command).collect();

@@ -66,6 +66,8 @@ pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Co
     b.model = b.model.with_delay_error(error_b);
     let models = [&a.model, &b.model];
     let mut comparison = of_curves(models, &curves, runs.as_ref(), options);
+    let of_recordings = differences(&curves, None, 0.0, options).largest();
+    let of_recordings = of_recordings.valid().map(|found| 100.0 * found.at_most);
     comparison.turns_the_other_way = other_way::turns(&comparison, [&a, &b]);
     comparison.runs = [a.record.runs().len(), b.record.runs().len()];
     comparison.split = split.is_some();
@@ -110,6 +112,7 @@ pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Co
         [&a.alone, &b.alone],
         &[&a, &b],
         &options.output_unit,
+        of_recordings,
     );
     if comparison.descriptions_of_different_motions || !asked.is_one_motion() {
         let finding =
@@ -143,7 +146,7 @@ pub fn compare_models(
         comparison.descriptions_of_different_motions = true;
     }
     comparison.summary = words::summary(&comparison, None, options);
-    comparison.advice = advice::gather(&comparison, [a, b], &[], &options.output_unit);
+    comparison.advice = advice::gather(&comparison, [a, b], &[], &options.output_unit, None);
     comparison.advice.push(advice::one_response());
     Ok(comparison)
 }
