@@ -24,7 +24,8 @@ use crate::results::{Interval, Model};
 /// Over-prediction of the second servo by the first.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct OverPrediction {
-    /// At the largest command \[%\]; empty where that is 0, of which nothing is a share.
+    /// At the largest command \[%\]; empty where that is 0, of which nothing is a share, and where commands go to both sides of their zero and the output does not: a
+    /// sensor whose zero is nowhere near that of the command.
     pub plus_percent: Interval,
     /// At the smallest command \[%\], likewise.
     pub minus_percent: Interval,
@@ -87,8 +88,9 @@ pub(crate) fn over_prediction(
         End::new(record, predictor, low)?,
     );
     let zero = predictor.zero_sd;
+    let has_zero = low * high >= 0.0 || minus.mean * plus.mean <= 0.0;
     let side = |level: f64, end: &End, sd_at_rest: f64| {
-        if level == 0.0 {
+        if level == 0.0 || !has_zero {
             return Interval::new(f64::NAN, f64::NAN, f64::NAN);
         }
         let (a, b) = (end.mean, end.predicted);
@@ -131,7 +133,9 @@ pub(crate) fn over_prediction(
             predictor.wait,
             plus.plateaus,
             minus.plateaus,
-            if zero > 0.0 {
+            if !has_zero {
+                "not near that of the command, so that nothing is said of the two ends".to_owned()
+            } else if zero > 0.0 {
                 format!("known to {} (standard deviation)", with(zero, output))
             } else {
                 "taken as exact".to_owned()

@@ -63,14 +63,14 @@ impl RestsApart {
         ))
     }
 
-    /// What is known where no difference is sure: by how much they may differ at the most, or what would show it.
+    /// What is known where no difference is sure: by how much they may differ, or what would show it.
     #[must_use]
     pub fn nothing_sure_in_words(&self, [a, b]: [&str; 2], unit: &str) -> String {
         let decimals = self.decimals();
         let shown = |number: f64| with_unit(format!("{number:.decimals$}"), unit);
         match self.most_between() {
             Some(most) => format!(
-                "Rests under one command, which {KEPT_APART_BY}, are up to {} apart in {a} and {} in {b}, and these differ by {} at the most.",
+                "Rests under one command, which {KEPT_APART_BY}, are up to {} apart in {a} and {} in {b}; that these differ by as much as {} is not ruled out.",
                 shown(self.a.and_then(|of| of.value).unwrap_or(f64::NAN)),
                 shown(self.b.and_then(|of| of.value).unwrap_or(f64::NAN)),
                 shown(most)

@@ -55,8 +55,8 @@ pub(crate) fn advice(data: &Dataset, model: &Model) -> Option<Advice> {
         ),
         way,
         commanded,
-        "It falls short of its commands: look for a load that its drive does not hold, such as a spring, a weight or the air, for a stop, and at the \
-         scale of both columns.",
+        "It falls short of its commands: look at the scale of both columns, for a load that its drive does not hold, such as a spring, a weight or the air, \
+         for a stop, and where strokes are small, for friction, a dead band or play.",
     ))
 }
 

@@ -140,6 +140,21 @@ fn a_loaded_servo_is_described_by_stroke_level_and_over_prediction() {
     assert!(high - low < 2.0, "{over:?}");
 }
 
+#[test]
+fn of_sensors_whose_zero_is_far_from_the_command_only_the_travel_is_over_predicted() {
+    let [bench, loaded] = [(1.0, 1), (0.9, 5)].map(|(gain, seed)| {
+        let servo = Linear::second_order(gain, 0.0215, 0.5, 60.0);
+        record(&servo, &servo, 206.0, seed..seed + 1, 0.0)
+    });
+    let found = compare(&bench, &loaded, &ComparisonOptions::default()).unwrap();
+    let over = found.over_prediction.unwrap();
+    assert_eq!(
+        [over.plus_percent.value, over.minus_percent.value],
+        [None; 2]
+    );
+    assert!(over.travel_percent.contains(10.0), "{over:?}");
+}
+
 /// Without an allowance for slow ends, most such curves and nearly all such gains leave their bounds.
 #[test]
 #[ignore = "many seeds: cargo test -p servoid-identification --test integration -- --ignored comparison"]
