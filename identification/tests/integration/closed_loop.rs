@@ -1,12 +1,15 @@
 //! Recordings in closed loop have no bounds, or bounds that hold; open loops are not taken for closed ones. The table "Closed loop"
 //! of docs/assumptions.md has more runs of each line.
 
+use std::f64::consts::TAU;
+
 use rand::RngExt;
 use rand_distr::StandardNormal;
 use servoid_identification::results::{Check, Reason};
 use servoid_identification::{Options, Record, identify, identify_explained};
 use servoid_test_support::closed_loop::{Course, Loop};
-use servoid_test_support::plants::{Noise, Plant, random};
+use servoid_test_support::plants::{Noise, Plant, normal, random};
+use servoid_test_support::servos::{Limit, limited_in_steps};
 
 /// Saves most of the time; the servo settles well within it.
 fn options() -> Options {
@@ -95,6 +98,42 @@ fn a_regulator_alone_is_no_servo() {
         let record = Record::of_run(0.002, &input, &output).unwrap();
         let model = identify(&record, &Options::default()).unwrap();
         assert_eq!(
+            model.bounds.withdrawn(),
+            Some(Reason::InputFollowsOutput),
+            "{seed}"
+        );
+    }
+}
+
+/// A sum of sines up to 3 Hz, sent in frames of 20 ms and recorded in rows of 10 ms, to a servo with a limit of its speed: its errors go with what comes next in the command,
+/// as in a loop. The fifth was called one.
+#[test]
+fn a_planned_sum_of_sines_in_pulse_frames_is_no_loop() {
+    for seed in 0..16 {
+        let mut random = random(400 + seed);
+        let sines: Vec<(f64, f64)> = [0.1, 0.3, 0.7, 1.1, 1.7, 2.3, 3.0]
+            .map(|hertz: f64| (TAU * hertz, random.random_range(0.0..TAU)))
+            .to_vec();
+        let at = |t: f64| -> f64 {
+            sines
+                .iter()
+                .map(|(w, phase)| 6.0 * (w * t + phase).sin())
+                .sum()
+        };
+        let sent = |k: usize| match k {
+            200..2200 => at((k - k % 2 - 200) as f64 * 0.01),
+            _ => 0.0,
+        };
+        let input: Vec<f64> = (0..2400).map(sent).collect();
+        let late = (2e-4, 50, 23);
+        let clean = limited_in_steps(1.05, 65.0, Limit::Rate(280.0, 280.0), &input, 0.0, late);
+        let output: Vec<f64> = clean
+            .iter()
+            .map(|y| y + 0.07 * normal(&mut random))
+            .collect();
+        let record = Record::of_run(0.01, &input, output).unwrap();
+        let model = identify(&record, &Options::default()).unwrap();
+        assert_ne!(
             model.bounds.withdrawn(),
             Some(Reason::InputFollowsOutput),
             "{seed}"

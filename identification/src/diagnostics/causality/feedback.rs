@@ -13,7 +13,7 @@
 //!   but the controller moves the input, all of the response is at lag 0.
 //!
 //! A smooth input does not separate lags: the errors of a servo that is not linear gather at lag 0 as anywhere, and what comes next in
-//! the input follows from what was. So neither shows a loop there; both show that the input does not determine the response. An input
+//! the input follows from what was, whether it is smooth from row to row or from one pulse frame to the next. So neither shows a loop there; both show that the input does not determine the response. An input
 //! of straight pieces is none of a controller: it would carry the bends of the motion into them. Inputs to come that explain the output
 //! show there, too, that the response is not determined.
 //!
@@ -23,7 +23,7 @@ use faer::Mat;
 use serde::{Deserialize, Serialize};
 
 use super::input_origin::is_of_straight_pieces;
-use crate::data::{Moments, Record};
+use crate::data::{Moments, Record, Run, usual_exact_hold};
 use crate::diagnostics::residuals::filtered_rows::{filtered, only, present, with_history};
 use crate::diagnostics::residuals::residual_tests::ScoreTest;
 use crate::diagnostics::residuals::simulation_error::Simulated;
@@ -113,10 +113,33 @@ pub(crate) fn feedback(
         p: inputs_to_come(runs, moments, fit).unwrap_or(1.0),
         at_once,
         share,
-        smooth: Excitation::of(moments).is_smooth(),
+        smooth: Excitation::of(moments).is_smooth() || frames_are_smooth(record, fit),
         planned: is_of_straight_pieces(record),
         explained: None,
     }
+}
+
+/// Frames in the settling time, at least, of a command that is held for frames: stairs are held for longer, and are smooth from level to level, too.
+const FRAMES: usize = 4;
+
+/// Lags of the levels of a command in frames that show whether it is smooth.
+const LEVELS: usize = 100;
+
+/// Whether the command is held for frames and smooth from one to the next.
+fn frames_are_smooth(record: &Record, fit: &GlsFit) -> bool {
+    let hold = usual_exact_hold(record);
+    if hold < 2 || FRAMES * hold > fit.coordinates.basis.settling() {
+        return false;
+    }
+    let levels = |run: &Run<'_>| {
+        let input = run.input();
+        let first = input.windows(2).position(|pair| pair[0] != pair[1])?;
+        let levels: Vec<f64> = input[first..].iter().copied().step_by(hold).collect();
+        Run::new(levels.clone(), levels).ok()
+    };
+    let runs = record.runs().iter().filter_map(levels).collect();
+    let levels = Record::new(hold as f64 * record.sample_period_s(), runs);
+    levels.is_ok_and(|levels| Excitation::of(&Moments::of_record(&levels, LEVELS, 1)).is_smooth())
 }
 
 fn inputs_to_come(runs: &[Simulated<'_>], moments: &Moments, fit: &GlsFit) -> Option<f64> {

@@ -12,7 +12,11 @@ pub(crate) fn advice_on_servo_model(model: &ServoModel) -> Vec<&'static str> {
             let mut advice = what_to_record(&model.quantities);
             advice.extend(has_unreached_top_speeds(model).then_some(LARGER_STROKES));
             advice.extend(holds_alike(model).then_some(STAIRS_DO_NOT_SEPARATE));
-            advice.extend((!advice.is_empty()).then_some(WHERE_IT_ENDS));
+            let end = match misses(model) {
+                true => Some(OF_ANOTHER_LOGGER),
+                false => (!advice.is_empty()).then_some(WHERE_IT_ENDS),
+            };
+            advice.extend(end);
             advice
         }
     }
@@ -25,8 +29,12 @@ fn holds_alike(model: &ServoModel) -> bool {
         let of_friction = |kind| QuantityKind::OF_FRICTION.contains(&kind);
         !found.determined && found.kind().is_some_and(of_friction)
     };
-    let misses = model.covariance.withdrawn() == Some(Reason::ErrorsNotNoise);
-    is_held && (misses || model.quantities.iter().any(is_open))
+    is_held && (misses(model) || model.quantities.iter().any(is_open))
+}
+
+/// Whether the record has something that the model lacks.
+fn misses(model: &ServoModel) -> bool {
+    model.covariance.withdrawn() == Some(Reason::ErrorsNotNoise)
 }
 
 /// Said of a servo that was faster than any stroke let it show.
@@ -40,6 +48,12 @@ const STAIRS_DO_NOT_SEPARATE: &str = "Dead band and friction rest alike, and sta
 /// Said last: whoever has followed the advice would be sent from one recording to the next otherwise.
 const WHERE_IT_ENDS: &str = "If this recording has what is asked for here, only a longer one or one with less noise may show more of it. A limit beyond the travel shows in \
     none, and neither does what the model lacks, such as play.";
+
+/// Said last where the model lacks something. Of servos with a limit and a dead band in rows of 2 to 10 ms, 34 of 36 recordings have intervals where commands act at rows, and none of 72 where
+/// pulses had a clock of their own or the gears had play, whatever moved: levels, stairs, sines.
+const OF_ANOTHER_LOGGER: &str = "Other recordings by this logger may show more values, and hardly intervals: the errors are those of what the model lacks, such as play in the \
+    gears, or of commands that act between the rows, as pulses on a clock of their own do. A logger on the clock of the pulses, such as servoid's own board, mends the \
+    second. How far the model is off without intervals, a recording shows that it has not seen: servoid validate.";
 
 /// Said of a servo model without any term beyond a linear servo.
 const LINEAR_IS_SHARPER: &str = "This recording needs no more than a linear servo: where the linear model has intervals, they are \
@@ -109,6 +123,10 @@ mod tests {
         assert!(!advised(&model));
         model.terms.friction = true;
         assert!(advised(&model));
+        assert_eq!(
+            advice_on_servo_model(&model).last(),
+            Some(&OF_ANOTHER_LOGGER)
+        );
         model.covariance = Bounds::Withdrawn(Reason::TravelEnd);
         assert!(!advised(&model));
     }
