@@ -18,7 +18,7 @@ use std::path::PathBuf;
 /// better than the mean, and below 0 % for one worse than the mean.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
-  servoid validate bench.json another-bench.csv --plots plots
+  servoid validate bench.json again.csv --plots plots
   servoid validate mine.json another.csv          (read as the file that mine.json is of)")]
 pub(super) struct Validate {
     /// The model, as 'servoid identify -o' writes it

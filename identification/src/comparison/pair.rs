@@ -7,7 +7,7 @@ use crate::diagnostics::TakenOut;
 use crate::error::Error;
 use crate::estimation::FsfBasis;
 use crate::identify::{Identification, identify_runs};
-use crate::nonlinear::{DirectionModel, Limits, split_with};
+use crate::nonlinear::{DirectionModel, Limits, explains_errors, split_with};
 use crate::numerics::{not_negative, pointwise_critical};
 use crate::options::{Frequencies, NoiseOrder, Options, Settling};
 use crate::results::{Advice, Bounds, Interval, Model, Reason};
@@ -55,7 +55,7 @@ impl<'a> Identified<'a> {
             basis,
             NoiseOrder::Auto,
             model.level(),
-            by_direction,
+            |split| by_direction && explains_errors(&model, split),
         )
         .ok();
         Ok(Self {
@@ -81,7 +81,11 @@ impl<'a> Identified<'a> {
     /// A model of each run alone, whose bounds hold if those of the side do.
     pub(super) fn splits_of_runs(&self, basis: FsfBasis) -> Result<Vec<DirectionModel>, Error> {
         self.run_records()
-            .map(|run| split_with(&run?, basis, NoiseOrder::Auto, self.model.level(), false))
+            .map(|run| {
+                split_with(&run?, basis, NoiseOrder::Auto, self.model.level(), |_| {
+                    false
+                })
+            })
             .collect()
     }
 

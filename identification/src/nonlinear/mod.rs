@@ -3,8 +3,8 @@
 mod direction;
 mod limits;
 
-pub(crate) use direction::split_with;
 pub use direction::{DirectionModel, Symmetry, split_by_direction};
+pub(crate) use direction::{explains_errors, split_with};
 pub use limits::{
     Cell, Hysteresis, Limits, RangeEnd, Rate, RateVerdict, Side, SpeedLimits, rests_apart,
 };

@@ -234,7 +234,7 @@ impl Refit {
 
     /// The same of the direction-split model with the noise order `order`.
     fn direction_split(left: &Record, like: &Model, order: NoiseOrder) -> Option<Self> {
-        let found = split_with(left, like.basis().ok()?, order, like.level(), false).ok()?;
+        let found = split_with(left, like.basis().ok()?, order, like.level(), |_| false).ok()?;
         Some(Self {
             step: found.mean_step(),
             offset: found.offset(),

@@ -114,12 +114,12 @@ pub fn split_by_direction(record: &Record, model: &Model) -> Result<DirectionMod
         model.basis()?,
         NoiseOrder::Auto,
         model.level(),
-        model.structure.selected_by == SelectedBy::Auto,
+        |split| model.structure.selected_by == SelectedBy::Auto && explains_errors(model, split),
     )
 }
 
-/// [`split_by_direction`] with a given bank, noise order and level. `may_go_on` where the response may go on beyond the settling time of
-/// a complete bank.
+/// [`split_by_direction`] with a given bank, noise order and level. `may_go_on` says of the fit \[percent\] of the split model whether the response may go on beyond the settling
+/// time of a complete bank.
 ///
 /// # Errors
 /// As [`split_by_direction`].
@@ -128,7 +128,7 @@ pub(crate) fn split_with(
     basis: FsfBasis,
     order: NoiseOrder,
     level: Bounds<f64>,
-    may_go_on: bool,
+    may_go_on: impl FnOnce(f64) -> bool,
 ) -> Result<DirectionModel, Error> {
     let settling = basis.settling();
     let second = changes_bank(settling)?;
@@ -149,11 +149,11 @@ pub(crate) fn split_with(
         return Err(Error::OneDirection);
     };
     let mut split = SplitFit::new(&moments, &coordinates, &second, &fit);
-    let ends_unseen = may_go_on
+    let simulation_percent = fit_percent(fit.error, moments.output_spread);
+    let ends_unseen = may_go_on(simulation_percent)
         && basis.is_complete()
         && !allow_for_slow_end(record, &moments, (&coordinates, &second), &fit, &mut split);
     let level = level.unless(ends_unseen.then_some(Reason::EndUnseen));
-    let simulation_percent = fit_percent(fit.error, moments.output_spread);
     Ok(DirectionModel::new(
         split,
         fit.ar.len(),
@@ -161,6 +161,21 @@ pub(crate) fn split_with(
         record.timing(),
         level,
     ))
+}
+
+/// The share of what is not linear that is most of it.
+const MOST: f64 = 0.5;
+
+/// Whether a response for each direction, with this fit \[percent\], explains most of what a servo has beside the linear `model`. Else its errors follow the motion as those
+/// of the linear one do, and look like slow ends.
+pub(crate) fn explains_errors(model: &Model, split: f64) -> bool {
+    let beyond = model
+        .residuals
+        .beyond_linear_percent
+        .filter(|_| !model.linear);
+    let square = |percent: f64| (percent / 100.0).powi(2);
+    let explained = square(100.0 - model.fit.simulation_percent) - square(100.0 - split);
+    beyond.is_none_or(|beyond| explained > MOST * square(beyond))
 }
 
 /// The bank on |du| for a settling time.

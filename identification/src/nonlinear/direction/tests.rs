@@ -31,7 +31,7 @@ fn model(up: &Linear, down: &Linear, zero: f64, seed: u64, level: f64) -> Direct
         FsfBasis::full(SETTLING).unwrap(),
         NoiseOrder::Auto,
         Bounds::Valid(level),
-        false,
+        |_| false,
     )
     .unwrap()
 }
@@ -105,7 +105,7 @@ fn the_unit_of_the_command_changes_no_difference_between_strokes() {
         FsfBasis::full(SETTLING).unwrap(),
         NoiseOrder::Auto,
         Bounds::Valid(0.99),
-        false,
+        |_| false,
     )
     .unwrap();
     let of = |model: &DirectionModel| {

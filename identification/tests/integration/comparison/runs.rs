@@ -1,10 +1,14 @@
 //! What differs from run to run belongs to both sides.
 
+use rand::RngExt;
 use servoid_identification::comparison::{ComparisonOptions, Subject, Verdict, compare};
 use servoid_identification::results::Check;
 use servoid_identification::{Record, Run};
+use servoid_test_support::plants::{normal, random};
 use servoid_test_support::servo_means::Means;
-use servoid_test_support::servos::{Linear, PERIOD, measured, respond_by_stroke};
+use servoid_test_support::servos::{
+    Limit, Linear, PERIOD, limited_in_steps, measured, respond_by_stroke,
+};
 
 use super::{options, plain, record, servo};
 
@@ -192,4 +196,39 @@ fn runs_of_one_step_each_are_compared_as_recordings() {
     let found = compare(&side(300), &side(310), &options()).unwrap();
     assert_eq!(found.runs, [4, 4]);
     assert_eq!(found.of, Subject::Runs);
+}
+
+/// A servo that is slower downwards, and limited both ways: the errors of the responses by direction follow the motion, too, and looked like slow ends, of which up to 14 % of the
+/// step were allowed for, however many the runs.
+#[test]
+fn limits_of_the_speed_are_no_slow_ends_of_strokes_up_and_down() {
+    let mut random = random(51);
+    let mut input = vec![0.0; 80];
+    while input.len() < 2000 {
+        let level = f64::from(random.random_range(-30..=30));
+        input.extend(std::iter::repeat_n(level, random.random_range(35..100)));
+    }
+    let clean = limited_in_steps(
+        0.9,
+        60.0,
+        Limit::Rate(330.0, 260.0),
+        &input,
+        0.0,
+        (2e-4, 50, 50),
+    );
+    let mut side = || {
+        let run = |_| {
+            let output: Vec<f64> = clean
+                .iter()
+                .map(|y| y + 0.06 * normal(&mut random))
+                .collect();
+            Run::new(input.clone(), output).unwrap()
+        };
+        Record::new(0.01, (0..3).map(run).collect()).unwrap()
+    };
+    let found = compare(&side(), &side(), &ComparisonOptions::default()).unwrap();
+    assert!(found.split);
+    // 8 % with the allowances.
+    let at_most = found.bounds.valid().unwrap().difference_percent.at_most;
+    assert!(at_most < 6.0, "{at_most} %");
 }
