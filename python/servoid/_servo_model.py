@@ -198,9 +198,6 @@ class ServoModel:
 
         document = json.loads(self._core.document)
         servo = document["servo_model"]
-        if undetermined := [quantity["name"] for quantity in servo["quantities"] if not quantity["determined"]]:
-            names = ", ".join(undetermined)
-            warnings.warn(f"the recording does not determine {names}: the draws have fewer values of that than it allows", stacklevel=2)
         found: list[Model] = []
         is_allowed = self._is_allowed()
         # Every round has numbers of its own, whatever became of those before.
@@ -216,6 +213,9 @@ class ServoModel:
                 found.append(another)
         if len(found) < count:
             raise _servoid.ServoidError("hardly any servo that is drawn moves as the recording has it: its covariance is no use far from the estimate")
+        if undetermined := [quantity["name"] for quantity in servo["quantities"] if not quantity["determined"]]:
+            names = ", ".join(undetermined)
+            warnings.warn(f"the recording does not determine {names}: the draws have fewer values of that than it allows", stacklevel=2)
         return found
 
     def _is_allowed(self) -> Callable[[ServoModel], bool]:

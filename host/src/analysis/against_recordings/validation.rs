@@ -325,7 +325,7 @@ fn of_spikes(spikes: &Spikes, in_unit: impl Fn(f64) -> String) -> String {
 const BETWEEN_ROWS: &str = "Where the servo followed the command between the rows, and was not held at each, say --polled first: a fast motion is another one then.";
 
 /// Said where nothing simpler is the cause.
-const ANOTHER_MOTION: &str = "Where servo and noise are the same, the motion is not: identify from recordings of both kinds of motion (strokes as \
+const ANOTHER_MOTION: &str = "Where servo and noise are the same, the motion is not: identify from recordings of both kinds of motion together, all with rows of one period (strokes as \
     large, as small and as quick as these), and take the servo model where the servo is not linear.";
 
 /// That the error is noise, where what the recording scatters by at rest is most of it.
