@@ -95,7 +95,7 @@ pub(super) fn advice(record: &Record, units: Units<'_>) -> Option<Advice> {
         false => line.at_middle,
     };
     let least = MATTERS * travel;
-    let beside = line.friction.unwrap_or(line.direction);
+    let beside = line.friction.map_or(line.direction, f64::abs);
     let chance = BEYOND_CHANCE * off_sd;
     let is_off = off.abs() > beside.max(least).max(chance).max(2.0 * line.drift());
     let unit = (units.output).map_or_else(String::new, |unit| format!(" {unit}"));
@@ -104,7 +104,8 @@ pub(super) fn advice(record: &Record, units: Units<'_>) -> Option<Advice> {
         .map_or(String::new(), |friction| match friction.abs() < LEAST_SHOWN {
             true => "; it does not change with the direction of the stroke, as by friction".to_owned(),
             false => format!(
-                "; what changes with the direction of the stroke, as friction does, is {friction:.2}{unit} to each side"
+                "; what changes with the direction of the stroke, as friction does, is {:.2}{unit} to each side",
+                friction.abs()
             ),
         });
     is_off.then(|| {
@@ -129,6 +130,28 @@ pub(super) fn advice(record: &Record, units: Units<'_>) -> Option<Advice> {
              depend on it.",
         )
     })
+}
+
+/// What keeps a servo short of its commands, of the way between the outermost ones, which are reached from the inside.
+pub(crate) struct ShortOfCommand {
+    /// What changes with the direction of the stroke, the same at all levels; `None` of what is chance.
+    pub(crate) by_direction: Option<f64>,
+    /// What grows with the command.
+    pub(crate) by_gain: Option<f64>,
+}
+
+impl ShortOfCommand {
+    /// `None` where the command changes with the direction, so that nothing distinguishes the two.
+    pub(crate) fn of(rests: &[CommandedRest], commanded: f64) -> Option<Self> {
+        let line = Line::through(rests)?;
+        let by_direction = -2.0 * line.friction?;
+        let by_gain = (1.0 - line.slope) * commanded;
+        let beyond = |short: f64, sd: f64| (short > BEYOND_CHANCE * sd).then_some(short);
+        Some(Self {
+            by_direction: beyond(by_direction, 2.0 * line.friction_sd),
+            by_gain: beyond(by_gain, line.slope_sd * commanded),
+        })
+    }
 }
 
 /// The rests of a run: holds whose last quarter has one mean in both of its halves, to within `still`.
@@ -171,8 +194,11 @@ struct Line {
     at_zero: (f64, f64),
     slope: f64,
     slope_sd: f64,
-    /// What changes with the direction of the stroke, to each side; `None` where the command changes with it.
+    /// What changes with the direction of the stroke, to each side: less than nothing of a servo that is held back. `None` where the command changes
+    /// with it.
     friction: Option<f64>,
+    /// Its standard deviation.
+    friction_sd: f64,
     /// The same with what the command adds, where nothing distinguishes the two.
     direction: f64,
     /// What the line leaves of each rest.
@@ -234,7 +260,8 @@ impl Line {
             at_zero: at(0.0),
             slope,
             slope_sd: (variance * (1.0 / square + of_friction_in_slope)).sqrt(),
-            friction: is_separate.then_some(f.abs()),
+            friction: is_separate.then_some(f),
+            friction_sd: (variance / separate).sqrt(),
             direction: (direction / product(&ds, &ds)).abs(),
             errors: left,
         })
@@ -403,5 +430,37 @@ mod tests {
         let of_one = five_levels(1.0, 0.5, 2.0, 20.0).unwrap();
         let said = "The servo rests +2.0";
         assert!(of_one.finding.starts_with(said), "{}", of_one.finding);
+    }
+
+    /// Five levels, the inner ones reached from both sides, of a servo that is held back by half a degree, of one with a gain of 0.9, and of one with both.
+    #[test]
+    fn what_holds_back_is_distinguished_from_a_gain() {
+        let of = |gain: f64, held_back: f64| {
+            let level = |k: usize| 10.0 * [0.0, 1.0, -1.0, 2.0, 1.0, -2.0, -1.0][k % 7];
+            let rest = |k: usize| {
+                let upwards = level(k) > level(k + 6);
+                let side = if upwards { -held_back } else { held_back };
+                let noise = ((k * k * 7919) % 101) as f64 / 1000.0 - 0.05;
+                CommandedRest {
+                    command: level(k),
+                    position: gain * level(k) + side + noise,
+                    upwards,
+                }
+            };
+            let rests: Vec<CommandedRest> = (1..42).map(rest).collect();
+            let found = ShortOfCommand::of(&rests, 40.0).unwrap();
+            [found.by_direction, found.by_gain].map(|short| short.map(|short| short.round()))
+        };
+        assert_eq!(of(1.0, 0.5), [Some(1.0), None]);
+        assert_eq!(of(0.9, 0.0), [None, Some(4.0)]);
+        assert_eq!(of(0.9, 0.5), [Some(1.0), Some(4.0)]);
+        // Two levels do not show it.
+        let rest = |k: usize| CommandedRest {
+            command: [10.0, -10.0][k % 2],
+            position: [9.0, -9.0][k % 2],
+            upwards: k.is_multiple_of(2),
+        };
+        let two: Vec<CommandedRest> = (0..12).map(rest).collect();
+        assert!(ShortOfCommand::of(&two, 20.0).is_none());
     }
 }

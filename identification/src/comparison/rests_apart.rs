@@ -47,33 +47,25 @@ impl RestsApart {
     #[must_use]
     pub fn difference_in_words(&self, [a, b]: [&str; 2], unit: &str) -> Option<String> {
         let (of_a, of_b) = self.a.zip(self.b).filter(|_| self.differ())?;
-        let decimals = self.decimals();
-        let in_words = |of: Interval| {
-            let [value, low, high] = [of.value, of.lower, of.upper]
-                .map(|number| format!("{:.decimals$}", number.unwrap_or(f64::NAN)));
-            format!(
-                "up to {} ({low} .. {high}) apart in",
-                with_unit(value, unit)
-            )
-        };
         Some(format!(
             "rests under one command, which {KEPT_APART_BY}, are {} {a} and {} {b}",
-            in_words(of_a),
-            in_words(of_b)
+            self.side_in_words(of_a, unit),
+            self.side_in_words(of_b, unit)
         ))
     }
 
-    /// What is known where no difference is sure: by how much they may differ, or what would show it.
+    /// What is known where no difference is sure: each side, and the largest difference that is not excluded; or what would show it.
     #[must_use]
     pub fn nothing_sure_in_words(&self, [a, b]: [&str; 2], unit: &str) -> String {
         let decimals = self.decimals();
-        let shown = |number: f64| with_unit(format!("{number:.decimals$}"), unit);
         match self.most_between() {
             Some(most) => format!(
-                "Rests under one command, which {KEPT_APART_BY}, are up to {} apart in {a} and {} in {b}; that these differ by as much as {} is not ruled out.",
-                shown(self.a.and_then(|of| of.value).unwrap_or(f64::NAN)),
-                shown(self.b.and_then(|of| of.value).unwrap_or(f64::NAN)),
-                shown(most)
+                "Rests under one command, which {KEPT_APART_BY}, are {} {a} and {} {b}. That shows no difference, and does not exclude one of up to {}.",
+                self.a
+                    .map_or_else(String::new, |of| self.side_in_words(of, unit)),
+                self.b
+                    .map_or_else(String::new, |of| self.side_in_words(of, unit)),
+                with_unit(format!("{most:.decimals$}"), unit)
             ),
             None => {
                 let of = match (self.a, self.b) {
@@ -87,6 +79,17 @@ impl RestsApart {
                 )
             }
         }
+    }
+
+    /// "up to 1.00 deg (0.52 .. 1.61) apart in": one side, with its interval.
+    fn side_in_words(&self, of: Interval, unit: &str) -> String {
+        let decimals = self.decimals();
+        let [value, low, high] = [of.value, of.lower, of.upper]
+            .map(|number| format!("{:.decimals$}", number.unwrap_or(f64::NAN)));
+        format!(
+            "up to {} ({low} .. {high}) apart in",
+            with_unit(value, unit)
+        )
     }
 
     /// By how much they may differ at the most.

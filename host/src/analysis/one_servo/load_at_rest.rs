@@ -1,18 +1,24 @@
 //! Whether the load of a servo model is why the servo rests off its command.
 
 use crate::data::units::Units;
-use crate::presentation::summary::{digits, with_unit};
+use crate::presentation::summary::{digits, shows_load, with_unit};
 use servoid_identification::servo_model::{Load, ServoModel, ServoParameters};
 
 /// By how much the load of the servo model moves the rest, and what to do about that, where it explains most of what the servo rests off its
 /// command; `None` elsewhere.
 pub(crate) fn remedy(model: &ServoModel, units: Units<'_>) -> Option<(f64, String)> {
     let by_load = of_load(&model.parameters(0), model.commands?.middle())?;
-    let remedy = format!(
-        "The servo model has a load as its cause, which moves the rest by {}: look for what pulls to one side. The step response does not \
-         depend on it.",
-        with_unit(digits(by_load, 3), units.output.unwrap_or_default())
-    );
+    let by = with_unit(digits(by_load, 3), units.output.unwrap_or_default());
+    let remedy = match shows_load(model) {
+        true => format!(
+            "The servo model has a load as its cause, which moves the rest by {by}: look for what pulls to one side."
+        ),
+        false => format!(
+            "The servo model has a load that moves the rest by {by}, but no interval shows that it is one: look at the zero of the sensor, at the horn on its spline and for what \
+             pulls to one side."
+        ),
+    };
+    let remedy = remedy + " The step response does not depend on it.";
     Some((by_load, remedy))
 }
 

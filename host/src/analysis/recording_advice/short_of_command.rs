@@ -1,9 +1,11 @@
 //! Where the servo comes to rest at the outermost commands, where that is short of them.
 //!
 //! A sensor whose zero is off moves both rests alike, so the two are judged together: by the way between them against that between the commands.
+//! What changes with the direction of the stroke is the same at all levels, and what a scale or a spring leaves grows with the command: levels that
+//! are reached from both sides distinguish these.
 
 use crate::data::dataset::Dataset;
-use crate::data::rest_error::{CommandedRest, rests_of};
+use crate::data::rest_error::{CommandedRest, ShortOfCommand, rests_of};
 use servoid_identification::Options;
 use servoid_identification::column::mean;
 use servoid_identification::results::{
@@ -55,10 +57,56 @@ pub(crate) fn advice(data: &Dataset, model: &Model) -> Option<Advice> {
         ),
         way,
         commanded,
-        "It falls short of its commands: look at the scale of both columns, for a load that its drive does not hold, such as a spring, a weight or the air, \
-         for a stop, and where strokes are small, for friction, a dead band or play.",
+        what_to_look_for(commanded - way, &rests, commanded, |way| {
+            format!("{way:.decimals$} {unit}")
+        }),
     ))
 }
+
+/// Where to look, of a way that is `short` of the one `commanded`.
+fn what_to_look_for(
+    short: f64,
+    rests: &[CommandedRest],
+    commanded: f64,
+    in_words: impl Fn(f64) -> String,
+) -> String {
+    let total = format!(
+        "Between the two it falls short by {}, which zeros that are off do not make",
+        in_words(short)
+    );
+    let part = |short: Option<f64>, how: &str, look: String| {
+        short.map(|short| format!("{} of that {how}: look {look}.", in_words(short)))
+    };
+    let parts = ShortOfCommand::of(rests, commanded).into_iter();
+    let known = parts.flat_map(|found| {
+        let holds_back = format!("for {HOLDS_BACK}");
+        [
+            part(
+                found.by_direction,
+                "changes with the direction of the stroke",
+                holds_back,
+            ),
+            part(
+                found.by_gain,
+                "grows with the command",
+                GROWS_WITH_COMMAND.to_owned(),
+            ),
+        ]
+    });
+    let known: Vec<String> = known.flatten().collect();
+    match known.is_empty() {
+        false => format!("{total}. {}", known.join(" ")),
+        true => format!(
+            "{total}: look {GROWS_WITH_COMMAND}; or for {HOLDS_BACK}. Stairs that reach each level from both sides show which it is."
+        ),
+    }
+}
+
+/// What is the same at all levels, and changes with the direction of the stroke.
+const HOLDS_BACK: &str = "a dead band, friction or play in the gears";
+
+/// What does not change with the direction.
+const GROWS_WITH_COMMAND: &str = "at the scale of both columns, for a load that its drive does not hold, such as a spring, a weight or the air, and for a stop";
 
 /// The rests under one command.
 struct Rests {

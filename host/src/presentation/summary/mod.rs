@@ -26,7 +26,7 @@ pub use response::linear_model::{Extent, of_model};
 pub(crate) use response::linear_model::{facts, level_text};
 pub(crate) use response::metrics::TableRow;
 pub use response::model_sentence::model_sentence;
-pub(crate) use servo::clauses::LOOKS_LIKE_A_LOAD;
+pub(crate) use servo::clauses::{LOOKS_LIKE_A_LOAD, shows_load};
 pub(crate) use servo::doubts::unlikely_speed;
 pub use servo::linear_beside::is_called_linear;
 pub use servo::servo_model::of_servo_model;

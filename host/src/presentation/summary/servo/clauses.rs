@@ -139,25 +139,30 @@ pub(crate) const LOOKS_LIKE_A_LOAD: &str = "a drive that is weaker to one side l
 
 /// The load, where the record shows that there is one: unequal drives may make the same motion.
 pub(super) fn load(model: &ServoModel) -> Option<String> {
-    let (kind, words) = match model.terms.load {
+    let words = match model.terms.load {
         LoadKind::None => return None,
-        LoadKind::Constant => (
-            QuantityKind::LoadAtMiddle,
-            format!("works as if against a constant load ({LOOKS_LIKE_A_LOAD})"),
-        ),
-        LoadKind::Pendulum | LoadKind::TiltedPendulum => {
-            (QuantityKind::LoadOfLevelArm, "carries a weight".to_owned())
+        LoadKind::Constant => {
+            format!("works as if against a constant load ({LOOKS_LIKE_A_LOAD})")
         }
-        LoadKind::Air => (
-            QuantityKind::LoadAtMiddle,
+        LoadKind::Pendulum | LoadKind::TiltedPendulum => "carries a weight".to_owned(),
+        LoadKind::Air => {
             "works against a load that stiffens to one side, as an end of its travel does"
-                .to_owned(),
-        ),
+                .to_owned()
+        }
     };
-    let is_shown = |load: &&Quantity| {
+    shows_load(model).then_some(words)
+}
+
+/// Whether the interval of the load shows that there is one.
+pub(crate) fn shows_load(model: &ServoModel) -> bool {
+    let kind = match model.terms.load {
+        LoadKind::None => return false,
+        LoadKind::Constant | LoadKind::Air => QuantityKind::LoadAtMiddle,
+        LoadKind::Pendulum | LoadKind::TiltedPendulum => QuantityKind::LoadOfLevelArm,
+    };
+    determined(model, kind).is_some_and(|load| {
         is_one_sided(load) && load.value.abs() * model.radians_per_command < LARGEST_LOAD
-    };
-    determined(model, kind).filter(is_shown).map(|_| words)
+    })
 }
 
 /// A load that holds a servo further off its command is none \[rad\]: in small strokes a weight is much like a softer drive behind a larger gain.

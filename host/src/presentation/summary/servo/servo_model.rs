@@ -1,5 +1,6 @@
 //! The servo as a machine, as text for a terminal.
 
+use super::clauses::shows_load;
 use super::kind_of_servo::shows_limit;
 use super::quantity_table::quantities;
 use super::servo_remarks::ServoRemarks;
@@ -76,33 +77,46 @@ fn rung(tried: &LadderRung) -> String {
 
 const LIMIT_LEFT_OPEN: &str = "a limit of the drive that the recording leaves open";
 
-/// The terms of a model, as [`terms_in_words`]; friction and a dead band come with a limit of the drive, which the recording may leave open.
+/// The terms of a model, as [`terms_in_words`]. Apart from these stand the limit of the drive, with which friction and a dead band come, where the recording leaves it
+/// open, and a load that no interval shows.
 pub(crate) fn kind_in_words(model: &ServoModel) -> String {
     let terms = model.terms;
-    let is_open = terms.limit && !shows_limit(model);
-    if !is_open {
-        return terms_in_words(terms);
-    }
-    let others = Terms {
-        limit: false,
-        two_speeds: terms.two_speeds && terms.speed_limit,
+    let limit_is_open = terms.limit && !shows_limit(model);
+    let load_is_open = terms.load != LoadKind::None && !shows_load(model);
+    let sure = Terms {
+        limit: terms.limit && !limit_is_open,
+        two_speeds: terms.two_speeds && (terms.speed_limit || !limit_is_open),
+        load: if load_is_open {
+            LoadKind::None
+        } else {
+            terms.load
+        },
         ..terms
     };
-    match others == Terms::default() {
-        true => LIMIT_LEFT_OPEN.to_owned(),
-        false => format!("{} (and {LIMIT_LEFT_OPEN})", terms_in_words(others)),
+    let open = [
+        limit_is_open.then(|| LIMIT_LEFT_OPEN.to_owned()),
+        load_is_open.then(|| format!("a {} that no interval shows", load_in_words(terms.load))),
+    ];
+    let open: Vec<String> = open.into_iter().flatten().collect();
+    match (sure == Terms::default(), open.is_empty()) {
+        (_, true) => terms_in_words(sure),
+        (true, _) => open.join(", and "),
+        (false, _) => format!("{} (and {})", terms_in_words(sure), open.join(", and ")),
     }
 }
 
-/// "limit of the drive, friction, weight on a hanging arm"
-pub(crate) fn terms_in_words(terms: Terms) -> String {
-    let load = match terms.load {
+fn load_in_words(load: LoadKind) -> &'static str {
+    match load {
         LoadKind::None => "",
         LoadKind::Constant => "constant load",
         LoadKind::Pendulum => "weight on a hanging arm",
         LoadKind::TiltedPendulum => "weight on a tilted arm",
         LoadKind::Air => "load of the air",
-    };
+    }
+}
+
+/// "limit of the drive, friction, weight on a hanging arm"
+pub(crate) fn terms_in_words(terms: Terms) -> String {
     let all = [
         (terms.limit, "limit of the drive"),
         (terms.speed_limit, "limit of the speed"),
@@ -110,7 +124,7 @@ pub(crate) fn terms_in_words(terms: Terms) -> String {
         (terms.dead_band, "dead band"),
         (terms.friction && !terms.friction_of_gears, "friction"),
         (terms.friction_of_gears, "friction of loaded gears"),
-        (terms.load != LoadKind::None, load),
+        (terms.load != LoadKind::None, load_in_words(terms.load)),
     ];
     let present: Vec<&str> = all
         .into_iter()
@@ -126,6 +140,7 @@ pub(crate) fn terms_in_words(terms: Terms) -> String {
 mod tests {
     use super::*;
     use crate::presentation::summary::servo::limited_servo::limited_servo;
+    use servoid_identification::results::{Bounds, Reason};
     use servoid_identification::servo_model::QuantityKind;
 
     #[test]
@@ -151,5 +166,21 @@ mod tests {
             "friction (and a limit of the drive that the recording leaves open)"
         );
         assert_eq!(kind(false, false), LIMIT_LEFT_OPEN);
+    }
+
+    #[test]
+    fn a_load_without_an_interval_is_no_kind_of_servo() {
+        let mut model = limited_servo();
+        model.terms = Terms {
+            friction: true,
+            load: LoadKind::Constant,
+            ..Terms::default()
+        };
+        model.covariance = Bounds::Withdrawn(Reason::ErrorsNotNoise);
+        let kind = kind_in_words(&model);
+        assert_eq!(
+            kind,
+            "friction (and a constant load that no interval shows)"
+        );
     }
 }

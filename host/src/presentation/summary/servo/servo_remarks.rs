@@ -36,7 +36,9 @@ impl ServoRemarks {
             one_unreached(model, units),
             whose_controller(document),
         ];
-        let advice = advice_on_servo_model(model).into_iter().map(str::to_owned);
+        let advice = advice_on_servo_model(document)
+            .into_iter()
+            .map(str::to_owned);
         Self {
             before: before.into_iter().flatten().collect(),
             behind: behind.into_iter().flatten().chain(advice).collect(),

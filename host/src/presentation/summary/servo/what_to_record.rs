@@ -1,25 +1,49 @@
 //! What to record where a servo model leaves something open.
 
 use super::top_speeds::has_unreached_top_speeds;
+use crate::data::model_file::ServoModelDocument;
 use servoid_identification::results::Reason;
 use servoid_identification::servo_model::{Quantity, QuantityKind, ServoModel};
 
 /// What to say below the quantities of a servo model.
-pub(crate) fn advice_on_servo_model(model: &ServoModel) -> Vec<&'static str> {
-    match model.is_linear() && model.covariance.valid().is_some() {
-        true => vec![LINEAR_IS_SHARPER],
-        false => {
-            let mut advice = what_to_record(&model.quantities);
-            advice.extend(has_unreached_top_speeds(model).then_some(LARGER_STROKES));
-            advice.extend(holds_alike(model).then_some(STAIRS_DO_NOT_SEPARATE));
-            let end = match misses(model) {
-                true => Some(OF_ANOTHER_LOGGER),
-                false => (!advice.is_empty()).then_some(WHERE_IT_ENDS),
-            };
-            advice.extend(end);
-            advice
-        }
+pub(crate) fn advice_on_servo_model(document: &ServoModelDocument) -> Vec<&'static str> {
+    let model = &document.model;
+    if model.is_linear() && model.covariance.valid().is_some() {
+        return vec![LINEAR_IS_SHARPER];
     }
+    if model.covariance.withdrawn() == Some(Reason::ErrorsNotNoise) {
+        return beside_what_the_model_lacks(document);
+    }
+    let mut advice = what_to_record(&model.quantities);
+    advice.extend(has_unreached_top_speeds(model).then_some(LARGER_STROKES));
+    advice.extend(holds_alike(model).then_some(STAIRS_DO_NOT_SEPARATE));
+    advice.extend((!advice.is_empty()).then_some(WHERE_IT_ENDS));
+    advice
+}
+
+/// Where the model lacks something, other recordings have no intervals either: what is asked for is what shows a value that stands without one.
+///
+/// The table "without intervals" in `docs/servo-model.md` is the evidence: accelerations, offset and bandwidth stay open whatever is recorded.
+fn beside_what_the_model_lacks(document: &ServoModelDocument) -> Vec<&'static str> {
+    let model = &document.model;
+    let speeds = [
+        QuantityKind::TopSpeedUpwards,
+        QuantityKind::TopSpeedDownwards,
+    ];
+    let mut speeds = speeds.into_iter().filter_map(|kind| model.quantity(kind));
+    let shows_no_speed = speeds.any(|found| !found.determined);
+    // A motion that goes on shows no rests.
+    let comes_to_rest = model.rests_apart.is_some() || model.hysteresis.is_some();
+    let advice = [
+        (shows_no_speed || has_unreached_top_speeds(model)).then_some(LARGER_STROKES),
+        (comes_to_rest && holds_alike(model)).then_some(STAIRS_DO_NOT_SEPARATE),
+        Some(match document.is_of_rows {
+            true => PLAY_OR_PULSES,
+            false => PLAY,
+        }),
+        Some(WITHOUT_INTERVALS),
+    ];
+    advice.into_iter().flatten().collect()
 }
 
 /// Whether the record leaves open how a servo is held off its command: by a dead band, which stands still at its edge, or by friction.
@@ -29,12 +53,8 @@ fn holds_alike(model: &ServoModel) -> bool {
         let of_friction = |kind| QuantityKind::OF_FRICTION.contains(&kind);
         !found.determined && found.kind().is_some_and(of_friction)
     };
-    is_held && (misses(model) || model.quantities.iter().any(is_open))
-}
-
-/// Whether the record has something that the model lacks.
-fn misses(model: &ServoModel) -> bool {
-    model.covariance.withdrawn() == Some(Reason::ErrorsNotNoise)
+    let misses = model.covariance.withdrawn() == Some(Reason::ErrorsNotNoise);
+    is_held && (misses || model.quantities.iter().any(is_open))
 }
 
 /// Said of a servo that was faster than any stroke let it show.
@@ -45,15 +65,22 @@ const STAIRS_DO_NOT_SEPARATE: &str = "Dead band and friction rest alike, and sta
     sines of 0.1 to 3 Hz that add up to 30 degrees, for 20 s, with two seconds of rest before and after them (in servoid: --reference multisine --amplitude 30 \
     --frequencies 0.1:3 --length 20).";
 
+/// What gives intervals in a file of another program, where more of the same does not.
+const PLAY_OR_PULSES: &str = "More recordings of this kind hardly give intervals. Where pulses come on a clock of their own, commands wait for them, which neither another \
+    reference nor shorter rows mend: change the command with the pulse, and write it in the row of that moment, as servoid's own board does. Where the gears have play, which \
+    the model lacks, that does not help either.";
+
+/// The same of a recording of servoid, whose commands change with the pulse.
+const PLAY: &str =
+    "More recordings hardly give intervals where the gears have play, which the model lacks.";
+
+/// What is known without intervals.
+const WITHOUT_INTERVALS: &str = "What is known without intervals: the other fits show how far figures may be off, and 'servoid validate' how well the model predicts a recording \
+    that it has not seen.";
+
 /// Said last: whoever has followed the advice would be sent from one recording to the next otherwise.
 const WHERE_IT_ENDS: &str = "If this recording has what is asked for here, only a longer one or one with less noise may show more of it. A limit beyond the travel shows in \
     none, and neither does what the model lacks, such as play.";
-
-/// Said last where the model lacks something. Of servos with a limit and a dead band in rows of 2 to 10 ms, 34 of 36 recordings have intervals where commands act at rows, and none of 72 where
-/// pulses had a clock of their own or the gears had play, whatever moved: levels, stairs, sines.
-const OF_ANOTHER_LOGGER: &str = "Other recordings by this logger may show more values, and hardly intervals: the errors are those of what the model lacks, such as play in the \
-    gears, or of commands that act between the rows, as pulses on a clock of their own do. A logger on the clock of the pulses, such as servoid's own board, mends the \
-    second. How far the model is off without intervals, a recording shows that it has not seen: servoid validate.";
 
 /// Said of a servo model without any term beyond a linear servo.
 const LINEAR_IS_SHARPER: &str = "This recording needs no more than a linear servo: where the linear model has intervals, they are \
@@ -102,6 +129,7 @@ pub(crate) fn shown_by(kind: QuantityKind) -> Option<&'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::presentation::summary::servo::limited_servo::limited_servo;
     use servoid_identification::results::{Bounds, Interval};
     use servoid_identification::servo_model::Unit;
 
@@ -116,19 +144,49 @@ mod tests {
         let output: Vec<f64> = input.iter().enumerate().scan(0.0, follow).collect();
         let record = servoid_identification::Record::of_run(0.01, input, output).unwrap();
         let options = servoid_identification::servo_model::ServoModelOptions::default();
-        let mut model = servoid_identification::servo_model::fit(&record, &options).unwrap();
-        let advised =
-            |model: &ServoModel| advice_on_servo_model(model).contains(&STAIRS_DO_NOT_SEPARATE);
-        model.covariance = Bounds::Withdrawn(Reason::ErrorsNotNoise);
-        assert!(!advised(&model));
-        model.terms.friction = true;
-        assert!(advised(&model));
-        assert_eq!(
-            advice_on_servo_model(&model).last(),
-            Some(&OF_ANOTHER_LOGGER)
-        );
+        let model = servoid_identification::servo_model::fit(&record, &options).unwrap();
+        let mut document = document(model, false);
+        document.model.hysteresis = Some(Interval::new(0.4, 0.3, 0.5));
+        let advised = |document: &ServoModelDocument| {
+            advice_on_servo_model(document).contains(&STAIRS_DO_NOT_SEPARATE)
+        };
+        document.model.covariance = Bounds::Withdrawn(Reason::ErrorsNotNoise);
+        assert!(!advised(&document));
+        document.model.terms.friction = true;
+        assert!(advised(&document));
+        // One of sines is what is asked for.
+        document.model.hysteresis = None;
+        assert!(!advised(&document));
+        document.model.covariance = Bounds::Withdrawn(Reason::TravelEnd);
+        assert!(!advised(&document));
+    }
+
+    fn document(model: ServoModel, is_of_rows: bool) -> ServoModelDocument {
+        ServoModelDocument {
+            model,
+            controller_names: Vec::new(),
+            stroke_of_60_degrees_s: None,
+            is_of_rows,
+        }
+    }
+
+    #[test]
+    fn no_recording_is_asked_for_that_has_no_intervals_either() {
+        let mut model = limited_servo();
+        for quantity in &mut model.quantities {
+            let of_rest = (quantity.kind()).is_some_and(|kind| {
+                QuantityKind::OF_REST.contains(&kind) || kind == QuantityKind::AccelerationUpwards
+            });
+            quantity.determined = !of_rest;
+        }
         model.covariance = Bounds::Withdrawn(Reason::TravelEnd);
-        assert!(!advised(&model));
+        let before_a_stop = document(model.clone(), true);
+        assert!(advice_on_servo_model(&before_a_stop).contains(&WHERE_IT_ENDS));
+        model.covariance = Bounds::Withdrawn(Reason::ErrorsNotNoise);
+        for (is_of_rows, why) in [(true, PLAY_OR_PULSES), (false, PLAY)] {
+            let advice = advice_on_servo_model(&document(model.clone(), is_of_rows));
+            assert_eq!(advice, [why, WITHOUT_INTERVALS]);
+        }
     }
 
     fn quantity(name: &str, determined: bool) -> Quantity {

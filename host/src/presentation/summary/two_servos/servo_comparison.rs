@@ -57,21 +57,30 @@ fn load_of_one(a: &str, b: &str, found: &ServoModelComparison, units: Units<'_>)
         loads.clone().find(|pair| pair.a.is_some()),
         loads.find(|pair| pair.b.is_some()),
     ];
-    let (with, without, pair, value) = match (of_a, of_b) {
-        (Some(pair), None) => (a, b, pair, pair.a?),
-        (None, Some(pair)) => (b, a, pair, pair.b?),
+    let bounds = (found.bounds.valid()).map_or(&[][..], |bounds| &bounds.differences);
+    let ends_of = |pair: &QuantityPair| bounds.iter().find(|sure| sure.name == pair.name);
+    let (with, without, pair, value, interval) = match (of_a, of_b) {
+        (Some(pair), None) => (a, b, pair, pair.a?, ends_of(pair).and_then(|sure| sure.a)),
+        (None, Some(pair)) => (b, a, pair, pair.b?, ends_of(pair).and_then(|sure| sure.b)),
         _ => return None,
     };
+    let shown = interval.is_some_and(|interval| !interval.contains(0.0));
     let (scale, unit) = scale_and_unit(pair.unit, units);
     let value = with_unit(four_digits(scale * value), &unit);
-    let doubt = match pair.kind() {
+    let looks_like_it = match pair.kind() {
         Some(QuantityKind::LoadAtMiddle) => format!("; {LOOKS_LIKE_A_LOAD}"),
         _ => String::new(),
     };
-    Some(format!(
-        "The model of {with} has a load ({} {value}{doubt}), and in that of {without} none shows.",
-        pair.name
-    ))
+    let load = format!("({} {value}{looks_like_it})", pair.name);
+    Some(match shown {
+        true => {
+            format!("The model of {with} has a load {load}, and in that of {without} none shows.")
+        }
+        false => format!(
+            "The model of {with} has a load {load}, and that of {without} none. No interval shows that it is one: it may stand for something else that the \
+             model lacks."
+        ),
+    })
 }
 
 /// What differs for sure, each in a few words: what the recordings show by themselves, then what the models say.
@@ -331,11 +340,23 @@ fn stroke_rows(found: &ServoModelComparison) -> Vec<TableRow> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use servoid_identification::comparison::StrokeTimes;
+    use servoid_identification::comparison::{
+        QuantityDifference, QuantityDifferences, StrokeTimes,
+    };
     use servoid_identification::results::Reason;
     use servoid_identification::servo_model::Unit;
 
-    fn sentence(a: Option<f64>, b: Option<f64>) -> String {
+    /// Of loads `a` and `b`, the latter with an interval or without.
+    fn sentence(a: Option<f64>, b: Option<f64>, of_b: Option<Interval>) -> String {
+        let bounds = of_b.map(|of_b| QuantityDifferences {
+            level: 0.99,
+            differences: vec![QuantityDifference {
+                name: QuantityKind::LoadAtMiddle.name().to_owned(),
+                a: None,
+                b: Some(of_b),
+                difference: None,
+            }],
+        });
         let found = ServoModelComparison {
             quantities: vec![QuantityPair {
                 name: QuantityKind::LoadAtMiddle.name().to_owned(),
@@ -351,7 +372,7 @@ mod tests {
                 a_s: Some([0.239, 0.171]),
                 b_s: b.map(|_| [0.2, 0.2001]),
             }),
-            bounds: Bounds::Withdrawn(Reason::ErrorsNotNoise),
+            bounds: bounds.map_or(Bounds::Withdrawn(Reason::ErrorsNotNoise), Bounds::Valid),
         };
         let units = Units {
             input: Some("deg"),
@@ -361,18 +382,27 @@ mod tests {
     }
 
     #[test]
-    fn a_load_that_one_model_alone_has_is_named() {
-        let loaded = sentence(None, Some(0.2042));
-        assert!(
-            loaded.ends_with(
-                "The model of B has a load (load at the middle 0.2042 deg; a drive that is weaker to one side looks the same), and in that of A none \
-                 shows. By the models a stroke of 60 degrees takes 239 ms upwards and 171 ms downwards in A, and 200 ms in B."
-            ),
-            "{loaded}"
-        );
-        assert!(!sentence(Some(0.3), None).contains("a stroke of 60"));
-        assert!(sentence(Some(0.3), None).contains("The model of A has a load"));
-        for both in [sentence(Some(0.3), Some(0.2)), sentence(None, None)] {
+    fn a_load_that_one_model_alone_has_is_named_with_its_doubt() {
+        let of =
+            "(load at the middle 0.2042 deg; a drive that is weaker to one side looks the same)";
+        let times = "By the models a stroke of 60 degrees takes 239 ms upwards and 171 ms downwards in A, and 200 ms in B.";
+        let ends = |lower: f64| Some(Interval::new(0.2042, lower, 0.3));
+        let doubt = ", and that of A none. No interval shows that it is one: it may stand for something else that the model lacks.";
+        for (interval, words) in [
+            (ends(0.1), ", and in that of A none shows."),
+            (ends(-0.1), doubt),
+            (None, doubt),
+        ] {
+            let loaded = sentence(None, Some(0.2042), interval);
+            let said = format!("The model of B has a load {of}{words} {times}");
+            assert!(loaded.ends_with(&said), "{loaded}");
+        }
+        assert!(!sentence(Some(0.3), None, None).contains("a stroke of 60"));
+        assert!(sentence(Some(0.3), None, None).contains("The model of A has a load"));
+        for both in [
+            sentence(Some(0.3), Some(0.2), None),
+            sentence(None, None, None),
+        ] {
             assert!(!both.contains("has a load"), "{both}");
         }
     }
