@@ -185,26 +185,38 @@ fn a_servo_that_falls_short_of_its_commands_is_said_to() {
     }
 }
 
-/// A stick: the command is at no time a step, and the servo answers like one of first order.
-#[test]
-fn a_recording_without_steps_says_for_which_steps_it_stands() {
-    let dir = tempfile::tempdir().unwrap();
+/// Rows of 10 ms of random levels behind a filter, each new after so many rows, and of a servo of first order: shares of what is left that both go in a row.
+fn filtered_levels((filter, servo): (f64, f64), held: u32) -> String {
     let mut states = [0.0; 3];
     let row = |k: u32| {
         let noise = |k: u32| f64::from(k.wrapping_mul(2_654_435_761) >> 8) / 8_388_608.0 - 1.0;
-        states[0] += 0.1 * (60.0 * noise(k / 2) - states[0]);
-        states[1] += 0.1 * (states[0] - states[1]);
-        let command = (10.0 * states[1]).round() / 10.0;
-        states[2] += 0.15 * (command - states[2]);
+        states[0] += filter * (60.0 * noise(k / held) - states[0]);
+        states[1] += filter * (states[0] - states[1]);
+        let command = (1e3 * states[1]).round() / 1e3;
+        states[2] += servo * (command - states[2]);
         let off = 0.05 * noise(k + 77_777);
-        format!("{},{command},{:.3}\n", 10 * k, states[2] + off)
+        format!("{},{command:.3},{:.3}\n", 10 * k, states[2] + off)
     };
-    let rows: String = (0..2000).map(row).collect();
-    let path = dir.path().join("stick.csv");
-    std::fs::write(&path, format!("time_ms,u_deg,y_deg\n{rows}")).unwrap();
-    let said = run(&[&["identify", "-q", arg(&path)][..], &IN_DEGREES].concat());
+    (0..3000).map(row).collect()
+}
+
+/// Of a response without bounds nothing is said, as of the second: errors of it may move faster than the servo.
+#[test]
+fn a_recording_without_steps_says_for_which_steps_it_stands() {
+    let dir = tempfile::tempdir().unwrap();
+    let said = |name: &str, rows: &str| {
+        let path = dir.path().join(name);
+        std::fs::write(&path, format!("time_ms,u_deg,y_deg\n{rows}")).unwrap();
+        run(&[&["identify", "-q", arg(&path)][..], &IN_DEGREES].concat())
+    };
     let words = "This recording is not one of steps: in 99 % of it the servo moves no faster, ";
-    assert!(said.contains(words), "{said}");
+    let smooth = said("smooth.csv", &filtered_levels((0.3, 0.05), 20));
+    assert!(smooth.contains(words), "{smooth}");
+    let stick = said("stick.csv", &filtered_levels((0.3, 0.1), 5));
+    assert!(
+        stick.contains("NO BOUNDS") && !stick.contains(words),
+        "{stick}"
+    );
     let steps = dir.path().join("steps.csv");
     std::fs::write(&steps, logged(5, |command| command)).unwrap();
     let said = run(&[&["identify", "-q", arg(&steps)][..], &IN_DEGREES].concat());
