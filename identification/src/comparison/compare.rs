@@ -66,8 +66,10 @@ pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Co
     b.model = b.model.with_delay_error(error_b);
     let models = [&a.model, &b.model];
     let mut comparison = of_curves(models, &curves, runs.as_ref(), options);
-    let of_recordings = differences(&curves, None, 0.0, options).largest();
-    let of_recordings = of_recordings.valid().map(|found| 100.0 * found.at_most);
+    let of_recordings = runs.and_then(|_| {
+        let found = differences(&curves, None, 0.0, options).largest();
+        found.valid().map(|found| 100.0 * found.at_most)
+    });
     comparison.turns_the_other_way = other_way::turns(&comparison, [&a, &b]);
     comparison.runs = [a.record.runs().len(), b.record.runs().len()];
     comparison.split = split.is_some();

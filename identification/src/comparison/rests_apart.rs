@@ -58,13 +58,11 @@ impl RestsApart {
     #[must_use]
     pub fn nothing_sure_in_words(&self, [a, b]: [&str; 2], unit: &str) -> String {
         let decimals = self.decimals();
-        match self.most_between() {
-            Some(most) => format!(
+        match self.a.zip(self.b).zip(self.most_between()) {
+            Some(((of_a, of_b), most)) => format!(
                 "Rests under one command, which {KEPT_APART_BY}, are {} {a} and {} {b}. That shows no difference, and does not exclude one of up to {}.",
-                self.a
-                    .map_or_else(String::new, |of| self.side_in_words(of, unit)),
-                self.b
-                    .map_or_else(String::new, |of| self.side_in_words(of, unit)),
+                self.side_in_words(of_a, unit),
+                self.side_in_words(of_b, unit),
                 with_unit(format!("{most:.decimals$}"), unit)
             ),
             None => {

@@ -53,7 +53,7 @@ fn identified(input: &[f64], clean: &[f64], (count, period_s): (usize, f64), see
     identify(&record, &Options::default()).unwrap()
 }
 
-/// Of nine runs, N was up to the longest that is looked at, and then no bounds were given.
+/// Of nine runs, N was longer, and in other recordings the longest that is looked at, which left no bounds.
 #[test]
 fn runs_of_one_reference_are_no_evidence_of_a_longer_response_than_one_of_them() {
     for seed in [21, 22, 23] {
@@ -79,7 +79,7 @@ fn runs_of_one_reference_are_no_evidence_of_a_longer_response_than_one_of_them()
     }
 }
 
-/// A dead band leaves the servo short of each level, as a smaller gain would: that gain grew at each turn of fit and levels, and the one of the response was 7e-28.
+/// A dead band leaves the servo short of each level, as a smaller gain would: that gain grew at each turn of fit and levels, until the response had none that is known.
 #[test]
 fn a_gain_is_that_of_the_response_where_levels_are_off() {
     let levels = [0.0, 10.0, 20.0, 10.0, 0.0, -10.0, -20.0, -10.0];

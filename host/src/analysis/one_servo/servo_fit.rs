@@ -164,7 +164,7 @@ fn fit(
         stroke_of_60_degrees_s: stroke.and_then(|size| model.stroke_times_s(size)),
         model,
         controller_names: names,
-        is_of_rows: data.about.commands_at_rows || data.about.polled,
+        is_of_rows: data.about.is_of_rows(),
     })
 }
 

@@ -19,8 +19,11 @@ const PARTS: usize = 5;
 /// After steps up to which size the servo moves no faster, and gains no speed more quickly, than in the recording, where that is not one of steps. Recordings of
 /// servoid have the reference that was asked for.
 pub(crate) fn advice(data: &Dataset, model: &Model) -> Option<Advice> {
-    let is_of_rows = data.about.commands_at_rows || data.about.polled;
-    let rise_s = model.metrics.rise_time_s.value.filter(|_| is_of_rows)?;
+    let rise_s = model
+        .metrics
+        .rise_time_s
+        .value
+        .filter(|_| data.about.is_of_rows())?;
     let rows = (rise_s / data.record.sample_period_s()).round() as usize;
     if rows < 2 || is_of_steps(&data.record, rows) || is_vague(model) {
         return None;

@@ -133,6 +133,11 @@ impl About {
         in_common(&self.output_unit, &other.output_unit)
     }
 
+    /// Whether a file of another program has the commands, in rows that may be beside the pulses.
+    pub(crate) fn is_of_rows(&self) -> bool {
+        self.commands_at_rows || self.polled
+    }
+
     /// The units of the two columns.
     pub(crate) fn units(&self) -> Units<'_> {
         Units {

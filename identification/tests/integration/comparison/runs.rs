@@ -198,8 +198,8 @@ fn runs_of_one_step_each_are_compared_as_recordings() {
     assert_eq!(found.of, Subject::Runs);
 }
 
-/// A servo that is slower downwards, and limited both ways: the errors of the responses by direction follow the motion, too, and looked like slow ends, of which up to 14 % of the
-/// step were allowed for, however many the runs.
+/// A servo that is slower downwards, and limited both ways: the errors of the responses by direction follow the motion, too, and looked like slow ends, for which no number of
+/// runs made the allowance smaller.
 #[test]
 fn limits_of_the_speed_are_no_slow_ends_of_strokes_up_and_down() {
     let mut random = random(51);
@@ -228,7 +228,7 @@ fn limits_of_the_speed_are_no_slow_ends_of_strokes_up_and_down() {
     };
     let found = compare(&side(), &side(), &ComparisonOptions::default()).unwrap();
     assert!(found.split);
-    // 8 % with the allowances.
+    // 7.5 % with these allowances.
     let at_most = found.bounds.valid().unwrap().difference_percent.at_most;
     assert!(at_most < 6.0, "{at_most} %");
 }
