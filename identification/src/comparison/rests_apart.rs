@@ -72,8 +72,8 @@ impl RestsApart {
                     _ => "the recordings do".to_owned(),
                 };
                 format!(
-                    "Whether one has more play than the other is not known: {of} not show how far apart rests under one command are. Record stairs on both \
-                     sides, which reach each level by different strokes, each of them twice or more, and hold it until the servo rests."
+                    "Whether one has more play than the other is not known: {of} not show how far apart rests under one command are. Record stairs of \
+                     each, which reach each level from below and from above, twice or more, and hold it until the servo rests."
                 )
             }
         }

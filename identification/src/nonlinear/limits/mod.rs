@@ -128,7 +128,7 @@ fn with_stops(ends: [RangeEnd; 2], stops: &[f64]) -> [RangeEnd; 2] {
 }
 
 /// How far apart the rests under one command are in `record` \[output\], which play in the gears, a dead band or friction make: the largest distance, with bounds
-/// of the confidence `level` from the scatter of the rests. `None` where no level is reached by two different strokes, each of them made again. The linear
+/// of the confidence `level` from the scatter of the rests. `None` where no level is reached from both sides, or no stroke is made again. The linear
 /// `model` of the record gives the length of a response.
 #[must_use]
 pub fn rests_apart(record: &Record, model: &Model, level: f64) -> Option<Interval> {

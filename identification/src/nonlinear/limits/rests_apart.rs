@@ -11,7 +11,8 @@
 //!
 //! holds the largest distance with the probability of the level, because all differences are within h of their estimates at once. The steps of a sensor add one
 //! of them. Unlike the mean over directions of [`Hysteresis`](super::Hysteresis), strokes that overshoot and strokes that do not
-//! cancel nothing.
+//! cancel nothing. One level at least has to be reached from both sides: strokes of one direction may all end at the same edge, and their rests agree
+//! whatever the play is.
 
 use super::visits::Visit;
 use crate::results::Interval;
@@ -28,18 +29,23 @@ struct Arrivals {
 }
 
 impl Arrivals {
+    fn is_from_below(&self) -> bool {
+        self.before < self.command
+    }
+
     fn mean(&self) -> f64 {
         self.rests.iter().sum::<f64>() / self.rests.len() as f64
     }
 }
 
-/// The largest distance between two rests under one command, from all `visits`, with bounds at the `level`; `None` where no command is reached by two different strokes, or
+/// The largest distance between two rests under one command, from all `visits`, with bounds at the `level`; `None` where no command is reached from both sides, or
 /// no stroke is made again. Outputs are steps of `step` at the most.
 pub(super) fn rests_apart(visits: &[Visit], step: f64, level: f64) -> Option<Interval> {
     let cells = cells(visits);
     let pairs = pairs(&cells);
     let degrees = visits.len() - cells.len();
-    if degrees < FEWEST_DEGREES || pairs.is_empty() {
+    let are_of_both_sides = |[a, b]: &[&Arrivals; 2]| a.is_from_below() != b.is_from_below();
+    if degrees < FEWEST_DEGREES || !pairs.iter().any(are_of_both_sides) {
         return None;
     }
     let square = |cell: &Arrivals| {
@@ -128,13 +134,21 @@ mod tests {
     fn two_levels_and_strokes_that_are_made_once_show_nothing() {
         let all = worn(0.2, 0.01);
         assert_eq!(rests_apart(&all[..8], 0.0, 0.99), None);
-        let two: Vec<Visit> = (0..20)
-            .map(|k| Visit {
+        let two = |from: fn(usize) -> f64| -> Vec<Visit> {
+            let visit = |k: usize| Visit {
                 command: [5.0, -5.0][k % 2],
-                before: [-5.0, 5.0][k % 2],
+                before: from(k),
                 rest: 0.01 * (k * 7 % 5) as f64,
-            })
-            .collect();
-        assert_eq!(rests_apart(&two, 0.0, 0.99), None);
+            };
+            (0..20).map(visit).collect()
+        };
+        let back_and_forth = |k: usize| [-5.0, 5.0][k % 2];
+        assert_eq!(rests_apart(&two(back_and_forth), 0.0, 0.99), None);
+        // The first stroke of each of two runs begins at a rest between the levels: two strokes to one level, of one direction.
+        let from_between = |k: usize| match k % 10 {
+            0 => 0.0,
+            _ => [-5.0, 5.0][k % 2],
+        };
+        assert_eq!(rests_apart(&two(from_between), 0.0, 0.99), None);
     }
 }
