@@ -10,6 +10,9 @@ use crate::numerics::with_unit;
 use crate::results::{Advice, Check, Model};
 use crate::thresholds::LEVELS_FOR_ENDS;
 
+/// How advice calls the two sides.
+pub const SIDES: [&str; 2] = ["The first", "The second"];
+
 /// That the sides had different references.
 pub(super) fn different_references(motions: &Sides<Motion>, linear: bool, unit: &str) -> Advice {
     let (a, b) = (motions.a.in_words(unit), motions.b.in_words(unit));
@@ -187,12 +190,10 @@ pub(super) fn gather(
     of_recordings: Option<f64>,
 ) -> Vec<Advice> {
     let mut advice = Vec::new();
-    for (which, model) in ["The first", "The second"].into_iter().zip(models) {
+    for (side, model) in SIDES.into_iter().zip(models) {
         let bearing = |found: &&Advice| found.bears_on_comparison();
-        advice.extend(model.advice.iter().filter(bearing).map(|found| Advice {
-            finding: format!("{which}: {}", found.finding),
-            ..found.clone()
-        }));
+        let of_side = |found: &Advice| found.said_of(side);
+        advice.extend(model.advice.iter().filter(bearing).map(of_side));
     }
     advice.extend(other_way(comparison));
     advice.extend(comparison.levels.and_then(|levels| {

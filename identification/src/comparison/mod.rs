@@ -50,6 +50,7 @@ mod verdict;
 mod welch;
 mod words;
 
+pub use advice::SIDES;
 pub use compare::{compare, compare_models};
 pub use motion::Motion;
 pub use options::{ComparisonOptions, DelayErrors};
@@ -60,7 +61,7 @@ pub use outcome::{
 pub use over_prediction::OverPrediction;
 pub use rests_apart::RestsApart;
 pub use servo_models::{
-    QuantityDifference, QuantityDifferences, QuantityPair, ServoModelComparison, StrokeTimes,
-    compare_servo_models,
+    QuantityDifference, QuantityDifferences, QuantityPair, ServoModelComparison, SpreadOfBoth,
+    StrokeTimes, compare_servo_models,
 };
 pub use verdict::Verdict;

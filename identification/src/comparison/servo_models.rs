@@ -16,7 +16,7 @@ use super::verdict::Verdict;
 use crate::numerics::pointwise_critical;
 use crate::options::Options;
 use crate::results::{Bounds, Interval};
-use crate::servo_model::{Quantity, QuantityKind, ServoModel, Stops, StopsDocument, Unit};
+use crate::servo_model::{Quantity, QuantityKind, ServoModel, Spread, Stops, StopsDocument, Unit};
 use serde::{Deserialize, Serialize};
 
 /// Two servo models beside each other.
@@ -76,6 +76,24 @@ pub struct QuantityPair {
     pub a: Option<f64>,
     /// Of the second servo.
     pub b: Option<f64>,
+    /// What other fits to the record of each say, where its errors are not noise; left out elsewhere.
+    #[serde(default, skip_serializing_if = "SpreadOfBoth::is_empty")]
+    pub other_fits: SpreadOfBoth,
+}
+
+/// A quantity in other fits of both sides, which is no interval.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SpreadOfBoth {
+    /// Of the first servo.
+    pub a: Option<Spread>,
+    /// Of the second servo.
+    pub b: Option<Spread>,
+}
+
+impl SpreadOfBoth {
+    fn is_empty(&self) -> bool {
+        self.a.or(self.b).is_none()
+    }
 }
 
 /// What is sure about the quantities of both sides.
@@ -129,12 +147,17 @@ pub fn compare_servo_models(
     let pairs = paired(&a.quantities, &b.quantities);
     let pair = |(a, b): &(Option<&Quantity>, Option<&Quantity>)| {
         let either = a.or(*b)?;
-        let value = |of: &Option<&Quantity>| of.filter(|of| of.determined).map(|of| of.value);
+        let [of_a, of_b] = [a, b].map(|of| of.filter(|of| of.determined));
+        let spread = |of: Option<&Quantity>| of.and_then(|of| of.other_fits);
         Some(QuantityPair {
             name: either.name.clone(),
             unit: either.unit,
-            a: value(a),
-            b: value(b),
+            a: of_a.map(|of| of.value),
+            b: of_b.map(|of| of.value),
+            other_fits: SpreadOfBoth {
+                a: spread(of_a),
+                b: spread(of_b),
+            },
         })
     };
     let level = |of: &ServoModel| of.covariance.as_ref().map(|found| found.level);

@@ -225,6 +225,21 @@ impl Advice {
         }
     }
 
+    /// The same of one of several servos, which is called `which`.
+    ///
+    /// ```
+    /// use servoid_identification::results::{Advice, Check};
+    /// let found = Advice::new(Check::Settled, "The servo is slow.", 1.0, 0.0, "Record longer.");
+    /// assert_eq!(found.said_of("The second").finding, "The second: The servo is slow.");
+    /// ```
+    #[must_use]
+    pub fn said_of(&self, which: &str) -> Self {
+        Self {
+            finding: format!("{which}: {}", self.finding),
+            ..self.clone()
+        }
+    }
+
     /// Where it stands beside the results.
     #[must_use]
     pub fn precedence(&self) -> Precedence {

@@ -14,7 +14,7 @@ use crate::presentation::summary;
 use anyhow::{Context, Result, anyhow, bail};
 use serde::Serialize;
 use servoid_identification::comparison::{
-    Comparison, ComparisonOptions, SCHEMA, ServoModelComparison, Subject, Verdict, compare,
+    Comparison, ComparisonOptions, SCHEMA, SIDES, ServoModelComparison, Subject, Verdict, compare,
     compare_models,
 };
 use servoid_identification::results::{Advice, Model, Reason};
@@ -278,8 +278,10 @@ impl Compared {
             Some(Err(reason)) => (None, Some(reason)),
             None => (None, None),
         };
-        let of_files = a.about.advice.iter().chain(&b.about.advice);
-        found.advice().extend(of_files.cloned());
+        for (side, data) in SIDES.into_iter().zip([a, b]) {
+            let of_files = data.about.advice.iter();
+            (found.advice()).extend(of_files.map(|found| found.said_of(side)));
+        }
         Ok(Self {
             found,
             servo_model,

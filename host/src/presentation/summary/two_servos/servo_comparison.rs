@@ -10,7 +10,7 @@ use crate::presentation::summary::wording::numbers::{digits_beside, four_digits,
 use crate::presentation::summary::wording::sixty_degrees::{both_ways, whole_ms};
 use servoid_identification::comparison::{QuantityPair, RestsApart, ServoModelComparison};
 use servoid_identification::results::{Bounds, Interval, with_unit};
-use servoid_identification::servo_model::{QuantityKind, Stops};
+use servoid_identification::servo_model::{QuantityKind, Spread, Stops};
 
 /// Quantities that a sentence names at the most; the table has them all.
 const NAMED: usize = 4;
@@ -46,7 +46,7 @@ fn strokes_of_both(a: &str, b: &str, found: &ServoModelComparison) -> Option<Str
     ))
 }
 
-/// That one model has a load, and the other one none that shows.
+/// That an interval shows a load in one model, and the other one has none. One that no interval shows may stand for anything else that the model lacks.
 fn load_of_one(a: &str, b: &str, found: &ServoModelComparison, units: Units<'_>) -> Option<String> {
     let is_load = |pair: &&QuantityPair| {
         pair.kind()
@@ -57,29 +57,24 @@ fn load_of_one(a: &str, b: &str, found: &ServoModelComparison, units: Units<'_>)
         loads.clone().find(|pair| pair.a.is_some()),
         loads.find(|pair| pair.b.is_some()),
     ];
-    let bounds = (found.bounds.valid()).map_or(&[][..], |bounds| &bounds.differences);
-    let ends_of = |pair: &QuantityPair| bounds.iter().find(|sure| sure.name == pair.name);
+    let differences = &found.bounds.valid()?.differences;
+    let ends_of = |pair: &QuantityPair| differences.iter().find(|sure| sure.name == pair.name);
     let (with, without, pair, value, interval) = match (of_a, of_b) {
-        (Some(pair), None) => (a, b, pair, pair.a?, ends_of(pair).and_then(|sure| sure.a)),
-        (None, Some(pair)) => (b, a, pair, pair.b?, ends_of(pair).and_then(|sure| sure.b)),
+        (Some(pair), None) => (a, b, pair, pair.a?, ends_of(pair)?.a?),
+        (None, Some(pair)) => (b, a, pair, pair.b?, ends_of(pair)?.b?),
         _ => return None,
     };
-    let shown = interval.is_some_and(|interval| !interval.contains(0.0));
     let (scale, unit) = scale_and_unit(pair.unit, units);
     let value = with_unit(four_digits(scale * value), &unit);
     let looks_like_it = match pair.kind() {
         Some(QuantityKind::LoadAtMiddle) => format!("; {LOOKS_LIKE_A_LOAD}"),
         _ => String::new(),
     };
-    let load = format!("({} {value}{looks_like_it})", pair.name);
-    Some(match shown {
-        true => {
-            format!("The model of {with} has a load {load}, and in that of {without} none shows.")
-        }
-        false => format!(
-            "The model of {with} has a load {load}, and that of {without} none. No interval shows that it is one: it may stand for something else that the \
-             model lacks."
-        ),
+    (!interval.contains(0.0)).then(|| {
+        format!(
+            "The model of {with} has a load ({} {value}{looks_like_it}), and in that of {without} none shows.",
+            pair.name
+        )
     })
 }
 
@@ -179,7 +174,7 @@ pub fn of_servo_models(names: [&str; 2], found: &ServoModelComparison, units: Un
             "difference",
             format!("{} % intervals below", percent(bounds.level)),
         ),
-        None => ("", "no intervals".to_owned()),
+        None => ("", "no intervals; other fits below".to_owned()),
     };
     let head = format!("  {below:34} {a:>COLUMN$} {b:>COLUMN$} {difference:>COLUMN$}");
     let mut text = format!("\n{}\n", head.trim_end());
@@ -197,7 +192,8 @@ pub fn of_servo_models(names: [&str; 2], found: &ServoModelComparison, units: Un
             .map(|(v, i)| (v.as_str(), i.as_str()))
             .unzip();
         text += &line(&row.label, values);
-        if bounds.is_some() {
+        let intervals: Vec<&str> = intervals;
+        if intervals.iter().any(|interval| !interval.is_empty()) {
             text += &line("", intervals);
         }
     }
@@ -254,14 +250,28 @@ pub(crate) fn servo_model_rows(found: &ServoModelComparison, units: Units<'_>) -
             Some(_) if value.is_none() => "not determined".to_owned(),
             _ => String::new(),
         };
+        let other_fits = |of: Option<Spread>| {
+            let [least, most] = [of?.least, of?.most].map(|end| shown(Some(end), None));
+            Some(format!("{least} to {most}"))
+        };
         let sure = bounds.and_then(|bounds| bounds.differences.get(index));
         let [of_a, of_b, apart] = match sure {
             Some(found) => [found.a, found.b, found.difference],
             None => [None; 3],
         };
+        let below = |of: Option<Interval>, value, fits| match bounds {
+            Some(_) => ends(of, value),
+            None => other_fits(fits).unwrap_or_default(),
+        };
         let mut cells = vec![
-            (in_unit(pair.a, of_a), ends(of_a, pair.a)),
-            (in_unit(pair.b, of_b), ends(of_b, pair.b)),
+            (
+                in_unit(pair.a, of_a),
+                below(of_a, pair.a, pair.other_fits.a),
+            ),
+            (
+                in_unit(pair.b, of_b),
+                below(of_b, pair.b, pair.other_fits.b),
+            ),
         ];
         if bounds.is_some() {
             let less = apart.map_or_else(String::new, |found| in_unit(found.value, apart));
@@ -341,7 +351,7 @@ fn stroke_rows(found: &ServoModelComparison) -> Vec<TableRow> {
 mod tests {
     use super::*;
     use servoid_identification::comparison::{
-        QuantityDifference, QuantityDifferences, StrokeTimes,
+        QuantityDifference, QuantityDifferences, SpreadOfBoth, StrokeTimes,
     };
     use servoid_identification::results::Reason;
     use servoid_identification::servo_model::Unit;
@@ -363,6 +373,7 @@ mod tests {
                 unit: Unit::Command,
                 a,
                 b,
+                other_fits: SpreadOfBoth::default(),
             }],
             stops: None,
             rests_apart: RestsApart::default(),
@@ -382,28 +393,22 @@ mod tests {
     }
 
     #[test]
-    fn a_load_that_one_model_alone_has_is_named_with_its_doubt() {
+    fn a_load_that_an_interval_shows_in_one_model_alone_is_named() {
         let of =
             "(load at the middle 0.2042 deg; a drive that is weaker to one side looks the same)";
         let times = "By the models a stroke of 60 degrees takes 239 ms upwards and 171 ms downwards in A, and 200 ms in B.";
         let ends = |lower: f64| Some(Interval::new(0.2042, lower, 0.3));
-        let doubt = ", and that of A none. No interval shows that it is one: it may stand for something else that the model lacks.";
-        for (interval, words) in [
-            (ends(0.1), ", and in that of A none shows."),
-            (ends(-0.1), doubt),
-            (None, doubt),
-        ] {
-            let loaded = sentence(None, Some(0.2042), interval);
-            let said = format!("The model of B has a load {of}{words} {times}");
-            assert!(loaded.ends_with(&said), "{loaded}");
-        }
+        let loaded = sentence(None, Some(0.2042), ends(0.1));
+        let said = format!("The model of B has a load {of}, and in that of A none shows. {times}");
+        assert!(loaded.ends_with(&said), "{loaded}");
         assert!(!sentence(Some(0.3), None, None).contains("a stroke of 60"));
-        assert!(sentence(Some(0.3), None, None).contains("The model of A has a load"));
-        for both in [
-            sentence(Some(0.3), Some(0.2), None),
+        for others in [
+            sentence(None, Some(0.2042), ends(-0.1)),
+            sentence(None, Some(0.2042), None),
+            sentence(Some(0.3), Some(0.2), ends(0.1)),
             sentence(None, None, None),
         ] {
-            assert!(!both.contains("has a load"), "{both}");
+            assert!(!others.contains("has a load"), "{others}");
         }
     }
 }
