@@ -8,8 +8,8 @@
 //! * **Hysteresis**: the mean over levels of (rest from above) - (rest from below). It does not distinguish
 //!   backlash, dead band and friction. In a servo that overshoots by more than its play the sign is
 //!   inverted, because the level is then reached from the other side: only the size is reported.
-//! * **Saturation**: the gain from one level to the next at each end of the range against the
-//!   median of the other gains. An end is reached from one side alone, and its neighbour from both, so hysteresis makes
+//! * **Saturation**: the gain from one level to the next at each end of the range against that of most of the range. Where not even a stop would
+//!   show, by rests that scatter or levels that are close to each other, it is left open. An end is reached from one side alone, and its neighbour from both, so hysteresis makes
 //!   it fall short. A servo that friction holds rests a little off at each level, and at some ends by more than at
 //!   other levels by chance. What hysteresis and the others explain is no stop.
 
@@ -18,7 +18,6 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::open_question::OpenQuestion;
 use super::visits::Visit;
-use crate::numerics::median;
 use crate::results::Interval;
 use crate::thresholds::{
     HARD_STOP, HYSTERESIS_FALSE_ALARM, LEVELS_FOR_ENDS, RANGE_END_FALSE_ALARM, SOFT_END, STOP_SHORT,
@@ -70,7 +69,7 @@ pub struct RangeEnd {
     pub command: f64,
     /// Where the servo rests at that command.
     pub reached: Interval,
-    /// Gain of the last segment relative to the median of the others.
+    /// Gain of the last segment relative to that of most of the range.
     pub gain_ratio: Interval,
     /// The finding as a sentence.
     pub statement: String,
@@ -320,8 +319,7 @@ impl Table {
         } else {
             (Some(segments.remove(0)), &self.levels[..2])
         };
-        let gains = segments.iter().map(|(gain, _)| *gain).collect();
-        let Some(((gain, width), others)) = last.zip(median(gains)) else {
+        let Some(((gain, width), others)) = last.zip(usual_gain(&segments)) else {
             return end;
         };
         let share: f64 = neighbours
@@ -336,6 +334,10 @@ impl Table {
         let by_chance = self.critical(RANGE_END_FALSE_ALARM) * sd;
         let softens = SOFT_END - ratio > by_chance + explained;
         let is_short = 1.0 - ratio > by_chance + explained;
+        // Where not even a stop would show, that there is none says nothing.
+        if !softens && SOFT_END <= by_chance + explained {
+            return end;
+        }
         (end.softens, end.remedy) = (Some(softens), None);
         end.statement = match (softens, ratio < HARD_STOP) {
             (false, _) if !is_short && 1.0 - ratio > by_chance => format!(
@@ -396,6 +398,19 @@ impl Table {
     }
 }
 
+/// The gain in most of the range of the command, of `segments` between levels, gain and width: beyond a stop there may be more levels than before it.
+fn usual_gain(segments: &[(f64, f64)]) -> Option<f64> {
+    let mut segments = segments.to_vec();
+    segments.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let range: f64 = segments.iter().map(|(_, width)| width).sum();
+    let mut passed = 0.0;
+    let at_half = |(_, width): &&(f64, f64)| {
+        passed += width;
+        2.0 * passed >= range
+    };
+    segments.iter().find(at_half).map(|(gain, _)| *gain)
+}
+
 /// The interval of |x| from that of x.
 fn absolute(interval: Interval) -> Interval {
     let (Some(value), Some(lower), Some(upper)) = (interval.value, interval.lower, interval.upper)
@@ -411,4 +426,42 @@ fn absolute(interval: Interval) -> Interval {
         lower.abs().min(upper.abs())
     };
     Interval::new(value.abs(), nearest, lower.abs().max(upper.abs()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Visits of a servo of gain 1 which is stopped at ±`stop`: `often` at each of these levels, from below.
+    fn stopped(levels: &[f64], stop: f64, often: usize) -> Vec<Visit> {
+        let visits = levels.iter().flat_map(|command| {
+            (0..often).map(move |k| Visit {
+                command: *command,
+                before: command - 1.0,
+                rest: command.clamp(-stop, stop) + 0.02 * ((k * 7 % 5) as f64 - 2.0),
+                moved: 0.0,
+            })
+        });
+        visits.collect()
+    }
+
+    fn high_end(levels: &[f64], stop: f64) -> Option<bool> {
+        let table = Table::new(&stopped(levels, stop, 5), 0.1, 0.0, Some(0.99));
+        table.ends().unwrap()[1].softens
+    }
+
+    #[test]
+    fn a_stop_is_found_where_most_levels_are_beyond_it() {
+        // A switch whose two positions are others in each run.
+        let levels = [-39.4, -35.0, -31.0, -28.7, 28.7, 31.0, 35.0, 39.4];
+        assert_eq!(high_end(&levels, 27.0), Some(true));
+        assert_eq!(high_end(&levels, 50.0), Some(false));
+    }
+
+    #[test]
+    fn levels_that_are_closer_than_rests_scatter_leave_it_open() {
+        let levels = [-5.0, -2.0, 0.0, 3.0, 4.98, 5.0];
+        assert_eq!(high_end(&levels, 50.0), None);
+        assert_eq!(high_end(&levels, 4.6), None);
+    }
 }

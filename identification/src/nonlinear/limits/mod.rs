@@ -181,14 +181,15 @@ fn is_described(model: &Model) -> bool {
     model.linear && model.level().valid().is_some()
 }
 
-/// Samples that the response takes to settle. N is longer by a margin, and says nothing of a servo that the model does not describe. A servo that
-/// has not followed the command is not at rest: in the short holds of a sweep it moves so evenly that it passes for that.
+/// Samples that the response takes to settle. N is longer by a margin, which a model that does not describe the servo needs: other strokes take longer. It may
+/// as well be far too long for it. A servo that has not followed the command is not at rest: in the short holds of a sweep it moves so evenly that it
+/// passes for that.
 fn settling(record: &Record, model: &Model) -> usize {
-    let of_model = (model.structure.settling_samples as f64 / MARGIN).ceil() as usize;
+    let all = model.structure.settling_samples;
     match is_described(model) {
-        true => of_model,
-        false => time_to_rest(record).map_or(of_model, |seen| {
-            seen.max(followed_after(&model.step.value)).min(of_model)
+        true => (all as f64 / MARGIN).ceil() as usize,
+        false => time_to_rest(record).map_or(all, |seen| {
+            seen.max(followed_after(&model.step.value)).min(all)
         }),
     }
 }

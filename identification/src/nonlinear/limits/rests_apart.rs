@@ -6,10 +6,11 @@
 //! at once (Bonferroni),
 //!
 //! ```text
-//! from max(|d| - h)   to max(|d| + h),   h = t s sqrt(1/n + 1/m)
+//! from max(|d| - h)   to max(|d| + h),   h = t s sqrt(1/n + 1/m) + |m_a| + |m_b|
 //! ```
 //!
-//! holds the largest distance with the probability of the level, because all differences are within h of their estimates at once. The steps of a sensor add one
+//! holds the largest distance with the probability of the level, because all differences are within h of their estimates at once. m is by how much the rests of a cell still
+//! move on the mean, from the first half to the second of what is taken for a rest: that does not scatter. The steps of a sensor add one
 //! of them. Unlike the mean over directions of [`Hysteresis`](super::Hysteresis), strokes that overshoot and strokes that do not
 //! cancel nothing. One level at least has to be reached from both sides: strokes of one direction may all end at the same edge, and their rests agree
 //! whatever the play is.
@@ -26,6 +27,7 @@ struct Arrivals {
     command: f64,
     before: f64,
     rests: Vec<f64>,
+    moved: Vec<f64>,
 }
 
 impl Arrivals {
@@ -34,7 +36,12 @@ impl Arrivals {
     }
 
     fn mean(&self) -> f64 {
-        self.rests.iter().sum::<f64>() / self.rests.len() as f64
+        mean(&self.rests)
+    }
+
+    /// How far these rests may be from where the servo would come to rest.
+    fn still_to_go(&self) -> f64 {
+        mean(&self.moved).abs()
     }
 }
 
@@ -60,11 +67,15 @@ pub(super) fn rests_apart(visits: &[Visit], step: f64, level: f64) -> Option<Int
     let ends = pairs.iter().map(|[a, b]| {
         let apart = (a.mean() - b.mean()).abs();
         let share = 1.0 / a.rests.len() as f64 + 1.0 / b.rests.len() as f64;
-        let half = critical * sd * share.sqrt() + step;
+        let half = critical * sd * share.sqrt() + step + a.still_to_go() + b.still_to_go();
         [apart, (apart - half).max(0.0), apart + half]
     });
     let [value, lower, upper] = ends.reduce(|a, b| [0, 1, 2].map(|k: usize| a[k].max(b[k])))?;
     Some(Interval::new(value, lower, upper))
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
 }
 
 fn cells(visits: &[Visit]) -> Vec<Arrivals> {
@@ -73,11 +84,15 @@ fn cells(visits: &[Visit]) -> Vec<Arrivals> {
         let is_same =
             |cell: &&mut Arrivals| cell.command == visit.command && cell.before == visit.before;
         match cells.iter_mut().find(is_same) {
-            Some(cell) => cell.rests.push(visit.rest),
+            Some(cell) => {
+                cell.rests.push(visit.rest);
+                cell.moved.push(visit.moved);
+            }
             None => cells.push(Arrivals {
                 command: visit.command,
                 before: visit.before,
                 rests: vec![visit.rest],
+                moved: vec![visit.moved],
             }),
         }
     }
@@ -114,6 +129,7 @@ mod tests {
                 command,
                 before,
                 rest: command + side * stroke.signum() * play / 2.0 + error,
+                moved: 0.0,
             }
         };
         (0..72).map(visit).collect()
@@ -131,6 +147,20 @@ mod tests {
     }
 
     #[test]
+    fn what_still_moves_is_no_rest() {
+        let mut visits = worn(0.0, 0.01);
+        // Strokes of the whole range have not come to rest when they are read.
+        for visit in &mut visits {
+            if (visit.command - visit.before).abs() > 5.0 {
+                visit.rest += 0.3;
+                visit.moved = -0.25;
+            }
+        }
+        let found = rests_apart(&visits, 0.0, 0.99).unwrap();
+        assert!(found.contains(0.06), "{found:?}");
+    }
+
+    #[test]
     fn two_levels_and_strokes_that_are_made_once_show_nothing() {
         let all = worn(0.2, 0.01);
         assert_eq!(rests_apart(&all[..8], 0.0, 0.99), None);
@@ -139,6 +169,7 @@ mod tests {
                 command: [5.0, -5.0][k % 2],
                 before: from(k),
                 rest: 0.01 * (k * 7 % 5) as f64,
+                moved: 0.0,
             };
             (0..20).map(visit).collect()
         };

@@ -11,6 +11,8 @@ pub(super) struct Visit {
     pub(super) before: f64,
     /// Mean output of the last quarter.
     pub(super) rest: f64,
+    /// Mean output of the second half of that less that of the first: what is left of the motion, and noise.
+    pub(super) moved: f64,
 }
 
 /// Those whose last quarter begins at least `settling` samples after the edge.
@@ -20,10 +22,14 @@ pub(super) fn visits(runs: &[Run], settling: usize) -> Vec<Visit> {
             let last = last_quarter(&hold.samples);
             let before = hold.before?;
             let settled = last.start >= hold.samples.start + settling;
+            let middle = last.start + last.len() / 2;
+            let [first, second] =
+                [last.start..middle, middle..last.end].map(|half| mean_output(run, half));
             Some(Visit {
                 command: hold.level,
                 before,
                 rest: mean_output(run, last).filter(|_| settled)?,
+                moved: second? - first?,
             })
         };
         holds(run, EXACTLY)
