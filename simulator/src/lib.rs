@@ -56,7 +56,7 @@ pub use apparatus::SimulatedFrame;
 pub use identified_servo::MachineParameters;
 pub use in_process::InProcessRig;
 pub use noise::{Noise, NoiseKind};
-pub use options::{LineSpeed, OptionsError, ServoKind, SimulationOptions};
+pub use options::{LineSpeed, OptionsError, RANGE_DEG, ServoKind, SimulationOptions};
 pub use parts::Parts;
 pub use run_to_run::{Conditions, Scatter};
 pub use sensor::SENSOR_SCALE;

@@ -186,7 +186,7 @@ impl SimulationOptions {
 /// The longest delay: beyond it, times could overflow.
 const LONGEST: Duration = Duration::from_secs(1000);
 /// Angles to each side of 0 that the sensor shows.
-const RANGE_DEG: f64 = 60.0;
+pub const RANGE_DEG: f64 = 60.0;
 const SEEN: &str = "within the 60 degrees to each side of 0 that the sensor shows";
 const NUMBER: &str = "a number";
 const POSITIVE: &str = "a number above 0";

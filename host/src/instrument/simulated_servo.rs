@@ -8,11 +8,12 @@ use crate::data::model_file::{ModelFile, ModelFileError};
 use crate::data::model_metadata::unit_meant;
 use crate::data::unitless_command::{FULL_US, UnitlessCommand};
 use crate::data::units::Units;
-use servoid_identification::results::Noise;
+use servoid_identification::results::{Noise, six_digits, with_unit};
 use servoid_identification::servo_model::ServoModel;
 use servoid_protocol::{PulseTrain, PulseWidth};
 use servoid_simulator::{
-    MachineParameters, NoiseKind, OptionsError, SERVO_SCALE, ServoKind, SimulationOptions,
+    MachineParameters, NoiseKind, OptionsError, RANGE_DEG, SERVO_SCALE, ServoKind,
+    SimulationOptions,
 };
 use std::path::{Path, PathBuf};
 
@@ -79,6 +80,19 @@ pub enum SimulatedServoError {
         controller: String,
         /// What it has.
         known: String,
+    },
+    /// It rests where the sensor of a simulated rig does not reach.
+    #[error(
+        "the servo model in {path:?} rests at {rest_deg:.1} degrees at neutral, and the sensor of a simulated rig shows {RANGE_DEG} degrees to each side of 0: \
+         subtract {rest} from the column of the position, so that neutral is 0, and identify again"
+    )]
+    OutOfSight {
+        /// The model.
+        path: PathBuf,
+        /// Where it rests (deg).
+        rest_deg: f64,
+        /// The same in the unit of its position, with that.
+        rest: String,
     },
     /// It cannot be simulated.
     #[error("the servo model in {0:?} cannot be simulated: its {1}")]
@@ -201,12 +215,23 @@ fn machine(
     };
     let number = controller_number(path, &found.controller_names, controller)?;
     let scale = Scale::of(path, file.metadata.units(), &found.model)?;
-    Ok(MachineParameters {
+    let parameters = MachineParameters {
         servo: found.model.parameters(number),
         neutral_command: scale.neutral_command,
         command_per_degree: scale.command_per_degree,
         degrees_per_output: scale.degrees_per_output,
-    })
+    };
+    let rest_deg = parameters.rest_deg();
+    if rest_deg.abs() > RANGE_DEG {
+        let rest = six_digits(rest_deg / scale.degrees_per_output);
+        let unit = file.metadata.units().output.unwrap_or_default();
+        return Err(SimulatedServoError::OutOfSight {
+            path: path.to_owned(),
+            rest_deg,
+            rest: with_unit(rest, unit),
+        });
+    }
+    Ok(parameters)
 }
 
 fn controller_number(

@@ -186,7 +186,11 @@ fn what_cannot_be_simulated_is_refused_in_a_sentence() {
     for (model, further, words) in [
         (&linear, &[][..], "has no servo model"),
         (&counts, &[], "the command of"),
-        (&far, &[], "position of rest at neutral must be within"),
+        (
+            &far,
+            &[],
+            "subtract 500 from the column of the position, so that neutral is 0",
+        ),
         (&two, &[], "has the controllers 400, 800: choose one"),
         (
             &two,
