@@ -11,8 +11,12 @@ from ._document import Column
 from ._withdrawn import Withdrawn
 
 
-def normal(mean: Any, covariance: Any, count: int, seed: int | None, withdrawn: Withdrawn | None) -> Column:
-    """`count` rows of a normal distribution.
+#: Behind the name of a drawn servo, whose summary and file have more of the estimate than of it.
+DRAWN = " (one of the possible servos; quantities, intervals and fit are those of the estimate)"
+
+
+def require_draws(covariance: Any, count: int, withdrawn: Withdrawn | None) -> None:
+    """Refuses what nothing can be drawn from, and a count that is none.
 
     Raises
     ------
@@ -24,6 +28,17 @@ def normal(mean: Any, covariance: Any, count: int, seed: int | None, withdrawn: 
         raise _servoid.ServoidError(f"there is no covariance to draw from: {because}")
     if isinstance(count, bool) or not isinstance(count, int) or count < 0:
         raise _servoid.ServoidError(f"count must be a number of draws, such as 100, and is {count!r}")
+
+
+def normal(mean: Any, covariance: Any, count: int, seed: int | None, withdrawn: Withdrawn | None) -> Column:
+    """`count` rows of a normal distribution.
+
+    Raises
+    ------
+    ServoidError
+        There is no covariance, because bounds are withdrawn; or the count is no number of rows.
+    """
+    require_draws(covariance, count, withdrawn)
     # A coordinate that the recording does not show has no variance, which Cholesky's factor does not take.
     variances, directions = np.linalg.eigh(np.asarray(covariance))
     spread = directions * np.sqrt(np.clip(variances, 0.0, None))

@@ -23,7 +23,7 @@ from ._arrays import (
     word_or_none,
 )
 from ._document import Column, Document, column, column_or_none, write_new
-from ._draws import normal
+from ._draws import DRAWN, normal
 from ._export import Export, export
 from ._flight_model import FlightModel
 from ._interval import Interval, interval
@@ -736,7 +736,7 @@ class Model(Document):
         return found
 
     def _stem(self) -> str:
-        return os.path.splitext(os.path.basename(self._core.name))[0]
+        return os.path.splitext(os.path.basename(self._core.name.removesuffix(DRAWN)))[0]
 
     def to_control(self, kind: str = "frd") -> Any:
         """The model as an object of python-control.

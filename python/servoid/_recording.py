@@ -200,7 +200,8 @@ def read(
     if any(hasattr(path, "to_csv") for path in paths):
         if len(paths) != 1:
             raise _servoid.ServoidError(
-                "give one table; its runs are named by a column (run=)"
+                "several runs of tables are one table with a column that names the run: give pandas.concat({1: first, 2: second}, names=[\"part\"]) "
+                'with run="part", or write the tables to files and give their paths'
             )
         return Recording(_of_table(paths[0], options))
     for path in paths:
@@ -381,6 +382,8 @@ def as_recording(source: Any, options: dict[str, Any], like: Model | None = None
     if hasattr(source, "to_csv"):
         return read(source, **options)
     paths = [source] if isinstance(source, (str, os.PathLike)) else source
+    if isinstance(paths, Sequence) and any(hasattr(path, "to_csv") for path in paths):
+        return read(*paths, **options)
     if not (isinstance(paths, Sequence) and paths and all(isinstance(path, (str, os.PathLike)) for path in paths)):
         raise _servoid.ServoidError(
             f"a recording is a file, a list of files or a table of pandas, and here {_called(source)}: "

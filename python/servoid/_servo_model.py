@@ -13,7 +13,7 @@ import numpy as np
 from . import _servoid
 from ._arrays import command_or_none, number_or_none, samples
 from ._document import Column, column, column_or_none
-from ._draws import normal
+from ._draws import DRAWN, normal, require_draws
 from ._sine import SineResponse, sine, sine_argument
 from ._withdrawn import Withdrawn, withdrawn
 
@@ -196,6 +196,7 @@ class ServoModel:
         """
         from ._model import Model
 
+        require_draws(self.covariance, count, self.withdrawn)
         document = json.loads(self._core.document)
         servo = document["servo_model"]
         found: list[Model] = []
@@ -206,7 +207,7 @@ class ServoModel:
             if len(found) == count:
                 break
             servo.update(drawn, alternatives=[])
-            name = f"draw {len(found) + 1} of {self._core.name}"
+            name = f"draw {len(found) + 1} of {self._core.name}{DRAWN}"
             another = Model(_servoid.Model.parse(json.dumps(document), name))
             drawn_servo = another.servo_model
             if drawn_servo is not None and is_allowed(drawn_servo):

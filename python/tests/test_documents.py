@@ -85,6 +85,21 @@ def test_several_runs_are_lists_and_files(bench, tmp_path):
     assert found.to_dict()["theta"] == json.loads(printed)["theta"]
 
 
+def test_several_tables_are_one_with_a_column_of_runs(table, needed):
+    pandas = needed("pandas")
+    file, u, y = table
+    options = {"input": "u", "output": "y", "period": 0.002}
+    half = len(u) // 2
+    tables = [pandas.DataFrame({"u": u[part], "y": y[part]}) for part in (slice(half), slice(half, None))]
+    for call in (lambda: servoid.read(*tables), lambda: servoid.identify(tables, **options)):
+        with pytest.raises(servoid.ServoidError, match="pandas.concat"):
+            call()
+    joined = pandas.concat({1: tables[0], 2: tables[1]}, names=["part"])
+    found = servoid.read(joined, run="part", **options).runs
+    assert [len(run.input) for run in found] == [half, len(u) - half]
+    assert np.array_equal(found[1].output, y[half:], equal_nan=True)
+
+
 def test_a_comparison_a_validation_and_a_plan_are_those_of_the_program(bench, tmp_path):
     other, model = tmp_path / "aircraft.csv", tmp_path / "bench.json"
     program("simulate", "--servo", "aircraft", "-o", str(other), "--quiet")

@@ -1,5 +1,8 @@
 """Random servos, as a recording leaves them open."""
 
+import json
+import warnings
+
 import numpy as np
 import pytest
 import servoid
@@ -81,6 +84,7 @@ def test_a_drawn_servo_is_exported_and_simulated_with_its_own_constants(model):
     }
     for name, expected in constants.items():
         assert module[name] == pytest.approx(expected, rel=1e-9), name
+    assert "one of the possible servos" in draw.summary and "one of the possible servos" in module["__doc__"]
     command = [0.0] * 20 + [10.0] * 100
     own, estimate = (found.servo_model.simulate(command).value for found in (draw, model))
     assert 0.0 < np.abs(own - estimate).max() < 1.0
@@ -101,8 +105,16 @@ def test_linear_draws_are_step_responses_with_the_standard_deviations_of_the_mod
 def test_nothing_is_drawn_without_bounds(model):
     with pytest.raises(servoid.ServoidError, match="no covariance to draw from"):
         normal([0.0], None, 3, None, model.withdrawn)
-    with pytest.raises(servoid.ServoidError, match="count"):
-        model.servo_model.draws(-1)
+    document = model.to_dict()
+    document["servo_model"]["quantities"][0]["determined"] = False
+    undetermined = servoid.Model(servoid._servoid.Model.parse(json.dumps(document), "undetermined")).servo_model
+    with pytest.warns(UserWarning, match="does not determine"):
+        undetermined.draws(1, seed=1)
+    # A warning of what draws lack is none where there are no draws.
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(servoid.ServoidError, match="count"):
+            undetermined.draws(-1)
 
 
 def test_every_draw_moves_as_the_recording_has_it(model):
