@@ -7,7 +7,7 @@ use crate::data::model_file::ServoModelDocument;
 use crate::presentation::summary::sixty_degrees;
 use servoid_identification::comparison::{Comparison, Verdict};
 use servoid_identification::diagnostics::TakenOut;
-use servoid_identification::nonlinear::{Hysteresis, rests_apart};
+use servoid_identification::nonlinear::Hysteresis;
 use servoid_identification::results::{Model, Precedence, Reason, Validation};
 use servoid_identification::servo_model::{
     self, ServoModel, ServoModelOptions, Watch, no_prediction,
@@ -152,11 +152,10 @@ fn fit(
     };
     let model = model.map_err(|error| error.to_string())?;
     let model = model.with_delay_error(data.about.sensor_delay_uncertainty_s);
-    let hysteresis = Hysteresis::of(&data.record, linear.model(), level);
+    let (hysteresis, apart) = Hysteresis::with_rests_apart(&data.record, linear.model(), level);
     let model = ServoModel {
         hysteresis: (hysteresis.found == Some(true)).then_some(hysteresis.size),
-        rests_apart: rests_apart(&data.record, linear.model(), level)
-            .filter(|_| options.against.is_none()),
+        rests_apart: apart.filter(|_| options.against.is_none()),
         ..model
     };
     let stroke = sixty_degrees(data.about.units());

@@ -89,9 +89,14 @@ impl Limits {
 }
 
 impl Hysteresis {
-    /// That of `record` alone, as among the [limits](Limits::of).
-    pub fn of(record: &Record, model: &Model, level: f64) -> Self {
-        Rests::of(record, model).table(Some(level)).hysteresis()
+    /// That of `record` alone, as among the [limits](Limits::of), and how far [`rests_apart`] are, of the same rests.
+    pub fn with_rests_apart(
+        record: &Record,
+        model: &Model,
+        level: f64,
+    ) -> (Self, Option<Interval>) {
+        let rests = Rests::of(record, model);
+        (rests.table(Some(level)).hysteresis(), rests.apart(level))
     }
 
     /// With how far rests are `apart` where that is surely more than the mean over the directions says: strokes that overshoot and strokes that do not
