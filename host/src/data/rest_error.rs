@@ -58,9 +58,6 @@ pub(crate) fn rests_of(record: &Record) -> Vec<CommandedRest> {
     runs.iter().flat_map(of_run).collect()
 }
 
-/// What is less reads as nothing \[output\].
-const LEAST_SHOWN: f64 = 0.005;
-
 /// Advice where the servo rests off its command by more than its friction explains.
 pub(super) fn advice(record: &Record, units: Units<'_>) -> Option<Advice> {
     let is_known = match [units.input, units.output].map(|unit| unit.and_then(unit_meant)) {
@@ -99,28 +96,16 @@ pub(super) fn advice(record: &Record, units: Units<'_>) -> Option<Advice> {
     let chance = BEYOND_CHANCE * off_sd;
     let is_off = off.abs() > beside.max(least).max(chance).max(2.0 * line.drift());
     let unit = (units.output).map_or_else(String::new, |unit| format!(" {unit}"));
-    let friction = line
-        .friction
-        .map_or(String::new(), |friction| match friction.abs() < LEAST_SHOWN {
-            true => "; it does not change with the direction of the stroke, as by friction".to_owned(),
-            false => format!(
-                "; what changes with the direction of the stroke, as friction does, is {:.2}{unit} to each side",
-                friction.abs()
-            ),
-        });
     is_off.then(|| {
         Advice::new(
             Check::Zeros,
             match of_gain {
                 true => format!(
-                    "The servo rests at {:.3} times its command {} {:.2}{unit} (a line through {} rests){friction}.",
-                    line.slope,
-                    if off < 0.0 { '-' } else { '+' },
-                    off.abs(),
+                    "Under a command of 0 the servo rests at {off:.2}{unit} (a line through {} rests).",
                     all.len()
                 ),
                 false => format!(
-                    "The servo rests {off:+.2}{unit} from its command (mean of {} rests){friction}.",
+                    "The servo rests {off:+.2}{unit} from its command (mean of {} rests).",
                     all.len()
                 ),
             },
@@ -319,7 +304,6 @@ mod tests {
         assert!(found.finding.contains("rests +3.0"), "{}", found.finding);
         assert_eq!(advice(&record(1.0, 0.0), DEGREES), None);
         assert_eq!(advice(&record(3.0, 4.0), DEGREES), None);
-        assert!(!found.finding.contains("friction"), "{}", found.finding);
     }
 
     #[test]
@@ -400,29 +384,11 @@ mod tests {
         advice(&record, DEGREES)
     }
 
-    #[test]
-    fn a_gain_is_no_friction() {
-        let linear = five_levels(0.9, 0.0, 2.0, 0.0).unwrap();
-        assert!(
-            linear
-                .finding
-                .contains("does not change with the direction"),
-            "{}",
-            linear.finding
-        );
-        assert!((linear.value - 2.0).abs() < 0.05, "{}", linear.value);
-        let sticking = five_levels(0.9, 0.5, 2.0, 0.0).unwrap();
-        assert!(
-            sticking.finding.contains("is 0.50 deg to each side"),
-            "{}",
-            sticking.finding
-        );
-    }
     /// With a gain that is not one, what is off is what is left under command 0.
     #[test]
     fn a_gain_is_no_zero_that_is_off() {
         let found = five_levels(0.9, 0.5, 2.0, 20.0).unwrap();
-        let said = "The servo rests at 0.900 times its command + 2.0";
+        let said = "Under a command of 0 the servo rests at 2.0";
         assert!(found.finding.starts_with(said), "{}", found.finding);
         assert!((found.value - 2.0).abs() < 0.1, "{}", found.value);
         // In the middle of its commands it rests 2 beside them.

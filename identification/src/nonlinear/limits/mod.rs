@@ -105,12 +105,13 @@ impl Hysteresis {
         let of_mean = self.size.upper.unwrap_or(0.0);
         let is_more = |apart: &Interval| apart.lower.is_some_and(|lower| lower > of_mean);
         let bounds = |apart: Interval| Some((apart.value?, apart.lower?, apart.upper?));
-        match apart.filter(is_more).and_then(bounds) {
-            Some((value, lower, upper)) => Self {
+        let mean = self.size.value;
+        match apart.filter(is_more).and_then(bounds).zip(mean) {
+            Some(((value, lower, upper), mean)) => Self {
                 statement: format!(
-                    "{} But rests under one command are up to {value:.3} ({lower:.3} .. {upper:.3}) apart, by the strokes that led there: play, a dead band or \
-                     friction leaves the servo where it came from, or beyond where it overshot.",
-                    self.statement
+                    "Rests under one command are up to {value:.3} ({lower:.3} .. {upper:.3}) apart, by the strokes that led there: play, a dead band or friction \
+                     leaves the servo where it came from, or beyond where it overshot. Their means from below and from above, which both kinds of strokes are in, \
+                     are {mean:.3} apart."
                 ),
                 ..self
             },
