@@ -14,8 +14,8 @@ use std::path::PathBuf;
 
 /// Compare a model with a recording that it was not identified from
 ///
-/// The model is simulated with the recording's input. Fit is 100 % for a perfect prediction, 0 % for one no
-/// better than the mean, and below 0 % for one worse than the mean.
+/// The model is simulated with the recording's input: the command of each row acts from that row on, without a pulse frame. Fit is 100 %
+/// for a perfect prediction, 0 % for one no better than the mean, and below 0 % for one worse than the mean.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   servoid validate bench.json again.csv --plots plots

@@ -88,8 +88,11 @@ impl Validated {
         let own = fingerprint::of(&data.record);
         let own = fingerprint::advice_on_validation(&file.fingerprints, &own);
         let unit = metadata.units().output.unwrap_or_default();
-        let open_s =
-            file.metadata.sensor_delay_uncertainty_s + data.about.sensor_delay_uncertainty_s;
+        let times = Times {
+            open_s: file.metadata.sensor_delay_uncertainty_s
+                + data.about.sensor_delay_uncertainty_s,
+            polled: data.about.polled,
+        };
         let of_linear = validation.as_ref().and_then(|found| {
             let misfit = || {
                 let simulated: Vec<_> = runs.iter().map(|run| file.model.simulate(run)).collect();
@@ -104,7 +107,7 @@ impl Validated {
                 "linear",
                 [found.rmse, file.model.fit.rmse],
                 misfit,
-                (unit, open_s),
+                (unit, times),
             )
         });
         let of_servo = servo.as_ref().zip(servo_model.as_ref());
@@ -114,7 +117,7 @@ impl Validated {
                 "servo",
                 [found.rmse, servo.model.fit.rmse],
                 misfit,
-                (unit, open_s),
+                (unit, times),
             )
         });
         // Of a recording that may be in other units, nobody should hear that its motion is another one.
@@ -199,6 +202,15 @@ fn predicts_nothing(
     )
 }
 
+/// How the times of a model and of a recording are known to each other.
+#[derive(Clone, Copy)]
+struct Times {
+    /// Within this (s).
+    open_s: f64,
+    /// Whether the recording is read as one whose commands were polled.
+    polled: bool,
+}
+
 /// A model whose error is so many times that of its own recording misses what it knew there: noise alone changes far less from one
 /// recording of a sensor to the next.
 const LARGER_ERROR: f64 = 2.0;
@@ -208,12 +220,12 @@ const LARGER_ERROR: f64 = 2.0;
 const OF_A_CAUSE: f64 = 0.5;
 
 /// That a model does not hold for a recording, with an error of `rmse`, as it did for its own. `misfit` is asked for only then. The times of model and
-/// recording are known to each other within `open_s`.
+/// recording are `known` to each other.
 fn larger_error(
     kind: &str,
     [rmse, own_rmse]: [f64; 2],
     misfit: impl FnOnce() -> Misfit,
-    (unit, open_s): (&str, f64),
+    (unit, known): (&str, Times),
 ) -> Option<Advice> {
     let times = rmse / own_rmse;
     (times > LARGER_ERROR).then(|| {
@@ -227,7 +239,7 @@ fn larger_error(
             ),
             times,
             LARGER_ERROR,
-            cause([rmse, own_rmse], &misfit(), open_s, in_unit),
+            cause([rmse, own_rmse], &misfit(), known, in_unit),
         )
     })
 }
@@ -236,7 +248,7 @@ fn larger_error(
 fn cause(
     [rmse, own_rmse]: [f64; 2],
     misfit: &Misfit,
-    open_s: f64,
+    Times { open_s, polled }: Times,
     in_unit: impl Fn(f64) -> String,
 ) -> String {
     // Spikes spoil every figure below, be they ever so few.
@@ -300,7 +312,7 @@ fn cause(
                 in_unit(lag.left)
             )
         }
-        None => noise(misfit, is_most, in_unit).unwrap_or_else(|| match open_s > 0.0 {
+        None => noise(misfit, is_most, in_unit).unwrap_or_else(|| match open_s > 0.0 && !polled {
             true => format!("{BETWEEN_ROWS} {ANOTHER_MOTION}"),
             false => ANOTHER_MOTION.to_owned(),
         }),
@@ -417,7 +429,11 @@ mod tests {
 
     /// The same where the times of model and recording are known to each other within `open_s`.
     fn remedy_within(misfit: Misfit, open_s: f64) -> String {
-        larger_error("linear", [0.8, 0.05], || misfit, ("deg", open_s))
+        let known = Times {
+            open_s,
+            polled: false,
+        };
+        larger_error("linear", [0.8, 0.05], || misfit, ("deg", known))
             .unwrap()
             .remedy
     }
@@ -446,6 +462,12 @@ mod tests {
         assert!(open.contains("leave up to 12.0 ms open"), "{open}");
         let another = remedy_within(misfit(), 0.012);
         assert!(another.contains("say --polled first") && another.ends_with(ANOTHER_MOTION));
+        let polled = Times {
+            open_s: 0.012,
+            polled: true,
+        };
+        let found = larger_error("linear", [0.8, 0.05], misfit, ("deg", polled)).unwrap();
+        assert_eq!(found.remedy, ANOTHER_MOTION);
         // A shift that leaves six times the error of the model's own recording is not all, though it leaves less than half of this one.
         for left in [0.6, 0.3] {
             let motion = delayed(left);

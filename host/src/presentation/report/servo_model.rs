@@ -50,12 +50,13 @@ fn table(part: &Part<'_>) -> Option<String> {
         [remarks.before, remarks.behind].map(|all| all.iter().map(paragraph).collect::<String>());
     let fit = &model.fit;
     Some(format!(
-        "<h2>The servo as a machine: {}</h2>\n<p class=\"faint\">{}; fit {:.2} %, {:.2} % of parts that it had not seen (a linear servo of second order: {:.2} %).</p>\n{before}<div class=\"wide\"><table class=\"numbers\">\n<tr><th></th><th>value</th><th></th><th>{}</th><th></th></tr>\n{rows}</table></div>\n{behind}",
+        "<h2>The servo as a machine: {}</h2>\n<p class=\"faint\">{}; fit {:.2} %, {:.2} % of parts that it had not seen (a linear servo of second order: {:.2} %); {}.</p>\n{before}<div class=\"wide\"><table class=\"numbers\">\n<tr><th></th><th>value</th><th></th><th>{}</th><th></th></tr>\n{rows}</table></div>\n{behind}",
         escape(part.subject.name),
         summary::kind_in_words(model),
         fit.simulation_percent,
         fit.held_out_percent,
         fit.linear_held_out_percent,
+        escape(&summary::error_in_words(model, units)),
         summary::head_of_bounds(level),
     ))
 }

@@ -48,7 +48,7 @@ pub(crate) use response::first_finding::first_finding;
 pub(crate) use response::low_order::low_order_sentence;
 pub(crate) use response::metrics::{difference_rows, metric_rows, withheld_line};
 pub(crate) use servo::quantity_table::{QuantityRow, quantities, quantity_rows};
-pub(crate) use servo::servo_model::{kind_in_words, terms_in_words};
+pub(crate) use servo::servo_model::{error_in_words, kind_in_words, terms_in_words};
 pub(crate) use servo::servo_remarks::{ServoRemarks, run_offsets_in_words};
 pub(crate) use servoid_identification::results::with_unit;
 pub(crate) use two_servos::comparison::{

@@ -45,7 +45,7 @@ impl Term {
             Self::DeadBand => "the dead band",
             Self::Friction => "the friction",
             Self::FrictionOfGears => "the friction of the gears",
-            Self::FrictionAtRest => "the friction at rest",
+            Self::FrictionAtRest => "the excess of friction at rest",
             Self::ConstantLoad => "the constant load",
             Self::Weight => "the weight",
             Self::StiffeningLoad => "the load of the air",
@@ -113,9 +113,9 @@ impl ServoExport<'_> {
                 let rest = p.friction?.at_rest?;
                 let factor = four_digits(1.0 + rest.excess);
                 let speed = four_digits(rest.speed);
-                Some(format!(
-                    "friction at rest, {factor} times that in motion, falling around {speed} {command}/s"
-                ))
+                (factor != four_digits(1.0)).then(|| {
+                    format!("the excess of friction at rest, which is {factor} times that in motion and falls around {speed} {command}/s")
+                })
             }
             Term::ConstantLoad | Term::Weight | Term::StiffeningLoad => self.load(term),
             Term::ChangeOfLoadOfAir => self.load(Term::StiffeningLoad).map(|stiffening| {

@@ -56,7 +56,7 @@ pub fn at_frequencies(
 }
 
 /// Said below the table.
-const OF_FRAMES: &str = "  Late: behind a smooth command that the servo gets as it is. One that is held for frames, as by a pulse every\n  20 ms, is half a frame later.\n";
+const OF_FRAMES: &str = "  Late: behind a smooth command that the servo gets as it is. One that is held for frames, as by a pulse every\n  20 ms, is half a frame later; more where limits of speed or drive are reached.\n";
 
 /// Of the servo as a machine, under a sine of this amplitude.
 fn of_machine(servo: &ServoModel, of: &ModelMetadata, hertz: f64, amplitude: f64) -> String {

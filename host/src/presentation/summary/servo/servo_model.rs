@@ -7,6 +7,8 @@ use super::servo_remarks::ServoRemarks;
 use crate::data::model_file::ServoModelDocument;
 use crate::data::units::Units;
 use crate::presentation::summary::wording::layout::wrapped;
+use crate::presentation::summary::wording::numbers::digits;
+use servoid_identification::results::with_unit;
 use servoid_identification::servo_model::{
     LadderRung, LinearKind, LinearModelFit, LinearModels, LoadKind, ServoFit, ServoModel, Terms,
 };
@@ -17,11 +19,12 @@ pub fn of_servo_model(document: &ServoModelDocument, units: Units<'_>, explain: 
     let model = &document.model;
     let level = model.covariance.as_ref().map(|covariance| covariance.level);
     let mut text = format!(
-        "\nservo model: {}\n  fit {:.2} %; of parts that it had not seen {:.2} % (a linear servo of second order: {:.2} %)\n",
+        "\nservo model: {}\n  fit {:.2} %; of parts that it had not seen {:.2} % (a linear servo of second order: {:.2} %)\n  {}\n",
         kind_in_words(model),
         model.fit.simulation_percent,
         model.fit.held_out_percent,
-        model.fit.linear_held_out_percent
+        model.fit.linear_held_out_percent,
+        error_in_words(model, units)
     );
     let remarks = ServoRemarks::of(document, units);
     let line = |remark: &String| format!("  {}\n", wrapped(remark, 2));
@@ -40,6 +43,14 @@ pub fn of_servo_model(document: &ServoModelDocument, units: Units<'_>, explain: 
         );
     }
     text
+}
+
+/// "error 0.062 deg rms, of which 0.060 deg is new ...": how much of the error is not the model's own.
+pub(crate) fn error_in_words(model: &ServoModel, units: Units<'_>) -> String {
+    let unit = units.output.unwrap_or_default();
+    let [error, new] =
+        [model.fit.rmse, model.noise.sigma].map(|error| with_unit(digits(error, 3), unit));
+    format!("error {error} rms, of which {new} is new in each sample, as noise is")
 }
 
 /// The table of the linear models beside the servo model.

@@ -61,7 +61,7 @@ fn what_a_target_lacks_is_named_with_its_value() {
         (
             "full",
             "mujoco",
-            "friction at rest, 1.600 times that in motion",
+            "the excess of friction at rest, which is 1.600 times that in motion",
         ),
         (
             "full",
