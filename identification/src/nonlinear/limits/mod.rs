@@ -8,8 +8,10 @@
 //! references do not show these limits.
 
 mod directed_strokes;
-mod hysteresis_and_ends;
+mod hysteresis;
+mod level_table;
 mod open_question;
+mod range_end;
 mod rate;
 mod rests_apart;
 mod speed_drift;
@@ -27,7 +29,9 @@ use directed_strokes::strokes_by_direction;
 use time_to_rest::time_to_rest;
 use visits::{Visit, visits};
 
-pub use hysteresis_and_ends::{Cell, Hysteresis, RangeEnd, Side};
+pub use hysteresis::Hysteresis;
+pub use level_table::{Cell, Side};
+pub use range_end::RangeEnd;
 pub use rate::{Rate, RateVerdict};
 pub use speed_limits::SpeedLimits;
 
@@ -162,11 +166,11 @@ impl Rests {
         }
     }
 
-    fn table(&self, level: Option<f64>) -> hysteresis_and_ends::Table {
+    fn table(&self, level: Option<f64>) -> level_table::Table {
         // The last quarter of such a hold begins when the response is over.
         let needed = self.settling + self.settling.div_ceil(3) + 1;
         let needed_s = needed as f64 * self.sample_period_s;
-        hysteresis_and_ends::Table::new(&self.visits, needed_s, self.step, level)
+        level_table::Table::new(&self.visits, needed_s, self.step, level)
     }
 
     fn apart(&self, level: f64) -> Option<Interval> {

@@ -1,0 +1,110 @@
+//! Hysteresis: the mean over levels of (rest from above) - (rest from below).
+//!
+//! It does not distinguish
+//! backlash, dead band and friction. In a servo that overshoots by more than its play the sign is
+//! inverted, because the level is then reached from the other side: only the size is reported.
+
+use super::level_table::Table;
+use super::open_question::OpenQuestion;
+use crate::results::Interval;
+use crate::thresholds::HYSTERESIS_FALSE_ALARM;
+use serde::{Deserialize, Serialize};
+
+/// Dependence of the rest position on the direction of approach.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Hysteresis {
+    /// Whether there is hysteresis; `None` when the recording does not show it.
+    pub found: Option<bool>,
+    /// Size of the dependence on the direction of approach \[output\].
+    pub size: Interval,
+    /// The finding as a sentence.
+    pub statement: String,
+    /// What to record where this recording does not show it, as a sentence; `None` where it does.
+    #[serde(default)]
+    pub remedy: Option<String>,
+}
+
+impl Table {
+    pub(super) fn hysteresis(&self) -> Hysteresis {
+        // Weights of the mean with the smallest variance.
+        let (mut sum, mut weights, mut pairs) = (0.0, 0.0, 0);
+        for pair in self
+            .cells
+            .windows(2)
+            .filter(|pair| pair[0].command == pair[1].command)
+        {
+            let (below, above) = (&pair[0], &pair[1]);
+            let (Some(low), Some(high)) = (below.reached.value, above.reached.value) else {
+                continue;
+            };
+            let weight = 1.0 / (1.0 / below.visits as f64 + 1.0 / above.visits as f64);
+            sum += weight * (high - low);
+            weights += weight;
+            pairs += 1;
+        }
+        if pairs == 0 || self.degrees < 2 {
+            let open = OpenQuestion {
+                finding:
+                    "This recording does not determine whether the rest position depends on the \
+                          direction of approach"
+                        .to_owned(),
+                remedy: format!(
+                    "Record stairs that reach each level from both sides, at least twice, each held for at \
+                     least {:.2} s.",
+                    self.needed_s
+                ),
+            };
+            return Hysteresis {
+                found: None,
+                size: Interval::default(),
+                statement: open.statement(),
+                remedy: Some(open.remedy),
+            };
+        }
+        let difference = sum / weights;
+        let sd = (self.variance / weights).sqrt();
+        // Both rests of a pair are rounded.
+        let rounding = 2.0 * self.rounding;
+        let interval = self.within(difference, sd).reaching(rounding, rounding);
+        let by_chance = self.critical(HYSTERESIS_FALSE_ALARM / 2.0) * sd + rounding;
+        let found = difference.abs() > by_chance;
+        let size = absolute(interval);
+        Hysteresis {
+            found: Some(found),
+            size,
+            statement: match (found, size.upper) {
+                (true, _) if difference < 0.0 => format!(
+                    "Hysteresis of {:.3}: rests that are reached from below are higher than those from above, as where the servo overshoots and play, \
+                     a dead band or friction leaves it there.",
+                    difference.abs()
+                ),
+                (true, _) => format!(
+                    "Hysteresis of {difference:.3}: the rest position depends on the direction of approach, by backlash, dead band or friction."
+                ),
+                (false, Some(bound)) => format!(
+                    "No hysteresis above {bound:.3}: the mean rest position does not depend on the direction of approach by more."
+                ),
+                (false, None) => "No hysteresis is found: the mean rest position does not depend on the direction of approach by more than it scatters."
+                    .to_owned(),
+            },
+            remedy: None,
+        }
+    }
+}
+
+/// The interval of |x| from that of x.
+fn absolute(interval: Interval) -> Interval {
+    let (Some(value), Some(lower), Some(upper)) = (interval.value, interval.lower, interval.upper)
+    else {
+        return Interval {
+            value: interval.value.map(f64::abs),
+            ..Interval::default()
+        };
+    };
+    let nearest = if lower <= 0.0 && upper >= 0.0 {
+        0.0
+    } else {
+        lower.abs().min(upper.abs())
+    };
+    Interval::new(value.abs(), nearest, lower.abs().max(upper.abs()))
+}
