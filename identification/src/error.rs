@@ -231,6 +231,11 @@ pub enum Error {
          so look at the step response first"
     )]
     NoResponse,
+    /// Part of the response is not known, for this reason.
+    #[error(
+        "{0}: no model of low order can be fitted, so record a reference with steps that are held until the servo rests"
+    )]
+    ResponseOpen(&'static str),
     /// The record does not determine the final value of the response.
     #[error(
         "the recording does not determine the gain: no model of low order can be fitted, so record a \

@@ -10,17 +10,38 @@ from ._servoid import ServoidError
 
 if TYPE_CHECKING:
     from ._model import Model
+    from ._withdrawn import Withdrawn
 
 # Order of the Padé approximation of a delay: to a tenth of a degree up to the bandwidth of a servo.
 PADE_ORDER = 3
 
 
-def to_control(model: Model, kind: str) -> Any:
-    """The object of this kind."""
-    control = _python_control()
+def to_control(model: Model, kind: str) -> tuple[Any, Withdrawn | None, str]:
+    """The object of this kind, why it has no bounds, where it has none, and of what."""
     if kind == "frd":
-        # Of the servo in continuous time, as the object is: the hold of the samples would be a lag that no continuous loop has.
-        return control.FRD(model.servo_frequency.response, model.servo_frequency.omega_rad_s)
+        found = _frequency_response(model)
+        return found, model.withdrawn if model.frequency.level is None else None, ""
+    if kind == "flight":
+        found, flight = _flight(model), model.flight_model
+        return found, None if flight is None else flight.withdrawn, ""
+    # Beside the bounds of a band, those of the step response are missing.
+    what = "" if model.frequency.level is None else " of the step response"
+    return _of_samples(model, kind), model.withdrawn, what
+
+
+def _frequency_response(model: Model) -> Any:
+    """Of the servo in continuous time, as the object is: the hold of the samples would be a lag that no continuous loop has."""
+    found = model.servo_frequency
+    if found.level is None:
+        known, why = model._core.sine(found.omega_rad_s[0] / (2.0 * np.pi))
+        if known is None:
+            raise ServoidError(f"there is no frequency response: {why}")
+    return _python_control().FRD(found.response, found.omega_rad_s)
+
+
+def _of_samples(model: Model, kind: str) -> Any:
+    """The discrete system that the step response is."""
+    control = _python_control()
     impulse, period = model.impulse_response, model.sample_period_s
     last = len(impulse) - 1
     if kind == "tf":
@@ -30,8 +51,6 @@ def to_control(model: Model, kind: str) -> Any:
         past = np.eye(last, k=-1)
         newest = np.eye(last, 1)
         return control.StateSpace(past, newest, impulse[np.newaxis, 1:], impulse[:1, np.newaxis], period)
-    if kind == "flight":
-        return _flight(model)
     raise ServoidError(f"there is no kind {kind!r}: choose frd, tf, ss or flight")
 
 

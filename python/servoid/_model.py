@@ -537,7 +537,8 @@ class Model(Document):
         """How much of a sine of the command arrives, and how late: gain and phase, as ``servoid identify --at HZ`` prints them.
 
         They are those of the servo in continuous time, as :attr:`servo_frequency` is. Of a servo that is not linear
-        they are those of the recorded motion: ``servo_model.at(hertz, amplitude)`` has those of an amplitude.
+        they are those of the recorded motion: ``servo_model.at(hertz, amplitude)`` has those of an amplitude. Without bounds it warns, and says why
+        there are none.
 
         Parameters
         ----------
@@ -566,7 +567,10 @@ class Model(Document):
             raise _servoid.ServoidError(f"there is no response at {hertz:g} Hz: {why}")
         gain, phase_deg = found
         bounds = self.frequency.level
-        return sine(hertz, None, gain, phase_deg, bounds, self.withdrawn if bounds is None else None)
+        withdrawn = self.withdrawn if bounds is None else None
+        if withdrawn is not None:
+            withdrawn.warn()
+        return sine(hertz, None, gain, phase_deg, bounds, withdrawn)
 
     def predict(self, u: Any, y: Any = None, *, at_rest: float | None = None) -> Any:
         """The output predicted one step ahead from the input and the measured output; without ``y``, :meth:`simulate`.
@@ -746,7 +750,7 @@ class Model(Document):
         kind : {"frd", "tf", "ss", "flight"}
             ``"frd"``: the frequency response of the servo alone, for continuous loops (:attr:`servo_frequency`). ``"tf"`` and ``"ss"``: the step response's own discrete system, as a transfer
             function and in state space. ``"flight"``: the continuous low-order model, its delay by a Padé approximation of third
-            order (identify with ``flight_model=True``).
+            order (identify with ``flight_model=True``). What has no bounds comes with a warning that says why.
 
         Returns
         -------
@@ -756,11 +760,14 @@ class Model(Document):
         Raises
         ------
         ServoidError
-            There is no such kind, or no low-order model.
+            There is no such kind, no low-order model, or, of ``"frd"``, no frequency response that the recording shows.
         """
         from ._control import to_control
 
-        return to_control(self, kind)
+        found, withdrawn, what = to_control(self, kind)
+        if withdrawn is not None:
+            withdrawn.warn(what)
+        return found
 
     def __repr__(self) -> str:
         if self.withdrawn:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,6 +21,10 @@ class Withdrawn:
 
     reason: str
     because: str
+
+    def warn(self, what: str = "") -> None:
+        """Warn whoever called the method that gives numbers without bounds, as ``servoid export`` does."""
+        warnings.warn(f"no bounds{what} can be given, as {self.because}", stacklevel=3)
 
 
 def withdrawn(fields: dict[str, Any]) -> Withdrawn | None:

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::data::column::extent;
 use crate::data::{HELD, Hold, Record, Run, hold_lengths, holds, measured_within, usual_hold};
-use crate::numerics::{median, with_unit};
+use crate::numerics::{command_in_words, median, with_unit};
 use crate::thresholds::{EQUALLY_LARGE, EQUALLY_LONG, RANDOM_ENDS};
 
 /// More levels than this are many.
@@ -117,20 +117,20 @@ impl Motion {
         let [low, high] = [self.lowest, self.highest].map(rounded);
         match low == -high {
             true => format!("±{high}"),
-            false => format!("{low:+} to {high:+}"),
+            false => format!("{} to {}", self.command(low), self.command(high)),
         }
+    }
+
+    fn command(&self, command: f64) -> String {
+        command_in_words(command, self.lowest)
     }
 
     /// "2 levels from -5 to +5 deg, usually held for 0.3 s"; `unit` is that of the input, empty where it is not
     /// known.
     #[must_use]
     pub fn in_words(&self, unit: &str) -> String {
-        let highest = format!("{:+}", rounded(self.highest));
-        let range = format!(
-            "from {:+} to {}",
-            rounded(self.lowest),
-            with_unit(highest, unit)
-        );
+        let [lowest, highest] = [self.lowest, self.highest].map(|end| self.command(rounded(end)));
+        let range = format!("from {lowest} to {}", with_unit(highest, unit));
         match self.levels {
             Some(levels) => format!(
                 "{levels} levels {range}, usually held for {} s",

@@ -229,25 +229,37 @@ impl ServoModelComparison {
     /// Without what depends on the unit of the command, which the two sides do not share.
     #[must_use]
     pub fn of_the_output_alone(self) -> Self {
-        let is_of_output = |name: &str, unit: Unit| {
-            let of_command = matches!(unit, Unit::Command | Unit::OutputPerCommand);
-            !of_command && QuantityKind::named(name) != Some(QuantityKind::Offset)
-        };
+        let of_output = self.with_quantities(|pair| {
+            let of_command = matches!(pair.unit, Unit::Command | Unit::OutputPerCommand);
+            !of_command && pair.kind() != Some(QuantityKind::Offset)
+        });
+        Self {
+            // Which commands go farther nobody can say.
+            stops: of_output.stops.map(|stops| StopsOfBoth {
+                differ: false,
+                ..stops
+            }),
+            ..of_output
+        }
+    }
+
+    /// Without the output at rest under command 0, of servos whose commands are all far from it: it differs there by what the gains differ by.
+    #[must_use]
+    pub fn without_offset(self) -> Self {
+        self.with_quantities(|pair| pair.kind() != Some(QuantityKind::Offset))
+    }
+
+    fn with_quantities(self, is_kept: impl Fn(&QuantityPair) -> bool) -> Self {
         let mut quantities = self.quantities;
-        quantities.retain(|pair| is_of_output(&pair.name, pair.unit));
-        let is_kept =
+        quantities.retain(is_kept);
+        let is_left =
             |found: &QuantityDifference| quantities.iter().any(|pair| pair.name == found.name);
         let bounds = self.bounds.map(|mut bounds| {
-            bounds.differences.retain(is_kept);
+            bounds.differences.retain(is_left);
             bounds
         });
         Self {
             quantities,
-            // Which commands go farther nobody can say.
-            stops: self.stops.map(|stops| StopsOfBoth {
-                differ: false,
-                ..stops
-            }),
             bounds,
             ..self
         }
@@ -374,6 +386,23 @@ mod tests {
             text.contains(r#""stops":{"a":{},"b":{"upper":6.0},"differ":false}"#),
             "{text}"
         );
+    }
+
+    #[test]
+    fn far_from_command_zero_all_but_the_offset_is_compared() {
+        let found = compare_servo_models(&model(0.5), &model(1.0), 0.0, None);
+        let without = found.clone().without_offset();
+        let names = |of: &ServoModelComparison| -> Vec<String> {
+            of.quantities.iter().map(|pair| pair.name.clone()).collect()
+        };
+        let mut expected = names(&found);
+        assert!(expected.iter().any(|name| name == "offset"));
+        expected.retain(|name| name != "offset");
+        assert_eq!(names(&without), expected);
+        if let Some(bounds) = without.bounds.valid() {
+            let of_bounds = bounds.differences.iter().map(|of| of.name.clone());
+            assert_eq!(of_bounds.collect::<Vec<_>>(), expected);
+        }
     }
 
     #[test]

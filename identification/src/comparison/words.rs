@@ -7,7 +7,7 @@ use super::outcome::{
 };
 use super::shift_alone::ShiftIs;
 use super::verdict::Verdict;
-use crate::numerics::{four_digits, pointwise_critical, six_digits};
+use crate::numerics::{command_in_words, four_digits, pointwise_critical, six_digits};
 use crate::results::{Bounds, Interval};
 use crate::thresholds::NOTABLE_SHIFT_S;
 
@@ -244,6 +244,7 @@ fn rise_time(found: &Comparison) -> Option<String> {
 /// nothing to say.
 fn rest(levels: &Sides<Levels>, options: &ComparisonOptions) -> Option<String> {
     let (a, b) = (&levels.a, &levels.b);
+    let least = a.command_minus.min(b.command_minus);
     let ends = [
         (a.command_plus, b.command_plus, a.plus, b.plus),
         (a.command_minus, b.command_minus, a.minus, b.minus),
@@ -267,7 +268,9 @@ fn rest(levels: &Sides<Levels>, options: &ComparisonOptions) -> Option<String> {
                 false => 0,
             };
             let position = |level: f64| with(format!("{level:.decimals$}"), &options.output_unit);
-            let commanded = with(signed(command), &options.input_unit);
+            // "+4.981" of 4.980556789934776: pulses are whole microseconds, and degrees by a calibration are not.
+            let commanded = command_in_words(four_digits(command), least);
+            let commanded = with(commanded, &options.input_unit);
             match (position(a), position(b)) {
                 (a, b) if a == b => {
                     Some(format!("; commanded {commanded} both come to rest at {a}"))
@@ -285,11 +288,6 @@ fn half_width_of_difference(a: Interval, b: Interval, options: &ComparisonOption
     let of_zero = pointwise_critical(options.identification.level) * options.zero_sd;
     let of_scale = options.scale_error() * b.value?;
     Some(half(a)?.hypot(half(b)?).hypot(of_zero).hypot(of_scale))
-}
-
-/// "+4.981" of 4.980556789934776: pulses are whole microseconds, and degrees by a calibration are not.
-fn signed(command: f64) -> String {
-    format!("{:+}", four_digits(command))
 }
 
 #[cfg(test)]

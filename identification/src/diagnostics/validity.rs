@@ -137,6 +137,10 @@ impl Validity {
             _ if evidence.lags_are_mixed && evidence.misfit.is_none() => {
                 (Some(Withheld::InputUnexcited), false)
             }
+            // Nothing says by how much a response is off that rests on errors of its commands, its final value included.
+            _ if excited_by_errors.is_some() && unexcited_above_hz.is_some() => {
+                (Some(Withheld::InputUnexcited), false)
+            }
             // The final value is no exception: a bank that is short of frequencies takes others for it.
             _ if unexcited_above_hz.is_some() && missing > DISAGREEMENT => {
                 (Some(Withheld::InputUnexcited), false)

@@ -76,7 +76,7 @@ pub use order::OrderTried;
 /// ```
 ///
 /// # Errors
-/// The model has no response or no supported gain, or the record is not the one it was identified from; or it has bounds in a band alone, and does not say how they were
+/// The model has no response or no supported gain, part of its response is not known, or the record is not the one it was identified from; or it has bounds in a band alone, and does not say how they were
 /// estimated.
 pub fn fit(
     record: &Record,
@@ -114,7 +114,7 @@ pub fn fit(
 /// ```
 ///
 /// # Errors
-/// The model has no response, no supported gain, or no covariance; or it has bounds in a band alone.
+/// The model has no response, no supported gain, or no covariance; or part of its response is not known; or it has bounds in a band alone.
 pub fn of_model(model: &Model, options: &FlightModelOptions) -> Result<FlightModel, Error> {
     match model.band() {
         Some(_) => Err(Error::OfBandAlone),
@@ -137,6 +137,12 @@ fn choose(
     let band_hz = model.band_hz();
     let level = model.frequency.bounds.as_ref().map(|bounds| bounds.level);
     let is_tested = level.valid().is_some();
+    if let Some(reason) = level
+        .withdrawn()
+        .filter(|reason| reason.leaves_response_open())
+    {
+        return Err(Error::ResponseOpen(reason.because()));
+    }
     // A withheld gain must not return as a parameter, but as one that an order in a band makes of it.
     if band_hz.is_none() && model.metrics.dc_gain.value.is_none() {
         return Err(Error::Unexcited);

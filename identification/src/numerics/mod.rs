@@ -17,8 +17,8 @@ pub(crate) use critical_values::{
 pub use critical_values::{pointwise_critical, student_critical};
 pub(crate) use lagged_sums::LaggedSums;
 pub use order_statistics::median;
+pub use rounding::{command_in_words, six_digits, with_unit};
 pub(crate) use rounding::{four_digits, not_negative, two_digits};
-pub use rounding::{six_digits, with_unit};
 pub(crate) use servoid_linear_algebra::{
     SymmetricEigen, add_outer_product, backward_solve, cholesky, condition, factorised,
     forward_solve, inverse_of_lower, inverse_of_square, mirror, outer_square, spectral_radius,

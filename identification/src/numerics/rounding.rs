@@ -24,8 +24,29 @@ pub fn with_unit(number: impl std::fmt::Display, unit: &str) -> String {
     }
 }
 
+/// A command with its sign, where `least` of those beside it is below 0. Pulse widths, and others on one side of 0, are positions and have none.
+pub fn command_in_words(command: f64, least: f64) -> String {
+    match least < 0.0 {
+        true => format!("{command:+}"),
+        false => command.to_string(),
+    }
+}
+
 /// A number with six digits: 99 rather than 99.00000000000001.
 #[must_use]
 pub fn six_digits(number: f64) -> f64 {
     format!("{number:.5e}").parse().unwrap_or(number)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_a_command_to_both_sides_has_a_sign() {
+        assert_eq!(command_in_words(1650.0, 1358.0), "1650");
+        assert_eq!(command_in_words(10.0, 0.0), "10");
+        assert_eq!(command_in_words(10.0, -10.0), "+10");
+        assert_eq!(command_in_words(-10.0, -10.0), "-10");
+    }
 }

@@ -13,7 +13,9 @@ mod validation;
 mod validity;
 
 pub use crate::estimation::Noise;
-pub use crate::numerics::{pointwise_critical, six_digits, student_critical, with_unit};
+pub use crate::numerics::{
+    command_in_words, pointwise_critical, six_digits, student_critical, with_unit,
+};
 pub use advice::{Advice, Check, Precedence, Setting};
 pub use band_estimate::BandEstimate;
 pub use frequency_response::{FrequencyBounds, FrequencyResponse};

@@ -76,6 +76,12 @@ impl Reason {
         )
     }
 
+    /// Whether part of the response itself is not known: a model of low order would take what is shown of it for the servo.
+    #[must_use]
+    pub fn leaves_response_open(self) -> bool {
+        matches!(self, Self::InputUnexcited | Self::ResponseNotOver)
+    }
+
     /// Whether it speaks against the record, and so against the bounds of any model of it, and not of a linear one alone.
     #[must_use]
     pub fn is_of_the_record(self) -> bool {

@@ -1,8 +1,9 @@
 //! Commands of a stick and of a sweep that were rounded where they were written, while the servo got them as they were.
 
 use rand::RngExt;
-use servoid_identification::results::{Check, Model, Reason};
-use servoid_identification::{Options, Record, Run, identify};
+use servoid_identification::flight_model::{self, FlightModelOptions};
+use servoid_identification::results::{Check, Model, Reason, Withheld};
+use servoid_identification::{Error, Options, Record, Run, identify};
 use servoid_test_support::plants::{normal, random};
 use std::f64::consts::TAU;
 
@@ -114,6 +115,30 @@ fn a_sweep_that_was_rounded_has_no_level_as_one_that_was_not() {
     let said = said.unwrap();
     assert!(said.finding.contains("in steps of 0.3,"), "{said:?}");
     assert!(said.remedy.contains("all their digits"), "{said:?}");
+}
+
+/// Held for two rows, a sweep has power up to half of their rate, but only some of it is the sweep's.
+#[test]
+fn a_sweep_in_frames_that_was_rounded_has_no_gain_and_no_model_of_low_order() {
+    // Of ±100 us from 0.2 to 8 Hz, in whole microseconds.
+    let pulse = |k: usize| {
+        let turns = 4.0 / 40f64.ln() * (40f64.powf(k as f64 / 2000.0) - 1.0);
+        (100.0 * (TAU * turns).sin()).round()
+    };
+    let sent: Vec<f64> = (0..2000).map(|k| pulse(k / 2 * 2)).collect();
+    let model = model(vec![run(&sent, sent.clone(), 0.3, 1)]);
+    assert_eq!(model.bounds.withdrawn(), Some(Reason::InputUnexcited));
+    let said = model.advice.iter().find(|of| of.check == Check::Excitation);
+    let said = said.unwrap();
+    assert!(said.finding.contains("rest on their rounding"), "{said:?}");
+    assert!(!said.finding.contains("Hz"), "{said:?}");
+    assert_eq!(model.metrics.withheld, Some(Withheld::InputUnexcited));
+    assert_eq!(model.metrics.dc_gain.value, None);
+    let fitted = flight_model::of_model(&model, &FlightModelOptions::default());
+    assert_eq!(
+        fitted.unwrap_err(),
+        Error::ResponseOpen(Reason::InputUnexcited.because())
+    );
 }
 
 /// A grid costs its bounds where it may be one of rounding: not where it is stated to be exact, nor beside a column without a grid.

@@ -9,7 +9,7 @@ use crate::data::rest_error::{CommandedRest, ShortOfCommand, rests_of};
 use servoid_identification::Options;
 use servoid_identification::column::mean;
 use servoid_identification::results::{
-    Advice, Check, Model, Reason, Withheld, pointwise_critical, six_digits,
+    Advice, Check, Model, Reason, Withheld, command_in_words, pointwise_critical, six_digits,
 };
 
 /// A part of the commanded way that matters, which is the margin of a comparison unless another one is asked for. Dead band and friction of a servo
@@ -46,13 +46,14 @@ pub(crate) fn advice(data: &Dataset, model: &Model) -> Option<Advice> {
     // A thousandth of the way is finer than what a pilot feels.
     let decimals = (2.0 - commanded.log10().floor()).clamp(0.0, 12.0) as usize;
     let rest = |rests: &Rests| format!("{:.decimals$} {unit}", rests.position);
+    let of_command = |rests: &Rests| command_in_words(six_digits(rests.command), low.command);
     Some(Advice::new(
         Check::Travel,
         format!(
-            "Commanded {:+} {unit} the servo comes to rest at {}, and commanded {:+} {unit} at {}.",
-            six_digits(high.command),
+            "Commanded {} {unit} the servo comes to rest at {}, and commanded {} {unit} at {}.",
+            of_command(&high),
             rest(&high),
-            six_digits(low.command),
+            of_command(&low),
             rest(&low)
         ),
         way,

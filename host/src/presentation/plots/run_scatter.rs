@@ -7,8 +7,8 @@ use crate::presentation::summary::{percent, probability};
 use servoid_identification::diagnostics::{Difference, RunComparison, RunDifference};
 use servoid_identification::results::{Model, StepBounds, pointwise_critical};
 
-/// Each run's own step response less the mean of all, and gain, delay and offset of each run against
-/// the common model. `alone` are models of single runs, all with the same settling time; fewer than
+/// Each run's own step response less the mean of all, and gain, delay and offset at the mean command of each run
+/// against the common model. `alone` are models of single runs, all with the same settling time; fewer than
 /// two give no panel of curves. `level` is that of the bounds, `None` where none can be given.
 #[must_use]
 pub fn run_scatter(
@@ -30,9 +30,12 @@ pub fn run_scatter(
             run.gain_percent
         }),
         number("delay (ms)", 1e3, compared.delay_s.p, |run| run.delay_s),
-        number(&with_unit("offset", unit), 1.0, compared.offset.p, |run| {
-            run.offset
-        }),
+        number(
+            &with_unit("offset at the mean command", unit),
+            1.0,
+            compared.offset.p,
+            |run| run.offset,
+        ),
     ];
     Figure::new(
         name,

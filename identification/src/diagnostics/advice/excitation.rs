@@ -89,7 +89,7 @@ fn is_smooth_in_runs(evidence: &Evidence<'_>) -> bool {
     excitation.is_some_and(Excitation::is_smooth) && runs >= RUNS_FOR_MEAN
 }
 
-/// That commands with such `errors` may have been without, and then excite nothing of what these do. Of a smooth command that is what is above `power_up_to_hz`.
+/// That commands with such `errors` may have been without, and then excite nothing of what these do.
 fn excited_by_errors(evidence: &Evidence<'_>, errors: Inexact, power_up_to_hz: f64) -> Advice {
     let highest = evidence.nyquist_hz();
     let which = match evidence.model.band() {
@@ -99,8 +99,8 @@ fn excited_by_errors(evidence: &Evidence<'_>, errors: Inexact, power_up_to_hz: f
     let (finding, remedy) = match errors {
         Inexact::Rounded(step) => (
             format!(
-                "No bounds{which} can be given, because the commands are in steps of {}, and what power they have above {power_up_to_hz:.1} Hz may be \
-                 their rounding alone: where the servo got finer commands, it got none of that.",
+                "No bounds{which} can be given, because the commands are in steps of {}, and part of the response may rest on their rounding alone: \
+                 where the servo got finer commands, it got none of that.",
                 evidence.input(four_digits(step))
             ),
             format!(
@@ -119,6 +119,7 @@ fn excited_by_errors(evidence: &Evidence<'_>, errors: Inexact, power_up_to_hz: f
                 .to_owned(),
         ),
     };
+    let finding = format!("{finding} Metrics are left out.");
     Advice::new(Check::Excitation, finding, power_up_to_hz, highest, remedy)
 }
 
@@ -246,9 +247,12 @@ pub(super) fn smooth(evidence: &Evidence<'_>) -> Option<Advice> {
     ))
 }
 
-/// Metrics that were left out because they depend on frequencies that the input does not excite.
+/// Metrics that were left out because they depend on frequencies that the input does not excite. Of commands with errors it is said beside these.
 pub(super) fn metrics(evidence: &Evidence<'_>) -> Option<Advice> {
     let unexcited = evidence.validity.unexcited_above_hz?;
+    if evidence.validity.excited_by_errors.is_some() {
+        return None;
+    }
     let left_out = match evidence.model.band() {
         Some(_) => "Delay, rise time and the other metrics of the step response",
         None => "Gain, delay, bandwidth and the other metrics",

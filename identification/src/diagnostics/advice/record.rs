@@ -3,7 +3,7 @@
 use crate::diagnostics::advice::evidence::Evidence;
 use crate::diagnostics::runs::run_scatter::{RunComparison, RunDifference};
 use crate::estimation::{Solver, WELL_CONDITIONED};
-use crate::numerics::two_digits;
+use crate::numerics::{four_digits, two_digits};
 use crate::results::{Advice, Check};
 use crate::thresholds::{
     INITIAL_REST_MISSED, LARGE_SHARE, LOST_TO_HISTORY, RESIDUAL_SIGNIFICANCE, RUNS_FOR_MEAN,
@@ -57,16 +57,21 @@ fn differences(run: &RunDifference, evidence: &Evidence<'_>) -> String {
     let model = evidence.model;
     let whole_s = model.structure.settling_samples as f64 * model.sample_period_s;
     let longest_s = model.metrics.t50_s.value.unwrap_or(0.5 * whole_s);
-    let (gain, offset) = (run.gain_percent.value, run.offset.value);
+    let gain = run.gain_percent.value;
+    let offset = evidence.output(format!("{:+}", two_digits(run.offset.value)));
+    let offset = format!("offset {offset} against the common model");
     match run.delay_s.value {
-        delay if delay.abs() <= longest_s => format!(
-            "gain {gain:+.2} %, delay {:+.2} ms, offset {offset:+.3} against the common model",
-            1000.0 * delay
-        ),
-        _ => format!(
-            "gain {gain:+.2} %, offset {offset:+.3} against the common model, and a motion that differs by more than a delay"
-        ),
+        delay if delay.abs() <= longest_s => {
+            format!("gain {gain:+.2} %, delay {:+.2} ms, {offset}", 1e3 * delay)
+        }
+        _ => format!("gain {gain:+.2} %, {offset}, and a motion that differs by more than a delay"),
     }
+}
+
+/// Which command offsets of `runs` are stated at.
+fn at_mean_command(runs: &RunComparison, evidence: &Evidence<'_>) -> String {
+    let command = evidence.input(four_digits(runs.mean_command));
+    format!("at the mean command of {command}")
 }
 
 pub(super) fn scatter(evidence: &Evidence<'_>) -> Option<Advice> {
@@ -87,11 +92,12 @@ pub(super) fn scatter(evidence: &Evidence<'_>) -> Option<Advice> {
         Advice::new(
             Check::RunScatter,
             format!(
-                "The runs differ by more than their noise: gain by {} %, delay by {} ms, offset by {} \
+                "The runs differ by more than their noise: gain by {} %, delay by {} ms, offset by {} {} \
                  (standard deviations between runs; another bandwidth or damping passes for gain and delay here).{bounds}{}",
                 two_digits(runs.gain_percent.sd),
                 two_digits(1000.0 * runs.delay_s.sd),
-                two_digits(runs.offset.sd),
+                evidence.output(two_digits(runs.offset.sd)),
+                at_mean_command(runs, evidence),
                 farthest(evidence, runs).unwrap_or_default()
             ),
             p,
@@ -153,9 +159,10 @@ pub(super) fn deviating(evidence: &Evidence<'_>) -> Option<Advice> {
     Some(Advice::new(
         Check::DeviatingRun,
         format!(
-            "Run {} deviates from the others: {}.",
+            "Run {} deviates from the others: {} (the offset {}).",
             evidence.run_name(run.run),
-            differences(run, evidence)
+            differences(run, evidence),
+            at_mean_command(runs, evidence)
         ),
         deviating.distance,
         deviating.threshold,

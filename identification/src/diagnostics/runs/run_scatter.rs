@@ -8,7 +8,8 @@
 //! D(z) (y - ŷ)(k) = D(z) [a ŷ_0(k) - τ (ŷ(k+1) - ŷ(k-1))/2 + b] + ε(k)
 //! ```
 //!
-//! with ŷ_0 the output without offset. The noise gives each quantity a standard deviation. Further variance
+//! with ŷ_0 the output beyond the rest at the mean command of the runs. So b is the offset at that command. At command 0 it would be
+//! mixed with the gain wherever commands are far from 0, as pulse widths are. The noise gives each quantity a standard deviation. Further variance
 //! is the scatter between runs (method of moments, as for random effects). From three runs on the model's bounds contain how runs
 //! differ ([`servo_mean`](crate::diagnostics::runs::servo_mean)).
 
@@ -46,7 +47,7 @@ pub struct RunDifference {
     pub gain_percent: Difference,
     /// Additional delay \[s\].
     pub delay_s: Difference,
-    /// Additional offset \[units of the output\].
+    /// Additional output at rest under the [mean command](RunComparison::mean_command) \[units of the output\].
     pub offset: Difference,
 }
 
@@ -89,6 +90,9 @@ pub struct RunComparison {
     pub delay_s: Scatter,
     /// Scatter of the offset.
     pub offset: Scatter,
+    /// The command that offsets are stated at \[units of the input\]: the mean of all runs, by samples. Files without it state them at 0.
+    #[serde(default)]
+    pub mean_command: f64,
     /// The run that deviates most, if one deviates. It takes at least three runs.
     pub deviating: Option<Deviation>,
     /// The run farthest from the others, significant or not.
@@ -103,9 +107,10 @@ impl RunComparison {
         if runs.len() < 2 {
             return None;
         }
+        let mean_command = mean_command(runs);
         let numbered = runs.iter().zip(1..);
         let compared: Vec<Estimated> = numbered
-            .filter_map(|(run, number)| Estimated::new(model, run, number))
+            .filter_map(|(run, number)| Estimated::new(model, run, number, mean_command))
             .collect();
         if compared.len() < 2 {
             return None;
@@ -119,6 +124,7 @@ impl RunComparison {
             gain_percent,
             delay_s,
             offset,
+            mean_command,
             deviating: farthest.filter(|run| run.distance > run.threshold),
             farthest,
         })
@@ -149,6 +155,14 @@ impl RunComparison {
     }
 }
 
+/// The mean of the known commands of `runs`.
+fn mean_command(runs: &[Run]) -> f64 {
+    let known = runs.iter().flat_map(|run| run.input()).copied();
+    let known = known.filter(|u| u.is_finite());
+    let (sum, count) = known.fold((0.0, 0.0), |(sum, count), u| (sum + u, count + 1.0));
+    sum / count
+}
+
 /// A quantity of a run against the common model.
 #[derive(Clone, Copy)]
 struct RunQuantity {
@@ -165,9 +179,11 @@ struct Estimated {
 
 impl Estimated {
     /// `None` for a run that is too short or does not move.
-    fn new(model: &Model, run: &Run, number: usize) -> Option<Self> {
+    fn new(model: &Model, run: &Run, number: usize, mean_command: f64) -> Option<Self> {
         let simulated = model.simulate(run);
-        let moved = simulated.iter().map(|y| y - model.offset).collect();
+        let gain = model.step.value.last()?;
+        let rest = model.offset + gain * mean_command;
+        let moved = simulated.iter().map(|y| y - rest).collect();
         let around = |k: usize| (1..run.len().saturating_sub(1)).contains(&k);
         let slope = |k: usize| match around(k) {
             true => (simulated[k - 1] - simulated[k + 1]) / 2.0,
@@ -318,6 +334,42 @@ mod tests {
     use approx::assert_relative_eq;
 
     use super::*;
+    use crate::{Options, Record, identify_explained};
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::StandardNormal;
+
+    /// Gains that differ by 0.2 % move the output at a pulse width of 0 by three times as much as the zeros of the runs differ.
+    #[test]
+    fn a_gain_that_scatters_is_no_offset_of_commands_far_from_zero() {
+        const ZEROS: [f64; 4] = [0.001, -0.001, 0.0005, -0.0005];
+        const GAINS: [f64; 4] = [1.002, 1.002, 0.998, 0.998];
+        let mut random = ChaCha8Rng::seed_from_u64(5);
+        let run = |(gain, zero): (f64, f64)| {
+            let mut level = 1500.0;
+            let mut position = 0.0;
+            let rows = (0..1200).map(|k| {
+                if k % 15 == 0 {
+                    level = f64::from(random.random_range(1350..1651));
+                }
+                position += 0.3 * (0.0017 * gain * (level - 1500.0) - position);
+                let noise: f64 = random.sample(StandardNormal);
+                (level, position + zero + 1e-4 * noise)
+            });
+            let (input, output): (Vec<f64>, Vec<f64>) = rows.unzip();
+            Run::new(input, output).unwrap()
+        };
+        let runs = GAINS.into_iter().zip(ZEROS).map(run).collect();
+        let record = Record::new(0.01, runs).unwrap();
+        let found = identify_explained(&record, &Options::default()).unwrap();
+        let found = found.explanation.runs.unwrap();
+        let middle = found.mean_command;
+        assert!((1400.0..1600.0).contains(&middle), "{middle}");
+        for (run, (gain, zero)) in found.runs.iter().zip(GAINS.into_iter().zip(ZEROS)) {
+            let there = zero + 0.0017 * (gain - 1.0) * (middle - 1500.0);
+            assert!((run.offset.value - there).abs() < 1e-4, "{run:?} {there}");
+        }
+    }
 
     #[test]
     fn the_variance_of_the_mean_is_that_of_equal_runs_over_their_number() {

@@ -1,7 +1,9 @@
 //! Results beyond the linear response, as text for a terminal: low-order models, strokes by direction, limits.
 
 use crate::presentation::summary::wording::layout::wrapped;
-use crate::presentation::summary::wording::numbers::{digits, head_of_bounds, probability};
+use crate::presentation::summary::wording::numbers::{
+    digits, digits_beside, head_of_bounds, probability,
+};
 use servoid_identification::flight_model::FlightModel;
 use servoid_identification::nonlinear::{DirectionModel, Limits, RateVerdict, Symmetry};
 use servoid_identification::results::{Bounds, Interval};
@@ -39,7 +41,10 @@ pub fn of_flight_model(flight: &FlightModel, linear: bool) -> String {
         else {
             continue;
         };
-        let number = |bound: f64| format!("{:.4}", bound * scale);
+        let width = lower
+            .zip(upper)
+            .map(|(lower, upper)| scale * (upper - lower));
+        let number = |bound: f64| digits_beside(scale * bound, 4, width);
         let end = |bound: Option<f64>| bound.map_or("-".to_owned(), number);
         let bounds = match (lower, upper) {
             (None, None) => String::new(),

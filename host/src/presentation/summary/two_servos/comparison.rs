@@ -3,11 +3,13 @@
 use crate::data::units::Units;
 use crate::presentation::summary::response::metrics::difference_rows;
 use crate::presentation::summary::wording::layout::{findings_with, wrapped};
-use crate::presentation::summary::wording::numbers::{percent, probability, signed, with_bounds};
+use crate::presentation::summary::wording::numbers::{
+    digits_beside, percent, probability, signed, with_bounds,
+};
 use servoid_identification::comparison::{
     Comparison, ComparisonBounds, DifferenceCurve, Direction, Subject, Verdict,
 };
-use servoid_identification::results::{Bounds, Interval};
+use servoid_identification::results::{Bounds, Interval, command_in_words};
 
 /// A comparison of the sides A and B, for a terminal.
 #[must_use]
@@ -150,9 +152,14 @@ pub(crate) fn facts_of_comparison(
     for (name, side) in found.levels.iter().flat_map(|l| [(a, &l.a), (b, &l.b)]) {
         let rest = |(level, command): (&Interval, f64)| {
             level.value?;
-            let rest = with_bounds(level, &output, |v| format!("{v:.3}"));
+            let width = level
+                .lower
+                .zip(level.upper)
+                .map(|(lower, upper)| upper - lower);
+            let rest = with_bounds(level, &output, |v| digits_beside(v, 4, width));
             let command = (1e3 * command).round() / 1e3;
-            Some(format!("{rest} when commanded {command:+}{input}"))
+            let command = command_in_words(command, side.command_minus);
+            Some(format!("{rest} when commanded {command}{input}"))
         };
         let ends = [
             (&side.plus, side.command_plus),
