@@ -61,6 +61,8 @@ pub enum Check {
     Hum,
     /// Whether the column of the command has noise within its holds.
     CommandNoise,
+    /// Whether errors of the column of the command may be all that excites some of the response.
+    CommandErrors,
     /// Whether the input follows the output.
     Feedback,
     /// Whether the output moves before the input.
@@ -260,7 +262,7 @@ impl Advice {
             Check::Outliers => Setting::Explanation,
             Check::Drift => Setting::KeptTrend,
             Check::OutputLeads => Setting::ExchangedColumns,
-            Check::CommandNoise => Setting::ExactCommand,
+            Check::CommandNoise | Check::CommandErrors => Setting::ExactCommand,
             // A longer recording would not change that the longest time that is tried by itself is too short.
             Check::Settled if self.threshold * MARGIN > LONGEST_SETTLING as f64 - 1.0 => {
                 Setting::SettlingTime
@@ -282,6 +284,7 @@ impl Advice {
                 | Check::Settled
                 | Check::Drift
                 | Check::CommandNoise
+                | Check::CommandErrors
         );
         is_of_the_response || self.is_of_the_record()
     }
@@ -347,6 +350,7 @@ impl Advice {
             Check::Feedback
                 | Check::SmoothReference
                 | Check::Excitation
+                | Check::CommandErrors
                 | Check::ModelError
                 | Check::Metrics
         )

@@ -79,7 +79,10 @@ fn a_square_wave_with_noise_has_no_bounds_by_its_noise() {
     let record = SQUARE.trial(2).record;
     let model = model(&record);
     assert_eq!(model.step.bounds.withdrawn(), Some(Reason::InputUnexcited));
-    let excitation = model.advice.iter().find(|of| of.check == Check::Excitation);
+    let excitation = model
+        .advice
+        .iter()
+        .find(|of| of.check == Check::CommandErrors);
     let excitation = excitation.unwrap();
     assert!(
         excitation.finding.contains("has noise of up to 0.030"),

@@ -111,7 +111,10 @@ fn a_sweep_that_was_rounded_has_no_level_as_one_that_was_not() {
         assert_eq!(model.step.bounds.withdrawn(), Some(Reason::InputUnexcited));
     }
     let model = model(vec![run(&sent, rounded(&sent), NOISE, 1)]);
-    let said = model.advice.iter().find(|of| of.check == Check::Excitation);
+    let said = model
+        .advice
+        .iter()
+        .find(|of| of.check == Check::CommandErrors);
     let said = said.unwrap();
     assert!(said.finding.contains("in steps of 0.3,"), "{said:?}");
     assert!(said.remedy.contains("all their digits"), "{said:?}");
@@ -128,7 +131,10 @@ fn a_sweep_in_frames_that_was_rounded_has_no_gain_and_no_model_of_low_order() {
     let sent: Vec<f64> = (0..2000).map(|k| pulse(k / 2 * 2)).collect();
     let model = model(vec![run(&sent, sent.clone(), 0.3, 1)]);
     assert_eq!(model.bounds.withdrawn(), Some(Reason::InputUnexcited));
-    let said = model.advice.iter().find(|of| of.check == Check::Excitation);
+    let said = model
+        .advice
+        .iter()
+        .find(|of| of.check == Check::CommandErrors);
     let said = said.unwrap();
     assert!(said.finding.contains("rest on their rounding"), "{said:?}");
     assert!(!said.finding.contains("Hz"), "{said:?}");

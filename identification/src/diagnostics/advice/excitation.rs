@@ -104,7 +104,7 @@ fn excited_by_errors(evidence: &Evidence<'_>, errors: Inexact, power_up_to_hz: f
                 evidence.input(four_digits(step))
             ),
             format!(
-                "Write the commands as they are sent, with all their digits. {}",
+                "Where these are the commands that were sent, to the last digit, that can be stated. Else write them with all their digits. {}",
                 sharper(highest)
             ),
         ),
@@ -120,7 +120,13 @@ fn excited_by_errors(evidence: &Evidence<'_>, errors: Inexact, power_up_to_hz: f
         ),
     };
     let finding = format!("{finding} Metrics are left out.");
-    Advice::new(Check::Excitation, finding, power_up_to_hz, highest, remedy)
+    Advice::new(
+        Check::CommandErrors,
+        finding,
+        power_up_to_hz,
+        highest,
+        remedy,
+    )
 }
 
 /// An output that moves before the input. A record that a linear servo describes down to its noise needs no such question.
