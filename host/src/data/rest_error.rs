@@ -58,6 +58,10 @@ pub(crate) fn rests_of(record: &Record) -> Vec<CommandedRest> {
     runs.iter().flat_map(of_run).collect()
 }
 
+/// What to do about a servo that rests off its command.
+const LOOK_AT: &str = "Look at the zero of the sensor, at the horn on its spline and at a load that pulls to one side. The step response does not \
+    depend on it.";
+
 /// Advice where the servo rests off its command by more than its friction explains.
 pub(super) fn advice(record: &Record, units: Units<'_>) -> Option<Advice> {
     let is_known = match [units.input, units.output].map(|unit| unit.and_then(unit_meant)) {
@@ -111,8 +115,13 @@ pub(super) fn advice(record: &Record, units: Units<'_>) -> Option<Advice> {
             },
             off,
             beside,
-            "Look at the zero of the sensor, at the horn on its spline and at a load that pulls to one side. The step response does not \
-             depend on it.",
+            match line.friction {
+                Some(_) => LOOK_AT.to_owned(),
+                // A stop at one of two levels is as an offset and a gain.
+                None => format!(
+                    "{LOOK_AT} Or one of the two levels is beyond a stop, which stairs or random levels show."
+                ),
+            },
         )
     })
 }

@@ -82,6 +82,15 @@ impl Reason {
         matches!(self, Self::InputUnexcited | Self::ResponseNotOver)
     }
 
+    /// Whether the rests of a record without bounds for this reason are those of one servo: one that meets a stop has all others as ever.
+    #[must_use]
+    pub fn leaves_rests(self) -> bool {
+        matches!(
+            self,
+            Self::TravelEnd | Self::TravelEndOpen | Self::LoadHoldsDrive
+        )
+    }
+
     /// Whether it speaks against the record, and so against the bounds of any model of it, and not of a linear one alone.
     #[must_use]
     pub fn is_of_the_record(self) -> bool {

@@ -155,7 +155,7 @@ fn fit(
     let (hysteresis, apart) = Hysteresis::with_rests_apart(&data.record, linear.model(), level);
     let model = ServoModel {
         hysteresis: (hysteresis.found == Some(true)).then_some(hysteresis.size),
-        rests_apart: apart.filter(|_| options.against.is_none()),
+        rests_apart: apart.filter(|_| options.against.is_none_or(Reason::leaves_rests)),
         ..model
     };
     let stroke = sixty_degrees(data.about.units());

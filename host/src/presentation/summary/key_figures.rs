@@ -6,7 +6,6 @@ use super::response::low_order::gain_by_order;
 use super::response::metrics::{self, MetricEntry, NONE};
 use super::servo::measured_limits::{measured_limit, measured_limits};
 use super::servo::quantity_table::{QuantityRow, quantity_rows, scale_and_unit};
-use super::servo::top_speeds::is_unreached;
 use super::servo::what_to_record::shown_by;
 use super::two_servos::comparison::verdict;
 use super::wording::numbers::{digits, four_digits, percent, signed, with_bounds};
@@ -202,7 +201,7 @@ fn value_and_below(
     };
     // The ranges of other fits stand where intervals do.
     let doubts = [
-        (is_unreached(model, quantity), "extrapolated; "),
+        (model.stayed_below(quantity), "extrapolated; "),
         (
             quantity.other_fits.is_some() && quantity.determined,
             "no interval; ",

@@ -104,12 +104,12 @@ pub(super) fn scatter(evidence: &Evidence<'_>) -> Option<Advice> {
             threshold,
             match evidence.model.linear {
                 true => {
-                    "Look for what changes from run to run, such as supply voltage or temperature; compare servos by \
-                     several runs each."
+                    "Look for what changes from run to run, such as the supply voltage, the temperature, or when pulses come that have a clock of their own; \
+                     compare servos by several runs each."
                 }
                 false => {
                     "This servo is not linear, so it answers another motion in another way: record runs of one kind of motion. Where they are, look for what \
-                     changes from run to run, such as supply voltage or temperature."
+                     changes from run to run, such as the supply voltage, the temperature, or when pulses come that have a clock of their own."
                 }
             },
         )

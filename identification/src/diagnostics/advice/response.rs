@@ -1,5 +1,6 @@
 //! Findings on the response: whether it is over, and which part of it was left out.
 
+use crate::data::usual_hold;
 use crate::diagnostics::advice::evidence::{Evidence, two_digits};
 use crate::diagnostics::{Misfit, rise_at_end};
 use crate::numerics::four_digits;
@@ -18,8 +19,34 @@ fn trusted_choice<'a>(evidence: &Evidence<'a>) -> Option<&'a Choice> {
     choice.filter(|_| evidence.misfit().is_none())
 }
 
+/// The usual hold, where the settling times that were tried are longer and the servo is not linear.
+fn hold_that_is_outlasted(evidence: &Evidence<'_>, choice: &Choice) -> Option<usize> {
+    let record = evidence
+        .recorded
+        .filter(|_| evidence.errors_follow_motion())?;
+    Some(usual_hold(record)).filter(|hold| *hold < choice.longest)
+}
+
+/// That a response which goes on behind the usual `hold` may be no response.
+fn after_holds(evidence: &Evidence<'_>, choice: &Choice, hold: usize) -> Advice {
+    Advice::new(
+        Check::Settled,
+        format!(
+            "What this response does after {:.3} s, for which the command is usually held, may be no answer to one step: the servo is not linear, and \
+             how it answers the steps that follow passes for a late part. The final value is not certain.",
+            hold as f64 * evidence.model.sample_period_s
+        ),
+        choice.detected as f64,
+        hold as f64,
+        "Record runs with their levels in other orders, or steps of one size that are held until the servo rests.",
+    )
+}
+
 pub(super) fn settled(evidence: &Evidence<'_>) -> Option<Advice> {
     let choice = trusted_choice(evidence).filter(|choice| !choice.settled)?;
+    if let Some(hold) = hold_that_is_outlasted(evidence, choice) {
+        return Some(after_holds(evidence, choice, hold));
+    }
     let period = evidence.model.sample_period_s;
     let longest = choice.longest as f64 * period;
     let moving = choice.detected as f64 * period;

@@ -2,7 +2,8 @@
 //!
 //! A change is held against the scatter from block to block, whatever causes that. A motion that itself changes along the run may do as much
 //! to a servo that is not linear. So what goes with the size of the motion of a block is taken out first, and a record whose command has another
-//! range, goes another way or moves more often in its second half is not asked.
+//! range, goes another way or moves more often in its second half is not asked. The blocks at both ends of a run are left out: a run begins and ends at some neutral
+//! position, with strokes that no other block has.
 //!
 //! What the strokes of a servo that is not linear leave in a block, they leave in that block of each run of the same [reference](References). So blocks at one place of one
 //! reference are one block, with their mean: several runs have less noise, and no more strokes.
@@ -24,8 +25,9 @@ use crate::diagnostics::residuals::simulation_error::{Simulated, simulated_whole
 use crate::estimation::GlsFit;
 use crate::thresholds::{RANGES_ALIKE, WAYS_ALIKE};
 
-/// Blocks of a record.
+/// Blocks of a record, and of each run at least.
 const BLOCKS: usize = 24;
+const BLOCKS_OF_RUN: usize = 8;
 
 /// The shortest block, in lengths of the history: its ends are those of other blocks, too.
 const HISTORIES: usize = 2;
@@ -72,7 +74,9 @@ impl Blocks {
         let references = References::of(runs.iter().map(|run| &run.run));
         let lengths = &references.lengths;
         let history = fit.coordinates.basis.settling();
-        let length = (lengths.iter().sum::<usize>() / BLOCKS).max(HISTORIES * history);
+        let of_record = lengths.iter().sum::<usize>() / BLOCKS;
+        let of_run = lengths.iter().min()? / BLOCKS_OF_RUN;
+        let length = of_record.min(of_run).max(HISTORIES * history);
         let of_run = |(index, run): (usize, &Simulated<'_>)| {
             let regressor = regressor(run);
             let parts = (run.errors.chunks_exact(length)).zip(regressor.chunks_exact(length));
@@ -83,7 +87,11 @@ impl Blocks {
                     ..block
                 })
             };
-            parts.enumerate().filter_map(of_part).collect::<Vec<_>>()
+            let inner = 1..parts.len().saturating_sub(1);
+            let inner = parts
+                .enumerate()
+                .filter(|(number, _)| inner.contains(number));
+            inner.filter_map(of_part).collect::<Vec<_>>()
         };
         let mut blocks: Vec<Block> = runs.iter().enumerate().flat_map(of_run).collect();
         keep_moving(&mut blocks);

@@ -5,6 +5,7 @@ pub(super) mod old_quantities;
 pub(super) mod prediction;
 pub(super) mod sine_response;
 pub(super) mod stroke_time;
+mod top_speed_reached;
 
 use super::quantities::{Quantity, widen_delay};
 use crate::data::{Record, Run, Timing};

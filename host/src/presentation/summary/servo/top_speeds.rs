@@ -1,6 +1,5 @@
 //! The top speeds that a recording determines, and whether the servo reached them.
 
-use super::measured_limits::measured_limit;
 use crate::data::units::Units;
 use crate::presentation::summary::wording::speed_words::reached_speed;
 use servoid_identification::servo_model::{Quantity, QuantityKind, ServoModel};
@@ -20,31 +19,15 @@ pub(crate) fn top_speeds(model: &ServoModel) -> Option<[&Quantity; 2]> {
     Some([up?, down?])
 }
 
-/// A servo above this part of its top speed is at it: it comes near without end, and means over 20 ms are some percent below their peak.
-const AT_TOP_SPEED: f64 = 0.9;
-
 /// Whether the servo stayed below its top speeds in all of the recording.
 pub(crate) fn is_never_reached(model: &ServoModel, speeds: &[&Quantity; 2]) -> bool {
-    speeds.iter().all(|speed| is_unreached(model, speed))
-}
-
-/// Whether a quantity is a top speed below which the servo stayed in all of the recording. Where larger strokes were no faster, it did not.
-pub(crate) fn is_unreached(model: &ServoModel, quantity: &Quantity) -> bool {
-    let reached = model.reached.and_then(|reached| match quantity.kind()? {
-        QuantityKind::TopSpeedUpwards => Some(reached.measured()[0]),
-        QuantityKind::TopSpeedDownwards => Some(reached.measured()[1]),
-        _ => None,
-    });
-    let is_shown = measured_limit(model, quantity.kind()).is_some();
-    quantity.determined
-        && !is_shown
-        && reached.is_some_and(|reached| reached < AT_TOP_SPEED * quantity.value)
+    speeds.iter().all(|speed| model.stayed_below(speed))
 }
 
 /// That one of the top speeds was not reached, where the other was: a sentence.
 pub(crate) fn one_unreached(model: &ServoModel, units: Units<'_>) -> Option<String> {
     let reached = model.reached?;
-    let of_each = top_speeds(model)?.map(|speed| is_unreached(model, speed));
+    let of_each = top_speeds(model)?.map(|speed| model.stayed_below(speed));
     let (which, reached) = match of_each {
         [true, false] => ("upwards", reached.upwards),
         [false, true] => ("downwards", reached.downwards),
