@@ -286,7 +286,7 @@ fn cause(
     if let Some(scale) = scale.filter(|scale| is_most(scale.left)) {
         return format!(
             "It is the gain: this recording moves {:.3} times as far as the model, and scaled by that it leaves an error of {}. If the servo is \
-             the same, look at the units of both columns, at the calibration of the sensor and at the travel that a transmitter or controller is set to.",
+             the same, look at the units of both columns, at the calibration of the sensor, at the travel that a transmitter or controller is set to, and for a load that grows with the angle.",
             scale.factor,
             in_unit(scale.left)
         );
@@ -338,7 +338,8 @@ const BETWEEN_ROWS: &str = "Where the servo followed the command between the row
 
 /// Said where nothing simpler is the cause.
 const ANOTHER_MOTION: &str = "Where servo and noise are the same, the motion is not: identify from recordings of both kinds of motion together, all with rows of one period (strokes as \
-    large, as small and as quick as these), and take the servo model where the servo is not linear.";
+    large, as small and as quick as these), and take the servo model where the servo is not linear. Where the servo may be another, as under a load or another \
+    supply, identify this recording by itself and compare the two.";
 
 /// That the error is noise, where what the recording scatters by at rest is most of it.
 fn noise(

@@ -144,7 +144,9 @@ pub(super) fn load(model: &ServoModel) -> Option<String> {
         LoadKind::Constant => {
             format!("works as if against a constant load ({LOOKS_LIKE_A_LOAD})")
         }
-        LoadKind::Pendulum | LoadKind::TiltedPendulum => "carries a weight".to_owned(),
+        LoadKind::Pendulum | LoadKind::TiltedPendulum => {
+            "works against a load that changes with the angle, as a weight on its arm or the air makes".to_owned()
+        }
         LoadKind::Air => {
             "works against a load that stiffens to one side, as an end of its travel does"
                 .to_owned()

@@ -120,13 +120,13 @@ fn load_in_words(load: LoadKind) -> &'static str {
     match load {
         LoadKind::None => "",
         LoadKind::Constant => "constant load",
-        LoadKind::Pendulum => "weight on a hanging arm",
-        LoadKind::TiltedPendulum => "weight on a tilted arm",
+        LoadKind::Pendulum => "load as of a weight on a hanging arm",
+        LoadKind::TiltedPendulum => "load as of a weight on a tilted arm",
         LoadKind::Air => "load of the air",
     }
 }
 
-/// "limit of the drive, friction, weight on a hanging arm"
+/// "limit of the drive, friction, load as of a weight on a hanging arm"
 pub(crate) fn terms_in_words(terms: Terms) -> String {
     let all = [
         (terms.limit, "limit of the drive"),

@@ -63,7 +63,7 @@ const LARGER_STROKES: &str = "Strokes of this recording were too small to show t
 /// Said of a servo that a dead band or friction holds, where the record does not show which.
 const STAIRS_DO_NOT_SEPARATE: &str = "Dead band and friction rest alike, and stairs hardly distinguish them: a large slow motion that goes on does, such as \
     sines of 0.1 to 3 Hz that add up to 30 degrees, for 20 s, with two seconds of rest before and after them (in servoid: --reference multisine --amplitude 30 \
-    --frequencies 0.1:3 --length 20).";
+    --frequencies 0.1:3 --length 20). Identify it together with this recording, in rows of one period.";
 
 /// What gives intervals in a file of another program, where more of the same does not.
 const PLAY_OR_PULSES: &str = "More recordings of this kind hardly give intervals. Where pulses come on a clock of their own, commands wait for them, which neither another \
