@@ -156,7 +156,7 @@ pub enum Error {
     /// Nothing of the output follows the input.
     #[error(
         "the output shows no response to the input above its noise: check that the sensor is connected, \
-         that the servo moves and does not stand at a stop, and that input and output belong together; if they do, use larger steps"
+         that the servo moves and does not stand at a stop, and that input and output belong together; if they do, use larger steps, or a shorter settling time where one is stated"
     )]
     Unanswered,
     /// The output changes from run to run alone.

@@ -76,6 +76,11 @@ fn runs_of_one_reference_are_no_evidence_of_a_longer_response_than_one_of_them()
             nine.structure.settling_samples, one.structure.settling_samples,
             "{seed}"
         );
+        let asks_for_other_orders = |model: &Model| {
+            let said = model.advice.iter().find(|said| said.is_of_linearity());
+            said.unwrap().remedy.contains("levels in another order")
+        };
+        assert!(!asks_for_other_orders(&one) && asks_for_other_orders(&nine));
     }
 }
 

@@ -1,5 +1,6 @@
 //! Findings on the errors: whether they are noise, and whether the noise model fits them.
 
+use crate::data::References;
 use crate::diagnostics::advice::evidence::Evidence;
 use crate::diagnostics::linearity::Linearity;
 use crate::diagnostics::misfit::slow_errors::SlowErrors;
@@ -231,9 +232,23 @@ pub(super) fn not_linear(evidence: &Evidence<'_>) -> Option<Advice> {
         format!("{what}: {percent:.1} % of the motion (rms) {shown_by}. {consequence}"),
         material_percent,
         MATERIAL_MISFIT_PERCENT,
-        "Compare only what was recorded with the same reference; look at strokes up and down and at the \
-         limits of speed and travel apart.",
+        format!(
+            "Compare only what was recorded with the same reference; look at strokes up and down and at the \
+             limits of speed and travel apart.{}",
+            one_order(evidence)
+        ),
     ))
+}
+
+/// What several runs of one reference are worth of a servo that is not linear.
+fn one_order(evidence: &Evidence<'_>) -> &'static str {
+    let runs = evidence.recorded.map_or(&[][..], |record| record.runs());
+    match References::of(runs.iter()).count() < runs.len() {
+        true => {
+            " Give each run its levels in another order: what a linear model lacks repeats in runs of one order, and passes for a part of the response."
+        }
+        false => "",
+    }
 }
 
 pub(super) fn metrics(evidence: &Evidence<'_>) -> Option<Advice> {
