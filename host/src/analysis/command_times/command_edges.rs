@@ -139,7 +139,7 @@ fn with_pulses(rows: f64, length_s: Option<f64>, scatter_s: f64) -> Advice {
         ),
     };
     let finding = format!(
-        "Each command waits for the next pulse of {frame}, and errors that follow the motion are that wait. All times contain its mean"
+        "Each command waits for the next pulse of {frame}: beside commands at their pulses, no errors that follow the motion show. All times contain the mean of this wait"
     );
     of_wait(rows, &finding, length_s.unwrap_or(scatter_s))
 }
