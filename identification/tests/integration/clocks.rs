@@ -1,10 +1,12 @@
 //! Records whose times are not what they are taken for, or in which the servo runs into a stop, have no bounds, and a reason. The table
 //! "Times that are not what they seem, and stops" of docs/assumptions.md has more of them.
 
+use rand::RngExt;
 use servoid_identification::results::Reason;
-use servoid_identification::{Options, Record, identify};
+use servoid_identification::{Options, Record, Run, identify};
 use servoid_test_support::loggers::Logger;
 use servoid_test_support::plants::{normal, random};
+use servoid_test_support::servos::{Limit, limited_in_steps};
 
 #[test]
 fn clocks_that_differ_slow_sensors_and_stops_take_the_level() {
@@ -146,5 +148,32 @@ fn a_square_wave_into_a_limited_speed_is_no_stop() {
             Some(Reason::TravelEnd),
             "seed {seed}"
         );
+    }
+}
+
+/// A servo whose speed is limited answers the stroke from its neutral position, with which each run begins, and that back to it sooner than the longer ones
+/// between them.
+#[test]
+fn shorter_strokes_at_the_ends_of_runs_are_no_drift() {
+    for seed in 0..3 {
+        let mut random = random(seed);
+        let mut run = || {
+            let mut input = vec![0.0; 60];
+            for stroke in 0..12 {
+                let level = [34.0, -20.0][stroke % 2];
+                input.extend(std::iter::repeat_n(level, random.random_range(40..80)));
+            }
+            input.extend([0.0; 60]);
+            let limit = Limit::Rate(480.0, 480.0);
+            let output = limited_in_steps(0.9, 60.0, limit, &input, 0.0, (2e-4, 50, 50));
+            let output: Vec<f64> = output
+                .iter()
+                .map(|y| y + 0.05 * normal(&mut random))
+                .collect();
+            Run::new(input, output).unwrap()
+        };
+        let runs = (0..9).map(|_| run()).collect();
+        let model = identify(&Record::new(0.01, runs).unwrap(), &Options::default()).unwrap();
+        assert_ne!(model.bounds.withdrawn(), Some(Reason::LagDrift), "{seed}");
     }
 }
