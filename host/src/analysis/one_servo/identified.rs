@@ -204,10 +204,12 @@ const HALF_WAY_S: RangeInclusive<f64> = 1e-3..=1.0;
 fn unlikely_duration(model: &Model) -> Option<Advice> {
     let metrics = &model.metrics;
     // What the steps that follow do to a servo that is not linear passes for a response that goes on.
-    let has_end = model.linear || model.step.bounds.withdrawn() != Some(Reason::ResponseNotOver);
-    let settled = has_end.then_some((metrics.settling_time_s, SETTLING_S, "is at its end"));
+    if !model.linear && model.step.bounds.withdrawn() == Some(Reason::ResponseNotOver) {
+        return None;
+    }
+    let settled = (metrics.settling_time_s, SETTLING_S, "is at its end");
     let half_way = (metrics.t50_s, HALF_WAY_S, "is half way");
-    let mut both = settled.into_iter().chain([half_way]);
+    let mut both = [settled, half_way].into_iter();
     let (found, usual, what) = both.find(|(found, ..)| found.value.is_some())?;
     let time = found.value?;
     if may_be_within(found, &usual, metrics.bounds.valid().is_some()) {
