@@ -45,12 +45,13 @@ pub fn of_servo_model(document: &ServoModelDocument, units: Units<'_>, explain: 
     text
 }
 
-/// "error 0.062 deg rms, of which 0.060 deg is new ...": how much of the error is not the model's own.
+/// "error 0.0622 deg rms": noise and what the model lacks.
 pub(crate) fn error_in_words(model: &ServoModel, units: Units<'_>) -> String {
-    let unit = units.output.unwrap_or_default();
-    let [error, new] =
-        [model.fit.rmse, model.noise.sigma].map(|error| with_unit(digits(error, 3), unit));
-    format!("error {error} rms, of which {new} is new in each sample, as noise is")
+    let error = digits(model.fit.rmse, 3);
+    format!(
+        "error {} rms",
+        with_unit(error, units.output.unwrap_or_default())
+    )
 }
 
 /// The table of the linear models beside the servo model.
