@@ -137,6 +137,13 @@ impl ParameterBounds {
 }
 
 impl Model {
+    /// Whether the end of its response may be how the servo answers the steps that follow, which passes for a response that goes on where a servo is not
+    /// linear.
+    #[must_use]
+    pub fn may_answer_later_steps(&self) -> bool {
+        !self.linear && self.step.bounds.withdrawn() == Some(Reason::ResponseNotOver)
+    }
+
     /// Whether the parts of a document fit together: lengths, and numbers that can be computed with
     /// (up to 1e75). A model that was identified always does; one that was read from elsewhere has to
     /// be asked.

@@ -2,7 +2,7 @@
 
 use rand::RngExt;
 use servoid_identification::flight_model::{self, FlightModelOptions};
-use servoid_identification::results::{Check, Model, Reason, Withheld};
+use servoid_identification::results::{Advice, Check, Model, Reason, Withheld};
 use servoid_identification::{Error, Options, Record, Run, identify};
 use servoid_test_support::plants::{normal, random};
 use std::f64::consts::TAU;
@@ -102,6 +102,12 @@ fn bounds_hold_where_the_commands_of_a_stick_were_rounded() {
     assert!(missed <= 2, "{missed} missed");
 }
 
+fn on_command_errors(model: &Model) -> &Advice {
+    let mut advice = model.advice.iter();
+    let found = advice.find(|of| of.check == Check::CommandErrors);
+    found.unwrap()
+}
+
 /// What excites the high frequencies is then the rounding, which the servo did not get.
 #[test]
 fn a_sweep_that_was_rounded_has_no_level_as_one_that_was_not() {
@@ -111,11 +117,7 @@ fn a_sweep_that_was_rounded_has_no_level_as_one_that_was_not() {
         assert_eq!(model.step.bounds.withdrawn(), Some(Reason::InputUnexcited));
     }
     let model = model(vec![run(&sent, rounded(&sent), NOISE, 1)]);
-    let said = model
-        .advice
-        .iter()
-        .find(|of| of.check == Check::CommandErrors);
-    let said = said.unwrap();
+    let said = on_command_errors(&model);
     assert!(said.finding.contains("in steps of 0.3,"), "{said:?}");
     assert!(said.remedy.contains("all their digits"), "{said:?}");
 }
@@ -131,11 +133,7 @@ fn a_sweep_in_frames_that_was_rounded_has_no_gain_and_no_model_of_low_order() {
     let sent: Vec<f64> = (0..2000).map(|k| pulse(k / 2 * 2)).collect();
     let model = model(vec![run(&sent, sent.clone(), 0.3, 1)]);
     assert_eq!(model.bounds.withdrawn(), Some(Reason::InputUnexcited));
-    let said = model
-        .advice
-        .iter()
-        .find(|of| of.check == Check::CommandErrors);
-    let said = said.unwrap();
+    let said = on_command_errors(&model);
     assert!(said.finding.contains("rest on their rounding"), "{said:?}");
     assert!(!said.finding.contains("Hz"), "{said:?}");
     assert_eq!(model.metrics.withheld, Some(Withheld::InputUnexcited));

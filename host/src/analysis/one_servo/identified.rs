@@ -203,8 +203,7 @@ const HALF_WAY_S: RangeInclusive<f64> = 1e-3..=1.0;
 /// That no servo takes as long, or as short, as this response.
 fn unlikely_duration(model: &Model) -> Option<Advice> {
     let metrics = &model.metrics;
-    // What the steps that follow do to a servo that is not linear passes for a response that goes on.
-    if !model.linear && model.step.bounds.withdrawn() == Some(Reason::ResponseNotOver) {
+    if model.may_answer_later_steps() {
         return None;
     }
     let settled = (metrics.settling_time_s, SETTLING_S, "is at its end");

@@ -4,7 +4,7 @@ use super::headline::stroke_in_words;
 use super::response::first_finding::first_finding;
 use super::response::low_order::gain_by_order;
 use super::response::metrics::{self, MetricEntry, NONE};
-use super::servo::measured_limits::{measured_limit, measured_limits};
+use super::servo::measured_limits::measured_limits;
 use super::servo::quantity_table::{QuantityRow, quantity_rows, scale_and_unit};
 use super::servo::what_to_record::shown_by;
 use super::two_servos::comparison::verdict;
@@ -182,7 +182,7 @@ fn value_and_below(
     (quantity, row): (&Quantity, &QuantityRow),
     units: Units<'_>,
 ) -> (String, String) {
-    if let Some(limit) = measured_limit(model, quantity.kind()) {
+    if let Some(limit) = model.limit_of_strokes(quantity.kind()) {
         let turn = seconds_per_60_degrees(limit, units);
         let turn = turn.map_or_else(String::new, |turn| format!("; {turn}"));
         return (digits(limit, 3), format!("by its larger strokes{turn}"));

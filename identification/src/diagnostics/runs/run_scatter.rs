@@ -19,6 +19,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::run_equations::RunEquations;
 use crate::data::Run;
+use crate::data::column::mean;
 use crate::numerics::{
     backward_solve, chi_square_upper_tail, cholesky, dot, forward_solve, inverse_of_lower,
     normal_upper_quantile, student_critical,
@@ -107,7 +108,8 @@ impl RunComparison {
         if runs.len() < 2 {
             return None;
         }
-        let mean_command = mean_command(runs);
+        let commands: Vec<f64> = runs.iter().flat_map(|run| run.input()).copied().collect();
+        let mean_command = mean(&commands)?;
         let numbered = runs.iter().zip(1..);
         let compared: Vec<Estimated> = numbered
             .filter_map(|(run, number)| Estimated::new(model, run, number, mean_command))
@@ -153,14 +155,6 @@ impl RunComparison {
         let values: Vec<RunQuantity> = self.runs.iter().map(quantity).collect::<Option<_>>()?;
         Some(RunSquares::of(&values)?.variance_of_mean())
     }
-}
-
-/// The mean of the known commands of `runs`.
-fn mean_command(runs: &[Run]) -> f64 {
-    let known = runs.iter().flat_map(|run| run.input()).copied();
-    let known = known.filter(|u| u.is_finite());
-    let (sum, count) = known.fold((0.0, 0.0), |(sum, count), u| (sum + u, count + 1.0));
-    sum / count
 }
 
 /// A quantity of a run against the common model.

@@ -61,7 +61,7 @@ impl Table {
     /// The table of `visits` that are held for at least `needed_s`, of a sensor with steps of `step`, which is 0 where noise dithers them.
     pub(super) fn new(visits: &[Visit], needed_s: f64, step: f64, level: Option<f64>) -> Self {
         let cell_of = |visit: &Visit| {
-            let from = match visit.command > visit.before {
+            let from = match visit.is_from_below() {
                 true => Side::Below,
                 false => Side::Above,
             };

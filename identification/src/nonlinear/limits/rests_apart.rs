@@ -23,25 +23,25 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 const FEWEST_DEGREES: usize = 2;
 
 /// The visits of one level from another.
-struct Arrivals {
-    command: f64,
-    before: f64,
-    rests: Vec<f64>,
-    moved: Vec<f64>,
+struct Arrivals<'v> {
+    /// The first of them.
+    stroke: &'v Visit,
+    visits: Vec<&'v Visit>,
 }
 
-impl Arrivals {
-    fn is_from_below(&self) -> bool {
-        self.before < self.command
-    }
-
-    fn mean(&self) -> f64 {
-        mean(&self.rests)
+impl Arrivals<'_> {
+    fn rest(&self) -> f64 {
+        self.mean(|visit| visit.rest)
     }
 
     /// How far these rests may be from where the servo would come to rest.
     fn still_to_go(&self) -> f64 {
-        mean(&self.moved).abs()
+        self.mean(|visit| visit.moved).abs()
+    }
+
+    fn mean(&self, of: fn(&Visit) -> f64) -> f64 {
+        let sum: f64 = self.visits.iter().map(|visit| of(visit)).sum();
+        sum / self.visits.len() as f64
     }
 }
 
@@ -51,13 +51,15 @@ pub(super) fn rests_apart(visits: &[Visit], step: f64, level: f64) -> Option<Int
     let cells = cells(visits);
     let pairs = pairs(&cells);
     let degrees = visits.len() - cells.len();
-    let are_of_both_sides = |[a, b]: &[&Arrivals; 2]| a.is_from_below() != b.is_from_below();
+    let are_of_both_sides =
+        |[a, b]: &[&Arrivals; 2]| a.stroke.is_from_below() != b.stroke.is_from_below();
     if degrees < FEWEST_DEGREES || !pairs.iter().any(are_of_both_sides) {
         return None;
     }
     let square = |cell: &Arrivals| {
-        let mean = cell.mean();
-        cell.rests.iter().map(|y| (y - mean).powi(2)).sum::<f64>()
+        let mean = cell.rest();
+        let squares = cell.visits.iter().map(|of| (of.rest - mean).powi(2));
+        squares.sum::<f64>()
     };
     let sd = (cells.iter().map(square).sum::<f64>() / degrees as f64).sqrt();
     let missed = (1.0 - level) / 2.0 / pairs.len() as f64;
@@ -65,8 +67,8 @@ pub(super) fn rests_apart(visits: &[Visit], step: f64, level: f64) -> Option<Int
         .ok()?
         .inverse_cdf(missed);
     let ends = pairs.iter().map(|[a, b]| {
-        let apart = (a.mean() - b.mean()).abs();
-        let share = 1.0 / a.rests.len() as f64 + 1.0 / b.rests.len() as f64;
+        let apart = (a.rest() - b.rest()).abs();
+        let share = 1.0 / a.visits.len() as f64 + 1.0 / b.visits.len() as f64;
         let half = critical * sd * share.sqrt() + step + a.still_to_go() + b.still_to_go();
         [apart, (apart - half).max(0.0), apart + half]
     });
@@ -74,25 +76,17 @@ pub(super) fn rests_apart(visits: &[Visit], step: f64, level: f64) -> Option<Int
     Some(Interval::new(value, lower, upper))
 }
 
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
-}
-
-fn cells(visits: &[Visit]) -> Vec<Arrivals> {
+fn cells(visits: &[Visit]) -> Vec<Arrivals<'_>> {
     let mut cells: Vec<Arrivals> = Vec::new();
     for visit in visits {
-        let is_same =
-            |cell: &&mut Arrivals| cell.command == visit.command && cell.before == visit.before;
+        let is_same = |cell: &&mut Arrivals| {
+            cell.stroke.command == visit.command && cell.stroke.before == visit.before
+        };
         match cells.iter_mut().find(is_same) {
-            Some(cell) => {
-                cell.rests.push(visit.rest);
-                cell.moved.push(visit.moved);
-            }
+            Some(cell) => cell.visits.push(visit),
             None => cells.push(Arrivals {
-                command: visit.command,
-                before: visit.before,
-                rests: vec![visit.rest],
-                moved: vec![visit.moved],
+                stroke: visit,
+                visits: vec![visit],
             }),
         }
     }
@@ -100,10 +94,10 @@ fn cells(visits: &[Visit]) -> Vec<Arrivals> {
 }
 
 /// All pairs of cells of one level.
-fn pairs(cells: &[Arrivals]) -> Vec<[&Arrivals; 2]> {
-    let with = |(place, a): (usize, &'_ Arrivals)| {
+fn pairs<'c, 'v>(cells: &'c [Arrivals<'v>]) -> Vec<[&'c Arrivals<'v>; 2]> {
+    let with = |(place, a): (usize, &'c Arrivals<'v>)| {
         let others = cells[place + 1..].iter();
-        let others = others.filter(move |b| b.command == a.command);
+        let others = others.filter(move |b| b.stroke.command == a.stroke.command);
         others.map(move |b| (place, b)).collect::<Vec<_>>()
     };
     let all = cells.iter().enumerate().flat_map(with);

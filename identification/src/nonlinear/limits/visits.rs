@@ -15,6 +15,13 @@ pub(super) struct Visit {
     pub(super) moved: f64,
 }
 
+impl Visit {
+    /// Whether a stroke upwards led there.
+    pub(super) fn is_from_below(&self) -> bool {
+        self.command > self.before
+    }
+}
+
 /// Those whose last quarter begins at least `settling` samples after the edge.
 pub(super) fn visits(runs: &[Run], settling: usize) -> Vec<Visit> {
     let of_run = |run: &Run| {

@@ -25,6 +25,18 @@ impl Interval {
         }
     }
 
+    /// From the lower bound to the upper one; `None` where it is open to a side.
+    ///
+    /// ```
+    /// use servoid_identification::results::Interval;
+    /// assert_eq!(Interval::new(2.0, 1.0, 4.0).width(), Some(3.0));
+    /// assert_eq!(Interval::new(2.0, 1.0, f64::INFINITY).width(), None);
+    /// ```
+    #[must_use]
+    pub fn width(&self) -> Option<f64> {
+        Some(self.upper? - self.lower?)
+    }
+
     /// A value with bounds `half` to each side; none where that is not known.
     #[must_use]
     pub(crate) fn around(value: f64, half: Option<f64>) -> Self {

@@ -1,4 +1,4 @@
-//! Whether a top speed was reached, or is extrapolated.
+//! Whether a top speed was reached, or is extrapolated, and what the strokes show of it.
 
 use super::ServoModel;
 use crate::servo_model::quantities::Quantity;
@@ -12,18 +12,26 @@ impl ServoModel {
     /// faster, it did not.
     #[must_use]
     pub fn stayed_below(&self, quantity: &Quantity) -> bool {
-        let limits = self.speed_limits;
-        let of_direction = match quantity.kind() {
-            Some(QuantityKind::TopSpeedUpwards) => Some((0, limits.upwards)),
-            Some(QuantityKind::TopSpeedDownwards) => Some((1, limits.downwards)),
+        let reached = self.reached.and_then(|reached| match quantity.kind()? {
+            QuantityKind::TopSpeedUpwards => Some(reached.measured()[0]),
+            QuantityKind::TopSpeedDownwards => Some(reached.measured()[1]),
+            _ => None,
+        });
+        let is_shown = self.limit_of_strokes(quantity.kind()).is_some();
+        quantity.determined
+            && !is_shown
+            && reached.is_some_and(|reached| reached < AT_TOP_SPEED * quantity.value)
+    }
+
+    /// The limit that the strokes of the record show for this top speed \[output/s\], where the model has no interval of it.
+    #[must_use]
+    pub fn limit_of_strokes(&self, kind: Option<QuantityKind>) -> Option<f64> {
+        let limit = match kind? {
+            QuantityKind::TopSpeedUpwards => self.speed_limits.upwards,
+            QuantityKind::TopSpeedDownwards => self.speed_limits.downwards,
             _ => None,
         };
-        let Some(((way, limit), reached)) = of_direction.zip(self.reached) else {
-            return false;
-        };
-        let is_shown = limit.is_some() && self.covariance.valid().is_none();
-        let reached = reached.measured()[way];
-        quantity.determined && !is_shown && reached < AT_TOP_SPEED * quantity.value
+        limit.filter(|_| self.covariance.valid().is_none())
     }
 
     /// Whether a top speed stands without an interval and was not reached: a model that lacks something of the servo may extrapolate to anything.

@@ -41,9 +41,7 @@ pub fn of_flight_model(flight: &FlightModel, linear: bool) -> String {
         else {
             continue;
         };
-        let width = lower
-            .zip(upper)
-            .map(|(lower, upper)| scale * (upper - lower));
+        let width = interval.and_then(|of| Some(scale * of.width()?));
         let number = |bound: f64| digits_beside(scale * bound, 4, width);
         let end = |bound: Option<f64>| bound.map_or("-".to_owned(), number);
         let bounds = match (lower, upper) {

@@ -168,11 +168,10 @@ const COARSE_OVERSHOOT: f64 = 1.0;
 
 /// Where the response ends; or that it does not, as far as that can be judged.
 fn end(model: &Model, units: Units<'_>) -> Option<String> {
+    if model.may_answer_later_steps() {
+        return Some("shows no settling time".to_owned());
+    }
     if model.step.bounds.withdrawn() == Some(Reason::ResponseNotOver) {
-        // What the steps that follow do to a servo that is not linear passes for a response that goes on.
-        if !model.linear {
-            return Some("shows no settling time".to_owned());
-        }
         let judged_s = model.structure.settling_samples as f64 * model.sample_period_s;
         return Some(format!(
             "is not seen to come to rest within {:.0} ms",

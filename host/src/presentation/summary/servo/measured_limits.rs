@@ -9,24 +9,13 @@ use crate::presentation::summary::wording::numbers::digits;
 use crate::presentation::summary::wording::speed_words::{speed_in_words, upwards};
 use servoid_identification::servo_model::{QuantityKind, ServoModel};
 
-/// The limit that the strokes of the recording show for this top speed, where the model has no interval of it.
-pub(crate) fn measured_limit(model: &ServoModel, kind: Option<QuantityKind>) -> Option<f64> {
-    let limits = model.speed_limits;
-    let found = match kind? {
-        QuantityKind::TopSpeedUpwards => limits.upwards,
-        QuantityKind::TopSpeedDownwards => limits.downwards,
-        _ => None,
-    };
-    found.filter(|_| model.covariance.valid().is_none())
-}
-
-/// Both of them, upwards first.
+/// The limits that the strokes of the recording show where the model has no intervals, upwards first.
 pub(crate) fn measured_limits(model: &ServoModel) -> [Option<f64>; 2] {
     [
         QuantityKind::TopSpeedUpwards,
         QuantityKind::TopSpeedDownwards,
     ]
-    .map(|kind| measured_limit(model, Some(kind)))
+    .map(|kind| model.limit_of_strokes(Some(kind)))
 }
 
 /// "500 deg/s (0.120 s/60°) upwards and 510 deg/s (0.118 s/60°) downwards", of the limits that the recording shows.

@@ -152,11 +152,7 @@ pub(crate) fn facts_of_comparison(
     for (name, side) in found.levels.iter().flat_map(|l| [(a, &l.a), (b, &l.b)]) {
         let rest = |(level, command): (&Interval, f64)| {
             level.value?;
-            let width = level
-                .lower
-                .zip(level.upper)
-                .map(|(lower, upper)| upper - lower);
-            let rest = with_bounds(level, &output, |v| digits_beside(v, 4, width));
+            let rest = with_bounds(level, &output, |v| digits_beside(v, 4, level.width()));
             let command = (1e3 * command).round() / 1e3;
             let command = command_in_words(command, side.command_minus);
             Some(format!("{rest} when commanded {command}{input}"))

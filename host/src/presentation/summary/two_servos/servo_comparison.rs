@@ -186,13 +186,9 @@ pub fn of_servo_models(names: [&str; 2], found: &ServoModelComparison, units: Un
                 .collect();
             format!("{}\n", format!("  {label:34}{cells}").trim_end())
         };
-        let (values, intervals) = row
-            .cells
-            .iter()
-            .map(|(v, i)| (v.as_str(), i.as_str()))
-            .unzip();
+        let cells = row.cells.iter().map(|(v, i)| (v.as_str(), i.as_str()));
+        let (values, intervals): (Vec<&str>, Vec<&str>) = cells.unzip();
         text += &line(&row.label, values);
-        let intervals: Vec<&str> = intervals;
         if intervals.iter().any(|interval| !interval.is_empty()) {
             text += &line("", intervals);
         }
@@ -224,10 +220,7 @@ pub(crate) fn servo_model_rows(found: &ServoModelComparison, units: Units<'_>) -
     let kinds = || found.quantities.iter().filter_map(QuantityPair::kind);
     let row = |(index, pair): (usize, &QuantityPair)| {
         let (scale, unit) = scale_and_unit(pair.unit, units);
-        let width = |interval: Option<Interval>| {
-            let (lower, upper) = interval.and_then(|found| found.lower.zip(found.upper))?;
-            Some(scale * (upper - lower))
-        };
+        let width = |interval: Option<Interval>| Some(scale * interval?.width()?);
         // Without intervals, digits far below what the two sides are apart say nothing.
         let apart = pair.a.zip(pair.b).map(|(a, b)| scale * (a - b).abs());
         let shown = |value: Option<f64>, interval: Option<Interval>| {
@@ -305,9 +298,8 @@ fn row_of_rests(found: &ServoModelComparison, units: Units<'_>) -> Option<TableR
         let Some((of, value)) = of.and_then(|of| Some((of, of.value?))) else {
             return ("-".to_owned(), "not shown".to_owned());
         };
-        let width = of.upper.zip(of.lower).map(|(upper, lower)| upper - lower);
         let [value, lower, upper] = [Some(value), of.lower, of.upper]
-            .map(|number| number.map_or_else(String::new, |v| digits_beside(v, 3, width)));
+            .map(|number| number.map_or_else(String::new, |v| digits_beside(v, 3, of.width())));
         let value = with_unit(value, units.output.unwrap_or(""));
         (value, format!("{lower} .. {upper}"))
     };
