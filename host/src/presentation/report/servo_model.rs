@@ -23,8 +23,9 @@ fn beside_each_other(page: &Page<'_>) -> Option<String> {
         .collect();
     let rows = rows_of(&summary::servo_model_rows(found, units));
     Some(format!(
-        "<h2>The two as machines</h2>\n<p>{}</p>\n<div class=\"wide\"><table class=\"numbers\">\n<tr><th></th>{heads}</tr>\n{rows}</table></div>\n<p class=\"faint\">{}</p>\n",
+        "<h2>The two as machines</h2>\n<p>{}</p>\n<div class=\"wide\"><table class=\"numbers\">\n<tr><th>{}</th>{heads}</tr>\n{rows}</table></div>\n<p class=\"faint\">{}</p>\n",
         escape(&sentence),
+        summary::what_is_below(found),
         summary::how_servo_models_are_compared(found)
     ))
 }

@@ -32,7 +32,9 @@ pub use servo::linear_beside::is_called_linear;
 pub use servo::servo_model::of_servo_model;
 pub use servo::servo_sentence::servo_sentence;
 pub use two_servos::comparison::of_comparison;
-pub(crate) use two_servos::servo_comparison::{how_servo_models_are_compared, servo_model_rows};
+pub(crate) use two_servos::servo_comparison::{
+    how_servo_models_are_compared, servo_model_rows, what_is_below,
+};
 pub use two_servos::servo_comparison::{of_servo_models, sentence_on_servo_models};
 pub use validation::of_validation;
 pub(crate) use wording::sixty_degrees::{per_60_degrees, sixty_degrees};

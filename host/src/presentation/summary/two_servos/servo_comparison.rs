@@ -168,14 +168,8 @@ fn head_of_side(letter: char, name: &str) -> String {
 #[must_use]
 pub fn of_servo_models(names: [&str; 2], found: &ServoModelComparison, units: Units<'_>) -> String {
     let [a, b] = [head_of_side('A', names[0]), head_of_side('B', names[1])];
-    let bounds = found.bounds.valid();
-    let (difference, below) = match bounds {
-        Some(bounds) => (
-            "difference",
-            format!("{} % intervals below", percent(bounds.level)),
-        ),
-        None => ("", "no intervals; other fits below".to_owned()),
-    };
+    let difference = found.bounds.valid().map_or("", |_| "difference");
+    let below = what_is_below(found);
     let head = format!("  {below:34} {a:>COLUMN$} {b:>COLUMN$} {difference:>COLUMN$}");
     let mut text = format!("\n{}\n", head.trim_end());
     for row in servo_model_rows(found, units) {
@@ -194,6 +188,14 @@ pub fn of_servo_models(names: [&str; 2], found: &ServoModelComparison, units: Un
         }
     }
     text + &format!("\n  {}\n", wrapped(how_servo_models_are_compared(found), 2))
+}
+
+/// What stands below the figures: intervals, or other fits, which nobody is to take for any.
+pub(crate) fn what_is_below(found: &ServoModelComparison) -> String {
+    match found.bounds.valid() {
+        Some(bounds) => format!("{} % intervals below", percent(bounds.level)),
+        None => "no intervals; other fits below".to_owned(),
+    }
 }
 
 /// The way the differences were computed.
