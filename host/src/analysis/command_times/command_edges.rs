@@ -19,7 +19,7 @@ use crate::analysis::duration_in_words::in_words;
 use crate::data::dataset::Dataset;
 use servoid_identification::results::{Advice, Check, Model, Reason};
 use servoid_identification::{Identification, Options, Run};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Fewest answers by which one scatter is distinguished from another.
 const FEWEST: usize = 20;
@@ -42,6 +42,9 @@ const LONGEST_FRAME_S: f64 = 0.05;
 
 /// Share of the scatter that may follow the size or the direction of the strokes.
 const MOST_BY_STROKE: f64 = 0.3;
+
+/// Share of the scatter that equal strokes have among themselves, below which it is of the strokes: moments of a clock of its own are others each time.
+const LEAST_AMONG_EQUAL: f64 = 0.5;
 
 /// Squared correlation of the times with those beside the size of the stroke, below which they are of its size: of commands between rows it is 0.8 or more, and behind a
 /// dead band 0.1 or less.
@@ -139,7 +142,7 @@ fn with_pulses(rows: f64, length_s: Option<f64>, scatter_s: f64) -> Advice {
         ),
     };
     let finding = format!(
-        "Each command waits for the next pulse of {frame}: beside commands at their pulses, no errors that follow the motion show. All times contain the mean of this wait"
+        "Each command waits for the next pulse of {frame}, and errors that follow the motion are taken for these waits. All times contain the mean of them"
     );
     of_wait(rows, &finding, length_s.unwrap_or(scatter_s))
 }
@@ -202,7 +205,34 @@ impl Scatter {
     }
 
     fn is_even(&self) -> bool {
-        EVEN_KURTOSIS.contains(&self.kurtosis) && self.is_free_of_strokes()
+        EVEN_KURTOSIS.contains(&self.kurtosis)
+            && self.is_free_of_strokes()
+            && self
+                .share_among_equal_strokes()
+                .is_none_or(|share| share > LEAST_AMONG_EQUAL)
+    }
+
+    /// The part of the squares of the times about their mean that is left about the means of equal strokes; `None` where most strokes are there once.
+    fn share_among_equal_strokes(&self) -> Option<f64> {
+        let late = self.answers.iter().zip(deviations(&self.answers));
+        let mut of_stroke: BTreeMap<[u64; 2], Vec<f64>> = BTreeMap::new();
+        for (answer, late) in late {
+            let stroke = answer.levels.map(f64::to_bits);
+            of_stroke.entry(stroke).or_default().push(late);
+        }
+        let repeated = || of_stroke.values().filter(|late| late.len() > 1);
+        let count: usize = repeated().map(Vec::len).sum();
+        let free: usize = repeated().map(|late| late.len() - 1).sum();
+        let square = |late: &Vec<f64>, about: f64| -> f64 {
+            late.iter().map(|late| (late - about).powi(2)).sum()
+        };
+        let all: f64 = repeated().map(|late| square(late, 0.0)).sum();
+        let about_own_mean = |late: &Vec<f64>| {
+            square(late, late.iter().sum::<f64>() / late.len() as f64)
+        };
+        let among: f64 = repeated().map(about_own_mean).sum();
+        let are_most = 2 * count > self.answers.len();
+        (are_most && all > 0.0).then(|| among / free as f64 / (all / count as f64))
     }
 
     fn is_free_of_strokes(&self) -> bool {
