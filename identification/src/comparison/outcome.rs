@@ -216,13 +216,13 @@ impl Comparison {
         self.bounds.valid().is_some() && !self.descriptions_of_different_motions
     }
 
-    /// Whether the two differ in play, which is a small share of a stroke. That nobody knows it is said where the rest is the same. `sides` are their
+    /// Whether the two differ in how far apart they rest under one command, which is a small share of a stroke. That nobody knows it is said where the rest is the same. `sides` are their
     /// names, `unit` that of the output.
     #[must_use]
-    pub fn play_in_words(&self, sides: [&str; 2], unit: &str) -> Option<String> {
+    pub fn rests_in_words(&self, sides: [&str; 2], unit: &str) -> Option<String> {
         let rests = self.rests_apart?;
         match rests.difference_in_words(sides, unit) {
-            Some(differ) => Some(format!("They differ in play: {differ}.")),
+            Some(differ) => Some(format!("They rest differently: {differ}.")),
             None if rests.difference.is_some() || self.verdict == Verdict::Same => {
                 Some(rests.nothing_sure_in_words(sides, unit))
             }

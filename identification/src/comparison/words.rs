@@ -45,7 +45,7 @@ pub(super) fn summary(
 
 /// What is known of the play of both, as a sentence behind others.
 fn play(found: &Comparison, unit: &str) -> String {
-    let sentence = found.play_in_words(["the first", "the second"], unit);
+    let sentence = found.rests_in_words(["the first", "the second"], unit);
     sentence.map_or_else(String::new, |sentence| format!(" {sentence}"))
 }
 

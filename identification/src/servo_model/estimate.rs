@@ -3,7 +3,7 @@
 //! The terms are chosen by the [ladder](crate::servo_model::terms::ladder), the parameters of the chosen ones are polished, and the evidence decides
 //! whether bounds hold.
 
-use super::candidates::Candidates;
+use super::candidates::{Candidates, polished};
 use super::model::{Alternative, Covariance, LadderRung, MOST_CONTROLLERS, ServoFit, ServoModel};
 use super::quantities::quantities;
 use super::search_progress::Watch;
@@ -245,6 +245,15 @@ impl Search<'_> {
             tried: Vec::new(),
         };
         let climbed = ladder.climbed();
+        let found = self.with_candidates(parts, climbed);
+        match found.candidates.level.withdrawn() {
+            Some(Reason::ErrorsNotNoise) => self.with_noise_alone(found),
+            _ => found,
+        }
+    }
+
+    /// What the rungs of a ladder say of `parts`.
+    fn with_candidates(&self, mut parts: Vec<Stretch>, climbed: Climbed) -> Found {
         let mut candidates = Candidates::of(
             &mut parts,
             self.fold_of,
@@ -258,6 +267,31 @@ impl Search<'_> {
             parts,
             climbed,
             candidates,
+        }
+    }
+
+    /// The servo with the dead band and the friction of which errors are noise, where prediction misses neither; else the one that was `found`. Both rest alike, and
+    /// a fit takes one for the two.
+    fn with_noise_alone(&self, found: Found) -> Found {
+        let tried = &found.climbed.tried;
+        let beside = |rung: usize| Terms {
+            dead_band: false,
+            friction: false,
+            ..tried[rung].terms
+        };
+        let is_alike = |rung: &usize| beside(*rung) == beside(found.climbed.chosen);
+        let mut others = found.climbed.others.clone();
+        others.retain(is_alike);
+        let has_noise_alone = |rung: &usize| {
+            let mut parts = found.parts.clone();
+            let from = &tried[*rung].fit;
+            let descent = self.descent(from);
+            let (best, of) = polished(&mut parts, self.fold_of, &self.shown, from, &descent);
+            against(&parts, &best, &of).is_none()
+        };
+        match others.into_iter().find(has_noise_alone) {
+            Some(rung) => self.with_candidates(found.parts, found.climbed.with_chosen(rung)),
+            None => found,
         }
     }
 
@@ -405,7 +439,7 @@ fn describe(
         let at_work = LimitsAtWork::of(parts, point, &fine_grid(point, record), found);
         at_work.open(&mut quantities, &found.motion.fastest);
     }
-    ServoModel {
+    let mut model = ServoModel {
         sample_period_s: record.sample_period_s(),
         sample_phase_s: record.sample_phase_s(),
         terms: point.terms,
@@ -438,7 +472,9 @@ fn describe(
         },
         ladder: climbed.tried.iter().enumerate().map(rung).collect(),
         linear_models: None,
-    }
+    };
+    model.leave_extrapolated_speeds_open();
+    model
 }
 
 /// Time to within 2 % of the end of a step, of two equal poles, in reciprocals of these: the solution x of (1 + x) exp(-x) = 0.02.

@@ -227,9 +227,8 @@ impl Scatter {
             late.iter().map(|late| (late - about).powi(2)).sum()
         };
         let all: f64 = repeated().map(|late| square(late, 0.0)).sum();
-        let about_own_mean = |late: &Vec<f64>| {
-            square(late, late.iter().sum::<f64>() / late.len() as f64)
-        };
+        let about_own_mean =
+            |late: &Vec<f64>| square(late, late.iter().sum::<f64>() / late.len() as f64);
         let among: f64 = repeated().map(about_own_mean).sum();
         let are_most = 2 * count > self.answers.len();
         (are_most && all > 0.0).then(|| among / free as f64 / (all / count as f64))

@@ -104,7 +104,7 @@ pub(crate) fn headline_of_comparison(a: &str, b: &str, found: &Comparison, units
             "{a} and {b} are {least:.1} to {most:.1} % of the step apart where they differ most{stroke} ({sure}, said {of}), and the margin of {margin} % lies between."
         ),
     };
-    let play = found.play_in_words([a, b], units.output.unwrap_or_default());
+    let play = found.rests_in_words([a, b], units.output.unwrap_or_default());
     let play = play.map_or_else(String::new, |play| format!(" {play}"));
     by_steps + &play + &apart_at_rest
 }

@@ -41,14 +41,7 @@ impl Candidates {
         descent: &Descent<'_>,
         level: Bounds<f64>,
     ) -> Self {
-        let starts = other_starts(&climbed.best().fit, &descent.problem(parts), shown);
-        let (_, from) = descent.problem(parts).best_descent(starts, STEPS);
-        let fine = Descent {
-            converged: FINE,
-            ..*descent
-        };
-        let best = fine.polished(parts, from);
-        let found = uncertainty(&fine.problem(parts), &best, fold_of.len());
+        let (best, found) = polished(parts, fold_of, shown, &climbed.best().fit, descent);
         let level = level.unless(against(parts, &best, &found));
         let problem = descent.problem(parts);
         let mut candidates = Self {
@@ -102,6 +95,25 @@ impl Candidates {
         let linear = &climbed.linear()?.fit;
         with_soft_drive(problem, best, linear, &self.found.motion.simulated, blocks)
     }
+}
+
+/// The best servo with the terms of `from`, in `parts`, whose starts are found anew, and its uncertainty.
+pub(super) fn polished(
+    parts: &mut [Stretch],
+    fold_of: &[usize],
+    shown: &Shown,
+    from: &Point,
+    descent: &Descent<'_>,
+) -> (Point, Uncertainty) {
+    let starts = other_starts(from, &descent.problem(parts), shown);
+    let (_, from) = descent.problem(parts).best_descent(starts, STEPS);
+    let fine = Descent {
+        converged: FINE,
+        ..*descent
+    };
+    let best = fine.polished(parts, from);
+    let found = uncertainty(&fine.problem(parts), &best, fold_of.len());
+    (best, found)
 }
 
 /// The servos with other terms that predict as well.

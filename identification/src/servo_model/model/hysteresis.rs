@@ -8,8 +8,8 @@ use crate::servo_model::quantities::quantity_kind::QuantityKind;
 /// the gears.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UnexplainedHysteresis {
-    /// Between rests under one command, in the record \[output\].
-    pub shown: f64,
+    /// Between rests under one command, the farthest in the record \[output\]; `None` where it shows only that they depend on the direction of approach.
+    pub shown: Option<f64>,
     /// What friction and dead band of the model make of it at the most \[output\]: those of the fit, whether or not the record determines each by
     /// itself, because a file has them as well.
     pub explained: f64,
@@ -30,16 +30,15 @@ impl ServoModel {
         let lacks_something = self.covariance.withdrawn() == Some(Reason::ErrorsNotNoise);
         (explained < at_least || lacks_something).then_some(UnexplainedHysteresis {
             shown,
-            explained: explained.min(shown),
+            explained: shown.map_or(explained, |shown| explained.min(shown)),
         })
     }
 
-    /// How far rests under one command are apart in the record, and at least: the largest distance where strokes are made again, or else the mean one
-    /// between both directions of approach.
-    fn apart_at_rest(&self) -> Option<(f64, f64)> {
-        let sure =
-            |apart: Interval| Some((apart.value?, apart.lower.filter(|lower| *lower > 0.0)?));
-        let by_direction = || self.hysteresis?.value.map(|mean| (mean, mean));
+    /// How far rests under one command are apart in the record, where strokes are made again, and at least. The mean between both directions of approach is a least
+    /// distance alone: levels that are overshot count against it.
+    fn apart_at_rest(&self) -> Option<(Option<f64>, f64)> {
+        let sure = |apart: Interval| Some((apart.value, apart.lower.filter(|lower| *lower > 0.0)?));
+        let by_direction = || self.hysteresis?.value.map(|mean| (None, mean));
         self.rests_apart.and_then(sure).or_else(by_direction)
     }
 }

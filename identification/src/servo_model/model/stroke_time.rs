@@ -1,6 +1,7 @@
 //! How long a whole stroke takes, as the model has it: the time of a data sheet is that at top speed alone.
 
 use super::ServoModel;
+use super::top_speed_reached::AT_TOP_SPEED;
 use crate::servo_model::motion::reached_speeds::{STROKE_S, fastest};
 use servoid_dynamics::{Grid, ServoParameters, Start, simulate};
 
@@ -11,8 +12,8 @@ const ENDED: f64 = 0.02;
 const PERIOD_S: f64 = 0.5e-3;
 
 /// A stroke that is so many times as fast as any in the record may meet a limit that the record does not show. Twice as fast are, behind a linear servo, strokes
-/// twice as large.
-const FASTER: f64 = 2.0;
+/// twice as large. A limit that the model has, but the record does not determine, may be anywhere above the speeds of the record.
+const FASTER_IF_LINEAR: f64 = 2.0;
 
 /// The longest time that a stroke is followed, behind the delay \[s\]. A slow winch takes a second for 60 degrees.
 const LONGEST_S: f64 = 3.0;
@@ -33,8 +34,12 @@ impl ServoModel {
         let half = 0.5 * size / servo.gain;
         let [low, high] = [-half, half].map(|from| commands.middle() + from);
         let reached = (self.reached).filter(|_| !has_top_speed);
+        let faster = match self.terms.is_limited() {
+            true => AT_TOP_SPEED.recip(),
+            false => FASTER_IF_LINEAR,
+        };
         let known = reached.map_or([f64::INFINITY; 2], |reached| {
-            reached.measured().map(|speed| FASTER * speed)
+            reached.measured().map(|speed| faster * speed)
         });
         let of = |ends: [f64; 2], fastest: f64| {
             let stroke = Stroke::of(&servo, ends, size)?;

@@ -5,7 +5,7 @@ use crate::servo_model::quantities::Quantity;
 use crate::servo_model::quantities::quantity_kind::QuantityKind;
 
 /// A servo above this part of its top speed is at it: it comes near without end, and means over 20 ms are some percent below their peak.
-const AT_TOP_SPEED: f64 = 0.9;
+pub(super) const AT_TOP_SPEED: f64 = 0.9;
 
 impl ServoModel {
     /// Whether a `quantity` is a top speed below which the servo stayed in all of the record, so that it is extrapolated. Where larger strokes were no
@@ -34,8 +34,52 @@ impl ServoModel {
         limit.filter(|_| self.covariance.valid().is_none())
     }
 
-    /// Whether a top speed stands without an interval and was not reached: a model that lacks something of the servo may extrapolate to anything.
-    pub(crate) fn only_extrapolates(&self, quantity: &Quantity) -> bool {
-        self.covariance.valid().is_none() && self.stayed_below(quantity)
+    /// Leaves top speeds open that have no interval and that the servo stayed below: a model that lacks something of the servo may extrapolate to anything.
+    pub(crate) fn leave_extrapolated_speeds_open(&mut self) {
+        if self.covariance.valid().is_some() {
+            return;
+        }
+        let all = self.quantities.iter();
+        let extrapolated: Vec<bool> = all.map(|quantity| self.stayed_below(quantity)).collect();
+        for (quantity, extrapolated) in self.quantities.iter_mut().zip(extrapolated) {
+            quantity.determined &= !extrapolated;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::Record;
+    use crate::nonlinear::SpeedLimits;
+    use crate::results::{Bounds, Reason};
+    use crate::servo_model::{ServoModelOptions, fit};
+
+    #[test]
+    fn a_top_speed_without_an_interval_is_open_where_the_servo_stayed_below_it() {
+        let input: Vec<f64> = (0..900)
+            .map(|k| [0.0, 5.0, -3.0, 1.0, 4.0][k / 60 % 5])
+            .collect();
+        let follow = |y: &mut f64, u: &f64| {
+            *y += (0.2 * (u - *y)).clamp(-0.5, 0.5);
+            Some(*y)
+        };
+        let output: Vec<f64> = input.iter().scan(0.0, follow).collect();
+        let record = Record::of_run(0.01, input, output).unwrap();
+        let model = fit(&record, &ServoModelOptions::default()).unwrap();
+        let kind = QuantityKind::TopSpeedUpwards;
+        let is_open = |times: f64| {
+            let mut model = model.clone();
+            let reached = model.reached.unwrap().measured()[0];
+            model.covariance = Bounds::Withdrawn(Reason::ErrorsNotNoise);
+            model.speed_limits = SpeedLimits::default();
+            let mut quantities = model.quantities.iter_mut();
+            let speed = quantities.find(|of| of.kind() == Some(kind)).unwrap();
+            (speed.determined, speed.value) = (true, times * reached);
+            model.leave_extrapolated_speeds_open();
+            !model.quantity(kind).unwrap().determined
+        };
+        assert!(!is_open(1.05));
+        assert!(is_open(1.2));
     }
 }

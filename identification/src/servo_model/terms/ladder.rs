@@ -110,6 +110,17 @@ impl Climbed {
         &self.tried[self.chosen]
     }
 
+    /// With another one of those that predict as well chosen.
+    pub(crate) fn with_chosen(self, rung: usize) -> Self {
+        let before = std::iter::once(self.chosen);
+        let others = before.chain(self.others.into_iter().filter(|other| *other != rung));
+        Self {
+            tried: self.tried,
+            chosen: rung,
+            others: others.collect(),
+        }
+    }
+
     /// The linear servo.
     pub(crate) fn linear(&self) -> Option<&Rung> {
         self.tried

@@ -89,9 +89,17 @@ impl ServoExport<'_> {
     fn unexplained_hysteresis(&self) -> Option<String> {
         let found = self.model.unexplained_hysteresis()?;
         let unit = self.output_unit();
-        let [shown, explained] = [found.shown, found.explained].map(four_digits);
+        let explained = four_digits(found.explained);
+        let apart = match found.shown {
+            Some(shown) => format!(
+                "are as much as {} {unit} apart in the recording",
+                four_digits(shown)
+            ),
+            None => "depend on the direction of approach, by how much the recording does not show"
+                .to_owned(),
+        };
         Some(format!(
-            "rests under one command are as much as {shown} {unit} apart in the recording, of which this servo model explains {explained} {unit}: play in the gears, which it has not, makes strokes of that size quite different"
+            "rests under one command {apart}, of which this servo model explains {explained} {unit}: play in the gears, which it has not, makes strokes of that size quite different"
         ))
     }
 

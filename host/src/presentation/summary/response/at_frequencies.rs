@@ -26,6 +26,17 @@ pub struct GainAndPhase {
     pub gain: Interval,
     /// Phase \[degrees\]; a lag is negative.
     pub phase_deg: Interval,
+    /// Phase of the slowest sines \[degrees\], from which a lag counts: 0, or a half turn where the position goes against the command.
+    pub phase_at_rest_deg: f64,
+}
+
+impl GainAndPhase {
+    /// How far the motion is behind \[degrees\].
+    fn lag_deg(&self) -> Option<f64> {
+        self.phase_deg
+            .value
+            .map(|phase| self.phase_at_rest_deg - phase)
+    }
 }
 
 /// Gain and phase \[degrees\] of `model` at each frequency that is asked for, two lines of a table each, and of the servo as a machine at those
@@ -82,9 +93,7 @@ fn of_machine(servo: &ServoModel, of: &ModelMetadata, hertz: f64, amplitude: f64
         ),
         _ => String::new(),
     };
-    format!("\n  {name:22} {:>10}       {head}\n", "value")
-        + &lines((found.gain, found.phase_deg), of, hertz)
-        + &open
+    format!("\n  {name:22} {:>10}       {head}\n", "value") + &lines(&found, of, hertz) + &open
 }
 
 /// By how much the times of the recording leave the phase open \[degrees\].
@@ -104,6 +113,15 @@ pub fn sine_of_machine(
 ) -> (GainAndPhase, Option<Reason>) {
     let found = servo.respond_to_sine(hertz, amplitude, controller);
     let open_deg = open_deg(of, hertz);
+    let phase_at_rest_deg = match servo.parameters(controller).gain < 0.0 {
+        true => 180.0,
+        false => 0.0,
+    };
+    let with = |gain, phase_deg| GainAndPhase {
+        gain,
+        phase_deg,
+        phase_at_rest_deg,
+    };
     match found.bounds {
         Bounds::Valid([gain, phase]) => {
             let phase_deg = Interval {
@@ -111,14 +129,14 @@ pub fn sine_of_machine(
                 upper: phase.upper.map(|upper| upper + open_deg),
                 ..phase
             };
-            (GainAndPhase { gain, phase_deg }, None)
+            (with(gain, phase_deg), None)
         }
         Bounds::Withdrawn(reason) => {
             let [gain, phase_deg] = [found.gain, found.phase_deg].map(|value| Interval {
                 value: Some(value),
                 ..Interval::default()
             });
-            (GainAndPhase { gain, phase_deg }, Some(reason))
+            (with(gain, phase_deg), Some(reason))
         }
     }
 }
@@ -141,7 +159,7 @@ pub fn sine_of_linear_model(
     Ok(match (found, model.metrics.why_withheld()) {
         (None, _) => Err("outside of the frequencies of the commands".to_owned()),
         (Some(_), Some(because)) if !has_bounds => Err(format!("withheld: {because}")),
-        (Some((gain, phase_deg)), _) => Ok(GainAndPhase { gain, phase_deg }),
+        (Some(found), _) => Ok(found),
     })
 }
 
@@ -166,7 +184,7 @@ fn of_linear_model(
             continue;
         }
         text += &match sine_of_linear_model(model, hertz)? {
-            Ok(found) => lines((found.gain, found.phase_deg), of, hertz),
+            Ok(found) => lines(&found, of, hertz),
             Err(why) => format!(
                 "  {:22} {:>10}       {why}\n",
                 format!("gain at {hertz} Hz"),
@@ -177,15 +195,19 @@ fn of_linear_model(
     Ok(text)
 }
 
-fn lines((gain, phase): (Interval, Interval), of: &ModelMetadata, hertz: f64) -> String {
-    let digits = decimals(gain.value.unwrap_or(1.0), 4);
+fn lines(found: &GainAndPhase, of: &ModelMetadata, hertz: f64) -> String {
+    let digits = decimals(found.gain.value.unwrap_or(1.0), 4);
     let unit = of.units().gain().unwrap_or_default();
-    let late_ms = phase.value.map(|degrees| -degrees / 360.0 / hertz * 1e3);
+    let late_ms = found.lag_deg().map(|degrees| degrees / 360.0 / hertz * 1e3);
+    let behind = match found.phase_at_rest_deg {
+        0.0 => "",
+        _ => ", behind the command with its sign changed",
+    };
     let late = late_ms.map_or_else(String::new, |late| {
-        format!("  = {} ms late", fixed(late, 1))
+        format!("  = {} ms late{behind}", fixed(late, 1))
     });
-    let gain = line(&format!("gain at {hertz} Hz"), &gain, &unit, digits);
-    let phase = line(&format!("phase at {hertz} Hz"), &phase, "deg", 1);
+    let gain = line(&format!("gain at {hertz} Hz"), &found.gain, &unit, digits);
+    let phase = line(&format!("phase at {hertz} Hz"), &found.phase_deg, "deg", 1);
     format!("  {gain}\n  {phase}{late}\n")
 }
 
@@ -202,7 +224,7 @@ fn line(name: &str, interval: &Interval, unit: &str, digits: usize) -> String {
 }
 
 /// The response of the servo at `hertz`; `None` outside of the band that the commands excite, where it is known in a band alone.
-fn gain_and_phase(model: &Model, hertz: f64) -> Result<Option<(Interval, Interval)>, Error> {
+fn gain_and_phase(model: &Model, hertz: f64) -> Result<Option<GainAndPhase>, Error> {
     let omega = TAU * hertz;
     if model.band().is_some() {
         return within_band(model, omega);
@@ -215,7 +237,7 @@ fn gain_and_phase(model: &Model, hertz: f64) -> Result<Option<(Interval, Interva
 }
 
 /// From the two points of the model's own response on both sides of it: the interval holds those of both.
-fn within_band(model: &Model, omega: f64) -> Result<Option<(Interval, Interval)>, Error> {
+fn within_band(model: &Model, omega: f64) -> Result<Option<GainAndPhase>, Error> {
     let grid = &model.frequency.omega_rad_s;
     let above = grid.partition_point(|other| *other < omega);
     let (Some(below), Some(&right)) = (above.checked_sub(1), grid.get(above)) else {
@@ -232,25 +254,34 @@ fn within_band(model: &Model, omega: f64) -> Result<Option<(Interval, Interval)>
         lower: (a.lower.zip(b.lower)).map(|(a, b)| a.min(b)),
         upper: (a.upper.zip(b.upper)).map(|(a, b)| a.max(b)),
     };
-    Ok(Some((between(a.0, b.0), between(a.1, b.1))))
+    Ok(Some(GainAndPhase {
+        gain: between(a.gain, b.gain),
+        phase_deg: between(a.phase_deg, b.phase_deg),
+        phase_at_rest_deg: a.phase_at_rest_deg,
+    }))
 }
 
-/// Gain and phase at one of the frequencies of a response.
-fn point(found: &FrequencyResponse, k: usize) -> (Interval, Interval) {
+/// Gain and phase at one of the frequencies of a response, the first of which is low.
+fn point(found: &FrequencyResponse, k: usize) -> GainAndPhase {
     let of_decibels = |values: &Vec<f64>| values.get(k).map(|db| 10f64.powf(db / 20.0));
     let own = |values: &Vec<f64>| values.get(k).copied();
     let bounds = found.bounds.valid();
+    let slowest = found.phase_deg.first().copied().unwrap_or_default();
     let gain = Interval {
         value: of_decibels(&found.magnitude_db),
         lower: bounds.and_then(|bounds| of_decibels(&bounds.magnitude_db_lower)),
         upper: bounds.and_then(|bounds| of_decibels(&bounds.magnitude_db_upper)),
     };
-    let phase = Interval {
+    let phase_deg = Interval {
         value: own(&found.phase_deg),
         lower: bounds.and_then(|bounds| own(&bounds.phase_deg_lower)),
         upper: bounds.and_then(|bounds| own(&bounds.phase_deg_upper)),
     };
-    (gain, phase)
+    GainAndPhase {
+        gain,
+        phase_deg,
+        phase_at_rest_deg: 180.0 * (slowest / 180.0).round(),
+    }
 }
 
 #[cfg(test)]
@@ -258,8 +289,8 @@ mod tests {
     use super::*;
     use servoid_identification::{Options, Record, Run, identify};
 
-    /// A first-order servo of 40 rad/s behind 10 ms, in rows of 2 ms, under levels that are held for .3 s.
-    fn model() -> Model {
+    /// A first-order servo of 40 rad/s behind 10 ms, in rows of 2 ms, under levels that are held for .3 s; its gain is 1 or -1.
+    fn model(gain: f64) -> Model {
         let (h, pole) = (0.002, (-0.08_f64).exp());
         let level = |k: usize| [0.0, 8.0, -6.0, 3.0, -9.0, 5.0, -2.0][(k / 150) * 3 % 7];
         let input: Vec<f64> = (0..6000).map(level).collect();
@@ -269,7 +300,7 @@ mod tests {
             .map(|k| {
                 let command = if k < 6 { 0.0 } else { input[k - 6] };
                 state = pole * state + (1.0 - pole) * command;
-                state + noise(k)
+                gain * state + noise(k)
             })
             .collect();
         let record = Record::new(h, vec![Run::new(input, output).unwrap()]).unwrap();
@@ -278,9 +309,9 @@ mod tests {
 
     #[test]
     fn gain_and_phase_are_those_of_the_servo_with_more_than_a_half_turn() {
-        let model = model();
+        let model = model(1.0);
         for hertz in [0.5, 8.0, 25.0] {
-            let (gain, phase) = gain_and_phase(&model, hertz).unwrap().unwrap();
+            let found = gain_and_phase(&model, hertz).unwrap().unwrap();
             let omega = TAU * hertz;
             let truth = 1.0 / 1.0_f64.hypot(omega / 40.0);
             // A held command and the first sample behind its edge: a servo in continuous time answers one row sooner than the recursion.
@@ -288,10 +319,10 @@ mod tests {
             let holds = |found: &Interval, truth: f64| {
                 found.lower.unwrap() < truth && truth < found.upper.unwrap()
             };
-            assert!(holds(&gain, truth), "{hertz}: {gain:?}, {truth}");
+            assert!(holds(&found.gain, truth), "{hertz}: {found:?}, {truth}");
             assert!(
-                holds(&phase, -lag.to_degrees()),
-                "{hertz}: {phase:?}, {}",
+                holds(&found.phase_deg, -lag.to_degrees()),
+                "{hertz}: {found:?}, {}",
                 -lag.to_degrees()
             );
         }
@@ -309,5 +340,27 @@ mod tests {
         ] {
             assert_eq!(said.matches(line).count(), 1, "{line}: {said}");
         }
+    }
+
+    #[test]
+    fn a_servo_against_its_command_is_as_late_as_one_that_goes_with_it() {
+        let hertz = 8.0;
+        let truth = (TAU * hertz / 40.0).atan() + TAU * hertz * 0.010;
+        for gain in [1.0, -1.0] {
+            let found = gain_and_phase(&model(gain), hertz).unwrap().unwrap();
+            // The interval is of a degree.
+            let off = found.lag_deg().unwrap() - truth.to_degrees();
+            assert!(off.abs() < 2.0, "{gain}: {found:?}");
+        }
+        let sine = AskedSine {
+            hertz,
+            amplitude: None,
+        };
+        let of = ModelMetadata::default();
+        let said = at_frequencies(&model(-1.0), None, &of, &[sine]).unwrap();
+        assert!(
+            said.contains("behind the command with its sign changed"),
+            "{said}"
+        );
     }
 }

@@ -43,8 +43,15 @@ pub(super) fn changing_speed(model: &ServoModel) -> Option<String> {
 pub(super) fn hysteresis(model: &ServoModel, units: Units<'_>) -> Option<String> {
     let found = model.unexplained_hysteresis()?;
     let unit = with_space(units.output);
+    let Some(shown) = found.shown else {
+        return Some(
+            " Where it rests under one command depends on from where it comes, and how far its rests are apart this recording does not show: play in the gears, of \
+             which the model has none, does that, as do a dead band and friction."
+                .to_owned(),
+        );
+    };
     let why = match found.explained {
-        explained if explained >= found.shown => {
+        explained if explained >= shown => {
             "friction or a dead band of the model does that, and play in the gears, which it has not, would do it as well".to_owned()
         }
         explained if explained > 0.0 => format!(
@@ -55,7 +62,7 @@ pub(super) fn hysteresis(model: &ServoModel, units: Units<'_>) -> Option<String>
     };
     Some(format!(
         " Rests under one command are as much as {}{unit} apart: {why}.",
-        digits(found.shown, 3)
+        digits(shown, 3)
     ))
 }
 

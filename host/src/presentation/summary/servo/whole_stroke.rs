@@ -3,10 +3,11 @@
 use super::measured_limits::limits_in_words;
 use super::top_speeds::has_unreached_top_speeds;
 use crate::data::units::Units;
-use crate::presentation::summary::wording::numbers::digits;
 use crate::presentation::summary::wording::sixty_degrees::{both_ways, sixty_degrees};
-use servoid_identification::results::with_unit;
 use servoid_identification::servo_model::ServoModel;
+
+/// A step of this part of a stroke is one of its size: the servo rests a little off its command.
+const AS_LARGE: f64 = 0.95;
 
 /// How long a whole stroke of 60 degrees takes, which people ask first.
 pub(crate) fn whole_stroke(model: &ServoModel, units: Units<'_>) -> Option<String> {
@@ -15,12 +16,9 @@ pub(crate) fn whole_stroke(model: &ServoModel, units: Units<'_>) -> Option<Strin
     let [least, most] = servo.range();
     let [low, high] = [commands.least, commands.largest].map(|end| end.max(least).min(most));
     let recorded = (high - low) * servo.gain.abs();
-    let beyond = (recorded < sixty_degrees(units)?).then(|| {
-        format!(
-            " It is simulated: the recording has strokes of up to {} only.",
-            with_unit(digits(recorded, 3), units.output.unwrap_or_default())
-        )
-    });
+    let step = recorded.min(model.fit.largest_error * servo.gain.abs());
+    let beyond = (step < AS_LARGE * sixty_degrees(units)?)
+        .then_some(" It is simulated: the recording has no step so large.");
     let at_speed = match (has_unreached_top_speeds(model), limits_in_words(model, units)) {
         (true, _) => {
             "the one at top speed, which the servo did not reach in this recording, so that it is extrapolated".to_owned()
