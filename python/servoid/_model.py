@@ -564,13 +564,13 @@ class Model(Document):
         hertz = sine_argument("hertz", hertz)
         found, why = self._core.sine(hertz)
         if found is None:
-            raise _servoid.ServoidError(f"there is no response at {hertz:g} Hz: {why}")
-        gain, phase_deg = found
+            of_amplitude = "" if self.servo_model is None else "; servo_model.at(hertz, amplitude) has that of the servo as a machine"
+            raise _servoid.ServoidError(f"there is no response at {hertz:g} Hz: {why}{of_amplitude}")
         bounds = self.frequency.level
         withdrawn = self.withdrawn if bounds is None else None
         if withdrawn is not None:
             withdrawn.warn()
-        return sine(hertz, None, gain, phase_deg, bounds, withdrawn)
+        return sine(hertz, None, found, bounds, withdrawn)
 
     def predict(self, u: Any, y: Any = None, *, at_rest: float | None = None) -> Any:
         """The output predicted one step ahead from the input and the measured output; without ``y``, :meth:`simulate`.

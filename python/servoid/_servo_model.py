@@ -378,9 +378,9 @@ class ServoModel:
         True
         """
         asked = sine_argument("hertz", hertz), sine_argument("amplitude", amplitude)
-        (gain, phase_deg), reason = self._core.servo_sine(*asked, number_or_none("controller", controller))
+        found, reason = self._core.servo_sine(*asked, number_or_none("controller", controller))
         because = self.withdrawn if reason is None else Withdrawn(*reason)
-        return sine(*asked, gain, phase_deg, self.level, because)
+        return sine(*asked, found, self.level, because)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return (_of_document, (self._core.document,))

@@ -26,7 +26,7 @@ _Column = NDArray[np.float64]
 _Path = str | PathLike[str]
 _Options = Mapping[str, Any]
 _Ends = tuple[float | None, float | None, float | None]
-_Sine = tuple[_Ends, _Ends]
+_Sine = tuple[_Ends, _Ends, float]
 
 class ServoidError(ValueError): ...
 

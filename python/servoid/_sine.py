@@ -29,6 +29,8 @@ class SineResponse:
         Amplitude of the motion over that of the command (output per input).
     phase_deg : Interval
         Phase (degrees); a lag is negative. What the times of the recording leave open is in its bounds.
+    phase_at_rest_deg : float
+        Phase of the slowest sines (degrees), from which a lag counts: 0, or a half turn where the position goes against the command.
     level : float or None
         Level of both intervals; ``None`` where bounds are withdrawn.
     withdrawn : Withdrawn or None
@@ -39,14 +41,15 @@ class SineResponse:
     amplitude: float | None
     gain: Interval
     phase_deg: Interval
+    phase_at_rest_deg: float
     level: float | None
     withdrawn: Withdrawn | None
 
     @property
     def late_ms(self) -> float | None:
-        """By how much the motion is later than the command (ms)."""
+        """By how much the motion is later than the command, or than the command with its sign changed where it goes against it (ms)."""
         degrees = self.phase_deg.value
-        return None if degrees is None else -degrees / 360.0 / self.hertz * 1e3
+        return None if degrees is None else (self.phase_at_rest_deg - degrees) / 360.0 / self.hertz * 1e3
 
 
 def sine_argument(name: str, value: object) -> float:
@@ -57,6 +60,7 @@ def sine_argument(name: str, value: object) -> float:
     return found
 
 
-def sine(hertz: float, amplitude: float | None, gain: _Ends, phase_deg: _Ends, level: float | None, because: Withdrawn | None) -> SineResponse:
+def sine(hertz: float, amplitude: float | None, found: tuple[_Ends, _Ends, float], level: float | None, because: Withdrawn | None) -> SineResponse:
     """A response with the level of its bounds, where it has some."""
-    return SineResponse(hertz, amplitude, Interval(*gain), Interval(*phase_deg), None if because else level, because)
+    gain, phase_deg, at_rest_deg = found
+    return SineResponse(hertz, amplitude, Interval(*gain), Interval(*phase_deg), at_rest_deg, None if because else level, because)

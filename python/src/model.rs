@@ -77,12 +77,16 @@ impl Model {
 /// Value, lower and upper bound.
 type Ends = (Option<f64>, Option<f64>, Option<f64>);
 
-/// Gain and phase (degrees).
-type Sine = (Ends, Ends);
+/// Gain, phase and the phase of the slowest sines (degrees).
+type Sine = (Ends, Ends, f64);
 
 fn sine(found: GainAndPhase) -> Sine {
     let ends = |of: Interval| (of.value, of.lower, of.upper);
-    (ends(found.gain), ends(found.phase_deg))
+    (
+        ends(found.gain),
+        ends(found.phase_deg),
+        found.phase_at_rest_deg,
+    )
 }
 
 type Response<'py> = (

@@ -44,6 +44,14 @@ def test_both_models_say_what_the_command_line_prints(model, tmp_path, capfd):
     assert math.isclose(machine.late_ms, -machine.phase_deg.value / 360 / 3 * 1e3)
 
 
+def test_a_servo_against_its_command_is_as_late():
+    u, y = servoid.simulate("linear").runs[0]
+    both = [servoid.identify(u, sign * y, period=0.002) for sign in (1.0, -1.0)]
+    along, against = [found.at(4).late_ms for found in both]
+    # A change of the sign is none of the numbers.
+    assert math.isclose(along, against, rel_tol=1e-9)
+
+
 def test_a_servo_that_is_limited_answers_a_large_sine_less(model):
     gains = [model.servo_model.at(8, amplitude).gain.value for amplitude in (2.0, 10.0, 20.0)]
     assert gains[2] < 0.9 * gains[0], gains

@@ -131,7 +131,7 @@ fn large_strokes_have_their_top_speed_and_a_true_reason_for_what_is_left_out() {
     );
     assert!(!text.contains("may be zero"), "{text}");
     assert!(
-        text.contains("which the servo did not reach in this recording"),
+        text.contains("servo did not reach in this recording"),
         "{text}"
     );
     // The fastest motion of strokes that were too small is not to be read as the limit.

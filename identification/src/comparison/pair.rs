@@ -102,7 +102,7 @@ impl<'a> Identified<'a> {
     }
 
     /// Rest at the ends of the command: from the plateaus of a record with several levels, from the
-    /// static line of one with two. Empty where the command is not held until the servo rests, and where the output drifts, so that it rests elsewhere
+    /// static line of one with two, and of a linear servo that came there once. Empty where the command is not held until the servo rests, and where the output drifts, so that it rests elsewhere
     /// each time.
     pub(super) fn levels(&self) -> Levels {
         let (low, high) = ends(self.record);
@@ -118,9 +118,12 @@ impl<'a> Identified<'a> {
                 .find(|cell| cell.command == command && cell.visits > 1);
             match (cell, &self.split) {
                 (Some(cell), _) if commands.len() > 2 => cell.reached,
-                (_, Some(split)) => split.level_at(command),
+                // A line has no rest of a servo that rests elsewhere each time.
+                (_, Some(split)) if commands.len() <= 2 || self.alone.linear => {
+                    split.level_at(command)
+                }
                 (Some(cell), None) => cell.reached,
-                (None, None) => Interval::default(),
+                _ => Interval::default(),
             }
         };
         Levels {

@@ -132,7 +132,7 @@ impl Reason {
             Self::NeverAtRest => "the servo is hardly ever at rest, so nothing shows what is noise",
             Self::QuantisationAboveNoise => "the steps of the sensor are larger than the noise",
             Self::BeyondRecord => "the command has larger strokes than the recording",
-            Self::ResponseNotOver => "the response goes on beyond the settling time",
+            Self::ResponseNotOver => "the response is not seen to end within the settling time",
             Self::EndUnseen => "the reference does not show whether the response is over",
             Self::InputFollowsOutput => "the input follows the output, as in a closed loop",
             Self::OrderRejected => "no servo of up to three poles answers like this one",

@@ -1,6 +1,5 @@
 //! Findings on the errors: whether they are noise, and whether the noise model fits them.
 
-use crate::data::References;
 use crate::diagnostics::advice::evidence::Evidence;
 use crate::diagnostics::linearity::Linearity;
 use crate::diagnostics::misfit::slow_errors::SlowErrors;
@@ -119,7 +118,7 @@ fn reason_in_words(misfit: &Misfit, has_noise: bool) -> (String, f64, f64) {
         MisfitEvidence::Runs(found) => {
             let words = format!(
                 "{left}, and gain, delay and offset differ from run to run by {:.0} % of it ({}): the runs are not \
-                 of one servo under the same conditions",
+                 of one servo under the same conditions, or it is not linear and their strokes are of other sizes",
                 found.misfit_percent,
                 probability(found.p)
             );
@@ -242,8 +241,7 @@ pub(super) fn not_linear(evidence: &Evidence<'_>) -> Option<Advice> {
 
 /// What several runs of one reference are worth of a servo that is not linear.
 fn one_order(evidence: &Evidence<'_>) -> &'static str {
-    let runs = evidence.recorded.map_or(&[][..], |record| record.runs());
-    match References::of(runs.iter()).count() < runs.len() {
+    match evidence.has_runs_of_one_order() {
         true => {
             " Give each run its levels in another order: what a linear model lacks repeats in runs of one order, and passes for a part of the response."
         }

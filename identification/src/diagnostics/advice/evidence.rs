@@ -1,6 +1,6 @@
 //! The evidence behind the findings on a model.
 
-use crate::data::{Record, Run};
+use crate::data::{Record, References, Run};
 use crate::diagnostics::explanation::Explanation;
 use crate::diagnostics::linearity::Linearity;
 use crate::diagnostics::misfit::Misfit;
@@ -63,6 +63,12 @@ impl<'a> Evidence<'a> {
     pub(super) fn errors_follow_motion(&self) -> bool {
         let linearity = self.explanation.linearity.as_ref();
         self.misfit().is_some() || linearity.is_some_and(Linearity::errors_follow_motion)
+    }
+
+    /// Whether runs have the same reference as others.
+    pub(super) fn has_runs_of_one_order(&self) -> bool {
+        let runs = self.recorded.map_or(&[][..], |record| record.runs());
+        References::of(runs.iter()).count() < runs.len()
     }
 
     /// Errors that are slow, where they are not noise.

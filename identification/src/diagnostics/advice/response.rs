@@ -50,6 +50,12 @@ pub(super) fn settled(evidence: &Evidence<'_>) -> Option<Advice> {
     let period = evidence.model.sample_period_s;
     let longest = choice.longest as f64 * period;
     let moving = choice.detected as f64 * period;
+    let repeated = match evidence.has_runs_of_one_order() {
+        true => {
+            " Runs of one order do not distinguish that from what a servo that is not linear does at later steps."
+        }
+        false => "",
+    };
     let bounds = match evidence.has_bounds() {
         true => "The bounds hold up to there; the",
         false => "The",
@@ -71,12 +77,17 @@ pub(super) fn settled(evidence: &Evidence<'_>) -> Option<Advice> {
     let (hold, in_all) = (MARGIN * longest, 2.0 * 7.0 * MARGIN * longest);
     Some(Advice::new(
         Check::Settled,
-        format!("{seen} {bounds} final value is not certain."),
+        format!("{seen}{repeated} {bounds} final value is not certain."),
         choice.detected as f64,
         choice.longest as f64 / MARGIN,
         match choice.repeats_after {
             _ if is_at_the_cap(choice) => format!(
-                "{}, record holds of up to {hold:.2} s, and at least {in_all:.1} s in all.",
+                "{}{}, record holds of up to {hold:.2} s, and at least {in_all:.1} s in all.",
+                match repeated.is_empty() {
+                    true => "",
+                    false =>
+                        "First state the input before the runs (at rest), if it is known, or give each run its levels in another order. ",
+                },
                 stated(choice.longest)
             ),
             Some(_) => format!(

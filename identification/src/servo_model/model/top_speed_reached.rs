@@ -1,6 +1,7 @@
 //! Whether a top speed was reached, or is extrapolated, and what the strokes show of it.
 
 use super::ServoModel;
+use crate::results::Reason;
 use crate::servo_model::quantities::Quantity;
 use crate::servo_model::quantities::quantity_kind::QuantityKind;
 
@@ -34,9 +35,14 @@ impl ServoModel {
         limit.filter(|_| self.covariance.valid().is_none())
     }
 
-    /// Leaves top speeds open that have no interval and that the servo stayed below: a model that lacks something of the servo may extrapolate to anything.
+    /// Whether a top speed stands without an interval and was not reached.
+    pub(crate) fn only_extrapolates(&self, quantity: &Quantity) -> bool {
+        self.covariance.valid().is_none() && self.stayed_below(quantity)
+    }
+
+    /// Leaves top speeds open that the servo stayed below, where errors that are not noise show that the model lacks something of it: that may extrapolate to anything.
     pub(crate) fn leave_extrapolated_speeds_open(&mut self) {
-        if self.covariance.valid().is_some() {
+        if self.covariance.withdrawn() != Some(Reason::ErrorsNotNoise) {
             return;
         }
         let all = self.quantities.iter();
@@ -52,7 +58,7 @@ mod tests {
     use super::*;
     use crate::data::Record;
     use crate::nonlinear::SpeedLimits;
-    use crate::results::{Bounds, Reason};
+    use crate::results::Bounds;
     use crate::servo_model::{ServoModelOptions, fit};
 
     #[test]

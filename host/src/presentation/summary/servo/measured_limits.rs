@@ -59,6 +59,7 @@ mod tests {
         // The model expects more than the servo did.
         for quantity in &mut model.quantities {
             quantity.value *= 1.5;
+            quantity.determined = true;
         }
         model
     }

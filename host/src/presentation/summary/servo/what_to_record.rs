@@ -35,7 +35,7 @@ fn beside_what_the_model_lacks(document: &ServoModelDocument) -> Vec<&'static st
     // A motion that goes on shows no rests.
     let comes_to_rest = model.rests_apart.is_some() || model.hysteresis.is_some();
     let advice = [
-        (shows_no_speed || has_unreached_top_speeds(model)).then_some(LARGER_STROKES),
+        shows_no_speed.then_some(LARGER_STROKES),
         (comes_to_rest && holds_alike(model)).then_some(STAIRS_DO_NOT_SEPARATE),
         Some(match document.is_of_rows {
             true => PLAY_OR_PULSES,
@@ -66,13 +66,12 @@ const STAIRS_DO_NOT_SEPARATE: &str = "Dead band and friction rest alike, and sta
     --frequencies 0.1:3 --length 20). Identify it together with this recording, in rows of one period.";
 
 /// What gives intervals in a file of another program, where more of the same does not.
-const PLAY_OR_PULSES: &str = "More recordings of this kind hardly give intervals. Where pulses come on a clock of their own, commands wait for them, which neither another \
-    reference nor shorter rows mend: change the command with the pulse, and write it in the row of that moment, as servoid's own board does. Where the gears have play, which \
-    the model lacks, that does not help either.";
+const PLAY_OR_PULSES: &str = "Another recording of this kind has intervals where the model has all of the servo. Where pulses come on a clock of their own, commands wait for them, which neither \
+    another reference nor shorter rows mend: change the command with the pulse, and write it in the row of that moment, as servoid's own board does. Where the gears have play, \
+    which the model lacks, hardly any recording has them.";
 
 /// The same of a recording of servoid, whose commands change with the pulse.
-const PLAY: &str =
-    "More recordings hardly give intervals where the gears have play, which the model lacks.";
+const PLAY: &str = "Another recording has intervals where the model has all of the servo, and hardly any where the gears have play, which it lacks.";
 
 /// What is known without intervals.
 const WITHOUT_INTERVALS: &str = "What is known without intervals: the other fits show how far figures may be off, and 'servoid validate' how well the model predicts a recording \
