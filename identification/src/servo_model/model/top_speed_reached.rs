@@ -13,15 +13,21 @@ impl ServoModel {
     /// faster, it did not.
     #[must_use]
     pub fn stayed_below(&self, quantity: &Quantity) -> bool {
-        let reached = self.reached.and_then(|reached| match quantity.kind()? {
-            QuantityKind::TopSpeedUpwards => Some(reached.measured()[0]),
-            QuantityKind::TopSpeedDownwards => Some(reached.measured()[1]),
+        let reached = self.reached.map(|reached| reached.measured());
+        self.was_below(quantity, quantity.value, reached)
+    }
+
+    /// Whether a top speed, which may be `speed`, is above those that were `reached` up and down, and the strokes do not show it.
+    fn was_below(&self, quantity: &Quantity, speed: f64, reached: Option<[f64; 2]>) -> bool {
+        let reached = reached.and_then(|[up, down]| match quantity.kind()? {
+            QuantityKind::TopSpeedUpwards => Some(up),
+            QuantityKind::TopSpeedDownwards => Some(down),
             _ => None,
         });
         let is_shown = self.limit_of_strokes(quantity.kind()).is_some();
         quantity.determined
             && !is_shown
-            && reached.is_some_and(|reached| reached < AT_TOP_SPEED * quantity.value)
+            && reached.is_some_and(|reached| reached < AT_TOP_SPEED * speed)
     }
 
     /// The limit that the strokes of the record show for this top speed \[output/s\], where the model has no interval of it.
@@ -40,13 +46,19 @@ impl ServoModel {
         self.covariance.valid().is_none() && self.stayed_below(quantity)
     }
 
-    /// Leaves top speeds open that the servo stayed below, where errors that are not noise show that the model lacks something of it: that may extrapolate to anything.
+    /// Leaves top speeds open that the servo did not surely come to, by the model or another fit, where errors that are not noise show that the model lacks something of it:
+    /// that may extrapolate to anything.
     pub(crate) fn leave_extrapolated_speeds_open(&mut self) {
         if self.covariance.withdrawn() != Some(Reason::ErrorsNotNoise) {
             return;
         }
+        let surely = (self.reached).map(|reached| [reached.upwards, reached.downwards]);
         let all = self.quantities.iter();
-        let extrapolated: Vec<bool> = all.map(|quantity| self.stayed_below(quantity)).collect();
+        let extrapolates = |quantity: &Quantity| {
+            let other_fits = quantity.other_fits.map_or(f64::NAN, |fits| fits.most);
+            self.was_below(quantity, quantity.value.max(other_fits), surely)
+        };
+        let extrapolated: Vec<bool> = all.map(extrapolates).collect();
         for (quantity, extrapolated) in self.quantities.iter_mut().zip(extrapolated) {
             quantity.determined &= !extrapolated;
         }
@@ -76,12 +88,13 @@ mod tests {
         let kind = QuantityKind::TopSpeedUpwards;
         let is_open = |times: f64| {
             let mut model = model.clone();
-            let reached = model.reached.unwrap().measured()[0];
+            let reached = model.reached.unwrap().upwards;
             model.covariance = Bounds::Withdrawn(Reason::ErrorsNotNoise);
             model.speed_limits = SpeedLimits::default();
             let mut quantities = model.quantities.iter_mut();
             let speed = quantities.find(|of| of.kind() == Some(kind)).unwrap();
             (speed.determined, speed.value) = (true, times * reached);
+            speed.other_fits = None;
             model.leave_extrapolated_speeds_open();
             !model.quantity(kind).unwrap().determined
         };
