@@ -1,6 +1,6 @@
 //! A model against recordings that it was not identified from.
 
-use super::misfit::{Line, Misfit, Scale};
+use super::misfit::{Lag, Line, Misfit, Scale};
 use super::spikes::Spikes;
 use crate::analysis::one_servo::load_at_rest;
 use crate::analysis::recording_advice::sample_period::unlikely_period;
@@ -307,16 +307,36 @@ fn cause(
             format!(
                 "It is a delay: this recording is {:.1} ms {here} than the model, and shifted by that it leaves an error of {}. Where servo, command and \
                  logger are the same, it is the model that is {model} in motion of this kind: identify from this recording, or from both together. Else look at \
-                 how the command is written (at the moment at which it is sent, by the clock of the position), and at the logger.",
+                 how the command is written (at the moment at which it is sent, by the clock of the position), at the logger, and for pulses on a clock of their own, for which commands wait.",
                 1e3 * lag.seconds.abs(),
                 in_unit(lag.left)
             )
         }
-        None => noise(misfit, is_most, in_unit).unwrap_or_else(|| match open_s > 0.0 && !polled {
-            true => format!("{BETWEEN_ROWS} {ANOTHER_MOTION}"),
-            false => ANOTHER_MOTION.to_owned(),
+        None => noise(misfit, is_most, &in_unit).unwrap_or_else(|| {
+            let lag = misfit.lag.as_ref();
+            let in_part = lag.filter(|lag| lag.left < OF_A_CAUSE * misfit.left_of_offset);
+            match in_part {
+                Some(lag) => format!("{} {ANOTHER_MOTION}", in_part_a_delay(lag, in_unit)),
+                None if open_s > 0.0 && !polled => format!("{BETWEEN_ROWS} {ANOTHER_MOTION}"),
+                None => ANOTHER_MOTION.to_owned(),
+            }
         }),
     }
+}
+
+/// That a shift leaves less than half of the error, and what does that.
+fn in_part_a_delay(lag: &Lag, in_unit: impl Fn(f64) -> String) -> String {
+    let here = if lag.seconds > 0.0 {
+        "later"
+    } else {
+        "earlier"
+    };
+    format!(
+        "Much of it is a delay: taken {:.1} ms {here} than the model, this recording leaves an error of {}. Pulses on a clock of their own, for which commands wait, do that, \
+         a logger that polls the command, and a servo that is slower in this motion.",
+        1e3 * lag.seconds.abs(),
+        in_unit(lag.left)
+    )
 }
 
 /// That the error is that of single rows.

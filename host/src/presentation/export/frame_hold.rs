@@ -28,13 +28,15 @@ impl ModelMetadata {
         })
     }
 
-    /// That a stated hold may count twice.
-    pub(super) fn frame_warning(&self) -> Option<String> {
+    /// That a stated hold may count twice, in a model whose delay is `delay_s` where that is known: no more than this is counted twice.
+    pub(super) fn frame_warning(&self, delay_s: Option<f64>) -> Option<String> {
+        let most_s = delay_s.unwrap_or(f64::INFINITY);
         match self.pulse_frame_s {
             Some(frame_s) if self.frame_is_stated && frame_s > 0.0 => Some(format!(
-                "the stated frame of {} ms is right {WHEN_TO_STATE}, and the servo is late by {} ms",
+                "the stated frame of {} ms is right {WHEN_TO_STATE}, and the servo is late by {}{} ms",
                 four_digits(1e3 * frame_s),
-                four_digits(0.5e3 * frame_s)
+                if most_s < 0.5 * frame_s { "up to " } else { "" },
+                four_digits(1e3 * most_s.min(0.5 * frame_s))
             )),
             _ => None,
         }

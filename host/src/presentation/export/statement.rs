@@ -66,7 +66,7 @@ impl Export<'_> {
         for text in doubts::of_units(self.commands(), self.servo_model, self.metadata.units()) {
             warn(true, &text);
         }
-        if let Some(text) = self.metadata.frame_warning() {
+        if let Some(text) = self.metadata.frame_warning(None) {
             warn(true, &text);
         }
         match &self.low_order {

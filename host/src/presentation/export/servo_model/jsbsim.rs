@@ -27,6 +27,9 @@ use servoid_identification::servo_model::ServoParameters;
 /// Step of the emulation without a choice \[s\]: the longest that the file advises.
 const STEP_S: f64 = 0.002;
 
+/// Delays that are tried, up to that of the servo.
+const DELAYS: usize = 8;
+
 /// What an actuator has not.
 const LEFT_OUT: [Term; 6] = [
     Term::FullDrive,
@@ -89,14 +92,26 @@ impl Actuator {
         }
     }
 
-    /// With the filter there, at the rates that come closest to the servo.
+    /// With the filter there, at the rates that come closest to the servo. Of a command that is held for frames, a rate limit spreads each step over the time that it takes,
+    /// which a shorter delay makes up for; a smooth one it passes on as it is.
     fn fitted(&self, export: &ServoExport<'_>, filter: Filter, trial: &Trial) -> (Self, RateFit) {
-        let full_speed = Self { filter, ..*self };
         let top = self.rates.map(|(up, down)| up.max(down));
-        let found = best_share(export, trial, top, |share, trial| {
-            (full_speed.slower(share)).respond(&trial.command(), trial.step_s)
-        });
-        (full_speed.slower(found.share), found)
+        let of_delay = |part: usize| {
+            let delay_s = self.delay_s * part as f64 / DELAYS as f64;
+            let full_speed = Self {
+                filter,
+                delay_s,
+                ..*self
+            };
+            let found = best_share(export, trial, top, |share, trial| {
+                (full_speed.slower(share)).respond(&trial.command(), trial.step_s)
+            });
+            (full_speed.slower(found.share), found)
+        };
+        let first = if export.frame_s() > 0.0 { 0 } else { DELAYS };
+        let all = (first..=DELAYS).map(of_delay);
+        let closest = all.min_by(|a, b| a.1.difference.total_cmp(&b.1.difference));
+        closest.expect("a delay")
     }
 
     /// With this share of its rates; without a limit where there is none.
@@ -326,6 +341,18 @@ fn long_steps(export: &ServoExport<'_>) -> Option<String> {
 /// How the delay is counted out.
 const DELAY: &str = "Delay in steps: right to a part of one. JSBSim cuts a delay off to whole steps and delays by one of them less; the parts behind it make up for that, and for half a step by which Tustin's rule is early.";
 
+/// That the delay is not the servo's, and why.
+fn shorter_delay(export: &ServoExport<'_>, delay_s: f64) -> String {
+    let own_s = export.parameters.delay_s;
+    if delay_s >= own_s {
+        return String::new();
+    }
+    let [here, own] = [delay_s, own_s].map(|s| four_digits(1e3 * s));
+    format!(
+        " It is {here} ms in place of {own} ms: the rate limit spreads each step of a held command over the time that it takes, and with this delay the motion is closest."
+    )
+}
+
 /// At which rate the system is to run.
 fn steps(export: &ServoExport<'_>, difference: &Difference) -> String {
     let step_s = difference.trial.step_s;
@@ -359,7 +386,7 @@ fn about(
     ]);
     about.extend([
         actuator.in_words(),
-        DELAY.to_owned(),
+        DELAY.to_owned() + &shorter_delay(export, actuator.delay_s),
         rate,
         format!(
             "Time: {TIME} {} Set the step before the aircraft is loaded: delays are counted out then.",

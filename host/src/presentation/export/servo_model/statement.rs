@@ -57,7 +57,7 @@ impl ServoExport<'_> {
         }
         found.extend(self.unknown_speed());
         found.extend(self.unexplained_hysteresis());
-        found.extend(self.metadata.frame_warning());
+        found.extend(self.metadata.frame_warning(Some(self.parameters.delay_s)));
         found.extend(doubts::of_units(
             self.model.commands,
             Some(self.model),

@@ -18,15 +18,25 @@ pub(crate) fn measured_limits(model: &ServoModel) -> [Option<f64>; 2] {
     .map(|kind| model.limit_of_strokes(Some(kind)))
 }
 
-/// "500 deg/s (0.120 s/60°) upwards and 510 deg/s (0.118 s/60°) downwards", of the limits that the recording shows.
+/// The part of a limit by which its strokes may be slower, which two directions differ by where one has larger strokes.
+const BUILDS_UP: f64 = 0.07;
+
+/// Whether two limits differ by no more than strokes of other sizes do: which is the slower one they do not show.
+fn are_alike([a, b]: [f64; 2]) -> bool {
+    a.min(b) > (1.0 - BUILDS_UP) * a.max(b)
+}
+
+/// "500 deg/s (0.120 s/60°) upwards and 560 deg/s (0.107 s/60°) downwards", of the limits that the recording shows.
 pub(crate) fn limits_in_words(model: &ServoModel, units: Units<'_>) -> Option<String> {
     let of = |limit: f64| speed_in_words(model, (limit, digits(limit, 2)), units);
     let larger = upwards(model);
-    match measured_limits(model).map(|limit| limit.map(of)) {
-        [Some(up), Some(down)] if up == down => Some(up),
-        [Some(up), Some(down)] => Some(format!("{up} {larger} and {down} downwards")),
-        [Some(up), None] => Some(format!("{up} {larger}")),
-        [None, Some(down)] => Some(format!("{down} downwards")),
+    match measured_limits(model) {
+        [Some(up), Some(down)] if are_alike([up, down]) => {
+            Some(format!("{} both ways", of(up.max(down))))
+        }
+        [Some(up), Some(down)] => Some(format!("{} {larger} and {} downwards", of(up), of(down))),
+        [Some(up), None] => Some(format!("{} {larger}", of(up))),
+        [None, Some(down)] => Some(format!("{} downwards", of(down))),
         [None, None] => None,
     }
 }
@@ -73,7 +83,7 @@ mod tests {
     fn what_the_strokes_show_stands_before_a_model_without_intervals() {
         let both = SpeedLimits {
             upwards: Some(30.0),
-            downwards: Some(29.0),
+            downwards: Some(27.0),
             change: None,
         };
         let of_model = model(SpeedLimits::default());
@@ -81,14 +91,23 @@ mod tests {
         assert_eq!(limits_in_words(&of_model, DEGREES), None);
         let shown = model(both);
         assert!(!has_unreached_top_speeds(&shown));
-        let words = "30 deg/s (2.000 s/60°) upwards and 29 deg/s (2.069 s/60°) downwards";
+        let words = "30 deg/s (2.000 s/60°) upwards and 27 deg/s (2.222 s/60°) downwards";
         assert_eq!(limits_in_words(&shown, DEGREES).as_deref(), Some(words));
         assert!(against_the_model(&shown, DEGREES).unwrap().contains(words));
+        let alike = SpeedLimits {
+            downwards: Some(29.0),
+            ..both
+        };
+        let words = "30 deg/s (2.000 s/60°) both ways";
+        assert_eq!(
+            limits_in_words(&model(alike), DEGREES).as_deref(),
+            Some(words)
+        );
         let one = SpeedLimits {
             upwards: None,
             ..both
         };
-        let words = "29 units/s (2.069 s/60° if that is degrees) downwards";
+        let words = "27 units/s (2.222 s/60° if that is degrees) downwards";
         assert_eq!(
             limits_in_words(&model(one), Units::default()).as_deref(),
             Some(words)
