@@ -362,6 +362,19 @@ mod tests {
         found.is_even().then(|| found.rows())
     }
 
+    /// Runs of one order in which each stroke waits as long in every run, as where a servo that is not linear answers it so.
+    #[test]
+    fn answers_that_repeat_with_their_strokes_are_of_no_clock() {
+        let one = record(1.0, 0.05, f64::INFINITY);
+        for (runs, is_even) in [(1, true), (3, false)] {
+            let runs = vec![one.runs()[0].clone(); runs];
+            let record = Record::new(0.01, runs).unwrap();
+            let model = identify(&record, &Options::default()).unwrap();
+            let found = Scatter::of(record.runs(), &model).unwrap();
+            assert_eq!(found.is_even(), is_even);
+        }
+    }
+
     #[test]
     fn a_limit_of_speed_is_no_wait() {
         // 100 a second: some 4 rows later where strokes are large, by the length of the stroke.

@@ -130,6 +130,28 @@ fn systems_are_as_late_as_they_state() {
     }
 }
 
+/// Of a command that is held for frames, which a file without a frame is not made for.
+#[test]
+fn a_system_of_a_held_command_is_closer_to_the_servo_in_strokes() {
+    if !works("python3", &["-c", "import jsbsim"]) {
+        return missing("strokes in JSBSim", "python's jsbsim is not installed");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let [smooth, held] = ["0", "20"].map(|frame| {
+        let exported = SERVOS[1].export("jsbsim", folder.path(), &["--frame-ms", frame]);
+        let trial = &exported.trial;
+        let positions = run(folder.path(), "limited", &exported, &trial.command());
+        let delay = prose(&exported.text).contains("the rate limit spreads each step");
+        assert_eq!(delay, frame == "20");
+        trial.root_mean_square(
+            trial.staircase(&positions),
+            trial.staircase(&exported.exact),
+        )
+    });
+    // A third of the difference is left.
+    assert!(held < 0.5 * smooth, "{held} {smooth}");
+}
+
 #[test]
 fn the_step_of_a_stated_rate_is_named() {
     let folder = tempfile::tempdir().unwrap();
