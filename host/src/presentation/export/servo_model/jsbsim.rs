@@ -108,10 +108,15 @@ impl Actuator {
             });
             (full_speed.slower(found.share), found)
         };
-        let first = if export.frame_s() > 0.0 { 0 } else { DELAYS };
-        let all = (first..=DELAYS).map(of_delay);
-        let closest = all.min_by(|a, b| a.1.difference.total_cmp(&b.1.difference));
-        closest.expect("a delay")
+        let shorter = if export.frame_s() > 0.0 { 0 } else { DELAYS };
+        let closer = |a: (Self, RateFit), b: (Self, RateFit)| match b.1.difference < a.1.difference
+        {
+            true => b,
+            false => a,
+        };
+        (shorter..DELAYS)
+            .map(of_delay)
+            .fold(of_delay(DELAYS), closer)
     }
 
     /// With this share of its rates; without a limit where there is none.
