@@ -529,6 +529,8 @@ class Model(Document):
         >>> bool(abs(y - model.offset - model.step.value).max() < 1e-9)
         True
         """
+        if self._is_drawn():
+            warnings.warn("the linear model of a draw is that of the estimate: draw.servo_model.simulate has the servo that was drawn", stacklevel=2)
         if is_list_of_runs(u):
             return [self.simulate(one, at_rest=at_rest) for one in u]
         return self._core.simulate(samples("input", u), command_or_none("at_rest", at_rest))
@@ -672,7 +674,7 @@ class Model(Document):
         to: str,
         path: str | os.PathLike[str] | None = None,
         *,
-        servo_model: bool = False,
+        servo_model: bool | None = None,
         controller: float | None = None,
         step_ms: float | None = None,
         full_command: float | None = None,
@@ -688,8 +690,8 @@ class Model(Document):
             The program; the last two take the servo model.
         path : path, optional
             Where to write the file; without it, the text is in the result alone.
-        servo_model : bool
-            The servo as a machine in place of the linear model.
+        servo_model : bool, optional
+            The servo as a machine in place of the linear model; without it, that of a draw of a servo model alone.
         controller : float, optional
             The controller of the servo model, where it has several.
         step_ms : float, optional
@@ -726,7 +728,7 @@ class Model(Document):
             self._core,
             {
                 "to": word("to", to, 'the name of a program, such as "matlab"'),
-                "servo_model": flag("servo_model", servo_model),
+                "servo_model": self._is_drawn() if servo_model is None else flag("servo_model", servo_model),
                 "controller": number_or_none("controller", controller),
                 "step_ms": number_or_none("step_ms", step_ms, "a number of milliseconds"),
                 "full_command": number_or_none("full_command", full_command),
@@ -738,6 +740,10 @@ class Model(Document):
         if path is not None:
             found.save(path, force=force)
         return found
+
+    def _is_drawn(self) -> bool:
+        """Whether it is one of the servos that a servo model leaves open: its linear model is that of the estimate."""
+        return self._core.name.endswith(DRAWN)
 
     def _stem(self) -> str:
         return os.path.splitext(os.path.basename(self._core.name.removesuffix(DRAWN)))[0]

@@ -2,6 +2,7 @@
 
 use super::response::first_finding::{first_finding, said_before};
 use super::response::linear_model::{Extent, of_model};
+use super::servo::linear_beside::is_called_linear;
 use super::servo::servo_model::of_servo_model;
 use super::servo::servo_sentence::servo_sentence;
 use super::wording::layout::wrapped;
@@ -48,6 +49,7 @@ pub fn of_both_models(
         low_order,
         picture,
         statistics,
+        machine_is_not_linear: !is_called_linear(model, servo.map(|servo| &servo.model)),
     };
     let figures = servo.map(|servo| of_servo_model(servo, units, statistics));
     let figures = figures.unwrap_or_default();

@@ -32,6 +32,8 @@ pub struct Extent<'a> {
     pub picture: &'a str,
     /// Whether structure, residuals and widths are printed too.
     pub statistics: bool,
+    /// Whether the servo as a machine is not linear, which this linear model may not show.
+    pub machine_is_not_linear: bool,
 }
 
 /// The results of one identification: the answer first.
@@ -69,12 +71,16 @@ pub fn of_model(source: &str, model: &Model, of: &ModelMetadata, extent: Extent<
         Bounds::Valid(_) if !model.linear => {
             text += "  ! NOT LINEAR: the bounds are those of the linear description that fits this reference best (see the advice)\n";
         }
+        Bounds::Valid(_) if extent.machine_is_not_linear => {
+            text += "  ! NOT LINEAR as a machine: these figures are of the recorded motion, and other steps, amplitudes or a sine may have others\n";
+        }
         Bounds::Valid(_) => {}
     }
     let [samples, structure, fit, residuals] = facts(model, units.output);
     let band = ("step band", step_band(model));
     let offset = ("offset", offset(model, units.output));
-    text += &metrics::table(model, of);
+    let of_motion = !model.linear || extent.machine_is_not_linear;
+    text += &metrics::table(model, of, of_motion);
     text.push('\n');
     let facts = match extent.statistics {
         true => vec![samples, structure, fit, band, offset, residuals],

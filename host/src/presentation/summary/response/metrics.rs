@@ -222,12 +222,12 @@ impl MetricEntry {
     }
 }
 
-/// The metrics of one model, a line each.
-pub(crate) fn table(model: &Model, of: &ModelMetadata) -> String {
+/// The metrics of one model, a line each; `of_motion` where they are those of the recorded motion alone.
+pub(crate) fn table(model: &Model, of: &ModelMetadata, of_motion: bool) -> String {
     let gain = of.units().gain().unwrap_or_default();
     let metrics = &model.metrics;
     let mut head = head_of_bounds(metrics.bounds.as_ref().map(|bounds| bounds.level));
-    if metrics.bounds.valid().is_some() && !model.linear {
+    if metrics.bounds.valid().is_some() && of_motion {
         head += ", of this motion";
     }
     let missing = "not reached, as far as this recording shows";

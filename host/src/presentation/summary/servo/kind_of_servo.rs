@@ -1,6 +1,6 @@
 //! What kind of servo it is: linear, limited, or neither.
 
-use servoid_identification::results::{Advice, Bounds, Model, Reason};
+use servoid_identification::results::{Advice, Bounds, Model};
 use servoid_identification::servo_model::{LinearKind, Quantity, QuantityKind, ServoModel};
 use servoid_identification::thresholds::SERVO_MATERIAL_ADVANTAGE;
 
@@ -94,14 +94,14 @@ pub(super) fn is_nearly_linear(model: &ServoModel) -> bool {
 
 const NEARLY_ALL_PERCENT: f64 = 99.9;
 
-/// Whether the record determines anything that a limit of the drive brings about; where the model lacks something, a top speed.
+/// Whether the record determines anything that a limit of the drive brings about; without intervals, a top speed: what a drive does at the beginning of a stroke, other terms do as well.
 pub(crate) fn shows_limit(model: &ServoModel) -> bool {
     let shown_by: &[QuantityKind] = match model.covariance {
-        Bounds::Withdrawn(Reason::ErrorsNotNoise) => &[
+        Bounds::Withdrawn(_) => &[
             QuantityKind::TopSpeedUpwards,
             QuantityKind::TopSpeedDownwards,
         ],
-        _ => QuantityKind::OF_LIMIT,
+        Bounds::Valid(_) => QuantityKind::OF_LIMIT,
     };
     let determined = model.quantities.iter().filter(|found| found.determined);
     let mut kinds = determined.filter_map(Quantity::kind);
