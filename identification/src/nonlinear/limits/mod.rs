@@ -21,7 +21,7 @@ mod visits;
 
 use serde::{Deserialize, Serialize};
 
-use crate::data::{EXACTLY, Record, Run, holds, sensor_step};
+use crate::data::{EXACTLY, Record, Run, holds, sensor_step, usual_exact_hold};
 use crate::diagnostics::followed_after;
 use crate::results::{Interval, Model};
 use crate::thresholds::MARGIN;
@@ -199,8 +199,25 @@ fn settling(record: &Record, model: &Model) -> usize {
     match is_described(model) {
         true => (all as f64 / MARGIN).ceil() as usize,
         false => time_to_rest(record).map_or(all, |seen| {
-            seen.max(followed_after(&model.step.value)).min(all)
+            let followed = followed_in_holds(&model.step.value, usual_exact_hold(record));
+            seen.max(followed).min(all)
         }),
+    }
+}
+
+/// Share of a response that has to be over at the end of the usual hold for that to be the answer to one step.
+const ANSWERED: f64 = 0.5;
+
+/// Samples until the `step` response follows. Behind play or a dead band, which a step in the other direction has to cross first, a linear model has some of the answer in the next
+/// `hold`, and the servo rests before.
+fn followed_in_holds(step: &[f64], hold: usize) -> usize {
+    // The last element gathers what comes later.
+    let (_, before_last) = step.split_last().unwrap_or((&0.0, step));
+    let within = before_last.get(..hold).unwrap_or(before_last);
+    let is_answer = |(end, last): (&f64, &f64)| end / last > ANSWERED;
+    match within.last().zip(step.last()).is_some_and(is_answer) {
+        true => followed_after(within),
+        false => followed_after(step),
     }
 }
 

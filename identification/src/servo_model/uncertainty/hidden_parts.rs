@@ -45,7 +45,8 @@ pub(super) fn hidden_parts(
     let parts = [
         errors.part(current_limit::shortfall),
         errors.part(stiction::shortfall),
-        errors.part(unequal_sides::shortfalls),
+        errors.part(unequal_sides::limit_shortfalls),
+        errors.part(unequal_sides::motor_shortfalls),
     ];
     parts.into_iter().flatten().collect()
 }
