@@ -81,6 +81,10 @@ fn what_to_look_for(
     let parts = ShortOfCommand::of(rests, commanded).into_iter();
     let known = parts.flat_map(|found| {
         let holds_back = format!("for {HOLDS_BACK}");
+        // Strokes that do not cross all of the play tilt the line: both parts are no more than the whole.
+        let left = short - found.by_direction.unwrap_or(0.0);
+        let by_gain = found.by_gain.map(|by_gain| by_gain.min(left));
+        let by_gain = by_gain.filter(|by_gain| *by_gain > 0.0);
         [
             part(
                 found.by_direction,
@@ -88,7 +92,7 @@ fn what_to_look_for(
                 holds_back,
             ),
             part(
-                found.by_gain,
+                by_gain,
                 "grows with the command",
                 GROWS_WITH_COMMAND.to_owned(),
             ),

@@ -35,7 +35,7 @@ fn beside_what_the_model_lacks(document: &ServoModelDocument) -> Vec<&'static st
     // A motion that goes on shows no rests.
     let comes_to_rest = model.rests_apart.is_some() || model.hysteresis.is_some();
     let advice = [
-        shows_no_speed.then_some(LARGER_STROKES),
+        shows_no_speed.then_some(SPEED_IS_OPEN),
         (comes_to_rest && holds_alike(model)).then_some(STAIRS_DO_NOT_SEPARATE),
         Some(match document.is_of_rows {
             true => PLAY_OR_PULSES,
@@ -60,10 +60,14 @@ fn holds_alike(model: &ServoModel) -> bool {
 /// Said of a servo that was faster than any stroke let it show.
 const LARGER_STROKES: &str = "Strokes of this recording were too small to show the top speed: record larger ones, as far as the travel allows.";
 
+/// Said where a model that lacks something of the servo has no top speed.
+const SPEED_IS_OPEN: &str =
+    "The top speed is open: strokes over most of the travel show it, in a recording of their own.";
+
 /// Said of a servo that a dead band or friction holds, where the record does not show which.
 const STAIRS_DO_NOT_SEPARATE: &str = "Dead band and friction rest alike, and stairs hardly distinguish them: a large slow motion that goes on does, such as \
     sines of 0.1 to 3 Hz that add up to 30 degrees, for 20 s, with two seconds of rest before and after them (in servoid: --reference multisine --amplitude 30 \
-    --frequencies 0.1:3 --length 20). Identify it together with this recording, in rows of one period.";
+    --frequencies 0.1:3 --length 20). Identify it together with this recording, in rows of one period. A recording that has both shows no more.";
 
 /// What gives intervals in a file of another program, where more of the same does not.
 const PLAY_OR_PULSES: &str = "Another recording of this kind has intervals where the model has all of the servo. Where pulses come on a clock of their own, commands wait for them, which neither \
