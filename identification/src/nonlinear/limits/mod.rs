@@ -259,6 +259,20 @@ mod tests {
     }
 
     #[test]
+    fn a_part_of_the_answer_in_the_next_hold_is_play_and_a_slow_servo_has_not_followed() {
+        // Three quarters within 12 samples of a hold of 60, and the rest when the servo is sent back.
+        let mut play: Vec<f64> = (0..120)
+            .map(|k| 0.75 * (f64::from(k) / 12.0).min(1.0))
+            .collect();
+        play.push(1.0);
+        assert_eq!(followed_in_holds(&play, 60), 11);
+        let slow: Vec<f64> = (0..120)
+            .map(|k| 1.0 - (f64::from(k) / -30.0).exp())
+            .collect();
+        assert!(followed_in_holds(&slow, 15) > 60);
+    }
+
+    #[test]
     fn a_known_stop_is_that_of_the_end_that_is_nearer() {
         let ends = || [end(-30.0, -29.9), end(27.0, 21.99)];
         let [low, high] = with_stops(ends(), &[22.0]);

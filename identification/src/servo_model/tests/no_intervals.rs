@@ -5,6 +5,9 @@ use crate::data::Record;
 use crate::results::{Bounds, Interval, Reason};
 use crate::servo_model::descent::coordinates::{Coordinate, Terms};
 use crate::servo_model::{Alternative, ServoModel, ServoModelOptions, Spread, fit};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
 
 /// A shaft that is held has no gain, and a model of it has errors that are noise.
 #[test]
@@ -40,6 +43,45 @@ fn two_levels_behind_a_third_have_no_intervals() {
     let record = Record::of_run(PERIOD_S, &input, noisy(&servo, &input, 5)).unwrap();
     let found = fit(&record, &ServoModelOptions::default()).unwrap();
     assert_eq!(found.covariance.withdrawn(), Some(Reason::FewLevels));
+}
+
+/// A controller whose drive ends sooner downwards, at one stiffness: beside a dead band that is no load, which pushes there too, and the equation has it neither.
+#[test]
+fn unequal_limits_beside_a_dead_band_have_no_intervals() {
+    const STEP_S: f64 = 1e-4;
+    let (stiffness, damping, motor, limit) = (2000.0, 70.0, 27.0, 9000.0);
+    let input = strokes(6000);
+    let output = |down_to_up: f64| {
+        let (mut angle, mut speed) = (input[0], 0.0);
+        let moved = input.iter().map(|command| {
+            let now = angle;
+            for _ in 0..(PERIOD_S / STEP_S).round() as usize {
+                let error: f64 = command - angle;
+                let beyond = error - error.clamp(-0.3, 0.3);
+                let drive = stiffness * beyond - (damping - motor) * speed;
+                speed += STEP_S * (drive.clamp(-down_to_up * limit, limit) - motor * speed);
+                angle += STEP_S * speed;
+            }
+            now
+        });
+        moved.collect::<Vec<f64>>()
+    };
+    let servo = |down_to_up: f64| {
+        let mut random = ChaCha8Rng::seed_from_u64(6);
+        let mut noise = move || -> f64 {
+            let standard: f64 = StandardNormal.sample(&mut random);
+            0.03 * standard
+        };
+        let output = output(down_to_up)
+            .iter()
+            .map(|y| y + noise())
+            .collect::<Vec<f64>>();
+        let record = Record::of_run(PERIOD_S, &input, output).unwrap();
+        fit(&record, &ServoModelOptions::default()).unwrap()
+    };
+    assert!(servo(1.0).covariance.valid().is_some());
+    let withdrawn = servo(0.96).covariance.withdrawn();
+    assert_eq!(withdrawn, Some(Reason::ErrorsNotNoise));
 }
 
 /// Two levels of the command leave friction, gain and offset open between them.
