@@ -30,7 +30,7 @@ impl ModelMetadata {
 
     /// That a stated hold may count twice, in a model whose delay is `delay_s` where that is known: no more than this is counted twice.
     pub(super) fn frame_warning(&self, delay_s: Option<f64>) -> Option<String> {
-        let most_s = delay_s.unwrap_or(f64::INFINITY);
+        let most_s = delay_s.map_or(f64::INFINITY, |delay_s| delay_s.max(0.0));
         match self.pulse_frame_s {
             Some(frame_s) if self.frame_is_stated && frame_s > 0.0 => Some(format!(
                 "the stated frame of {} ms is right {WHEN_TO_STATE}, and the servo is late by {}{} ms",
