@@ -5,6 +5,7 @@ use servoid_identification::flight_model;
 use servoid_identification::flight_model::{FlightModel, FlightModelOptions};
 use servoid_identification::results::{FrequencyResponse, Model};
 use servoid_identification::servo_model::{CommandRange, ServoModel};
+use std::f64::consts::TAU;
 
 /// A model, ready to be written.
 #[derive(Clone, Debug)]
@@ -80,10 +81,11 @@ impl<'a> Export<'a> {
     }
 
     /// Largest distance of the low-order model's step response from the identified one at any sample
-    /// but the last, which stands for all later ones \[% of the step\]; at least that of its own fit, and in a band, where no step response is identified, that alone.
+    /// but the last, which stands for all later ones \[% of the step\]; at least that of its own fit. In a band, where no step response is identified, that of the
+    /// frequency response, at most.
     pub(super) fn largest_error_percent(&self, flight: &FlightModel) -> f64 {
-        if flight.band_hz.is_some() {
-            return flight.largest_error_percent;
+        if let Some(band_hz) = flight.band_hz {
+            return flight.largest_error_percent + self.without_lead_percent(flight, band_hz);
         }
         let step = &self.model.step.value;
         let count = step.len().saturating_sub(1);
@@ -93,5 +95,22 @@ impl<'a> Export<'a> {
         let pairs = response.iter().zip(step);
         let errors = pairs.map(|(a, b)| 100.0 * (a - b).abs() / gain);
         errors.fold(flight.largest_error_percent, f64::max)
+    }
+
+    /// By how much the frequency response in a band changes where no program has a delay below zero \[% of that at its lowest frequency\]: |exp(jω L) - 1| |G|.
+    fn without_lead_percent(&self, flight: &FlightModel, [from, to]: [f64; 2]) -> f64 {
+        let lead_s = (-flight.transfer.delay_s).max(0.0);
+        let found = self.servo_frequency();
+        let within = |omega: f64| (from..=to).contains(&(omega / TAU));
+        let points = found.omega_rad_s.iter().zip(&found.magnitude_db);
+        let points: Vec<(f64, f64)> = points
+            .filter(|(omega, _)| within(**omega))
+            .map(|(omega, db)| (*omega, 10f64.powf(db / 20.0)))
+            .collect();
+        let lowest = points.first().map_or(f64::NAN, |(_, size)| *size);
+        let changed = points
+            .iter()
+            .map(|(omega, size)| 200.0 * (0.5 * omega * lead_s).sin().abs() * size / lowest);
+        changed.fold(0.0, f64::max)
     }
 }

@@ -381,7 +381,9 @@ fn low_order(flight: &FlightModel, largest_error_percent: f64) -> String {
         };
         text += &match name == "L" && value < 0.0 {
             // No program has a delay below zero.
-            true => format!(" L = 0 s (estimated as {value:.6} s{bounds}),"),
+            true => format!(
+                " L = 0 s (estimated as {value:.6} s{bounds}, and this file is later by as much),"
+            ),
             false => format!(" {name} = {value:.6}{unit}{bounds},"),
         };
     }
