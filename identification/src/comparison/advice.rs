@@ -94,7 +94,7 @@ pub(super) fn one_response() -> Advice {
 fn rests_of_models() -> Advice {
     Advice::new(
         Check::Levels,
-        "Models do not carry the rests of the servo, so nothing here shows where it loses travel, nor whether it meets a stop.",
+        "Models do not carry where the servo rests at each level, so nothing here shows where it loses travel, nor whether it meets a stop.",
         0.0,
         LEVELS_FOR_ENDS as f64,
         "Compare the recordings: where they have rests at four levels or more, these show it.",

@@ -82,12 +82,13 @@ fn what_to_look_for(
     let known = parts.flat_map(|found| {
         let holds_back = format!("for {HOLDS_BACK}");
         // Strokes that do not cross all of the play tilt the line: both parts are no more than the whole.
-        let left = short - found.by_direction.unwrap_or(0.0);
+        let by_direction = found.by_direction.map(|part| part.min(short));
+        let left = short - by_direction.unwrap_or(0.0);
         let by_gain = found.by_gain.map(|by_gain| by_gain.min(left));
         let by_gain = by_gain.filter(|by_gain| *by_gain > 0.0);
         [
             part(
-                found.by_direction,
+                by_direction,
                 "changes with the direction of the stroke",
                 holds_back,
             ),

@@ -59,7 +59,7 @@ pub(super) fn model_error(evidence: &Evidence<'_>) -> Option<Advice> {
     let record = match misfit.evidence {
         _ if slow.is_some() => remedy_of_slow_errors(evidence),
         MisfitEvidence::MovesAgain(_) | MisfitEvidence::OutlastsHolds(_) => {
-            "Record levels in random order, or holds of different lengths, to see what the answer depends on"
+            "Record levels in random order, or holds of different lengths (or more of both, where they are), to see what the answer depends on"
         }
         // Without rests a smooth motion lets what was before the record pass for an error.
         _ if misfit.unexcited_above_hz.is_some() => {
@@ -136,8 +136,8 @@ fn reason_in_words(misfit: &Misfit, has_noise: bool) -> (String, f64, f64) {
         MisfitEvidence::OutlastsHolds(holds) => {
             let words = format!(
                 "a linear model of this recording responds for {holds:.2} holds of the reference, although the servo is seen to rest before each of them \
-                 ends: its answer depends on the stroke before or on the size of the stroke, as with play, friction or a limit of its speed, and a \
-                 reference that repeats itself makes that look like a late part of the response"
+                 ends: its answer depends on the stroke before or on the size of the stroke, as with play, friction or a limit of its speed, and that \
+                 looks like a late part of the response"
             );
             (words, holds, MARGIN)
         }
