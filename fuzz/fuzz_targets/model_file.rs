@@ -29,7 +29,7 @@ fuzz_target!(|text: &str| {
         let _ = export.write(target);
     }
     let _ = export.warnings();
-    let extent = summary::Extent { of_servo: "", low_order: None, picture: "", statistics: true };
+    let extent = summary::Extent { of_servo: "", low_order: None, picture: "", statistics: true, machine_is_not_linear: true };
     assert!(!summary::of_model("x", &model, &metadata, extent).is_empty());
 
     let input: Vec<f64> = (0..200).map(|k| f64::from(k / 7 % 2)).collect();

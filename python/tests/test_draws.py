@@ -53,6 +53,14 @@ def test_a_servo_model_is_drawn_in_the_coordinates_of_a_possible_servo(model):
     assert len(taken) > 1
 
 
+def test_a_draw_is_exported_and_its_linear_model_is_doubted(model):
+    first, second = model.servo_model.draws(2, seed=3)
+    files = [draw.export("python", name="servo").text for draw in (first, second)]
+    assert files[0] != files[1]
+    with pytest.warns(UserWarning, match="draw.servo_model.simulate"):
+        first.simulate([0.0] * 10)
+
+
 def test_draws_have_the_range_of_the_intervals(model):
     servo = model.servo_model
     drawn = servo._draws(4000, seed=5)
