@@ -20,7 +20,7 @@ pub(super) fn limit_shortfalls(
     grid: &Grid,
 ) -> Option<Vec<[f64; 2]>> {
     servo.dead_band?;
-    let sides = Sides::of(servo, grid)?;
+    let sides = DriveSides::of(servo, grid)?;
     let others = [sides.drives(), sides.limits()].map(|both| [both, both]);
     Some(sides.taken_by(stretch, others))
 }
@@ -31,7 +31,7 @@ pub(super) fn motor_shortfalls(
     stretch: &Stretch,
     grid: &Grid,
 ) -> Option<Vec<[f64; 3]>> {
-    let sides = Sides::of(servo, grid)?;
+    let sides = DriveSides::of(servo, grid)?;
     let [drives, limits] = [sides.drives(), sides.limits()];
     let others = [
         [drives, drives],
@@ -42,13 +42,13 @@ pub(super) fn motor_shortfalls(
 }
 
 /// A servo with a limit of its drive, whose speed is not cut off: the motor brakes nothing then.
-struct Sides<'a> {
+struct DriveSides<'a> {
     servo: &'a ServoParameters,
     grid: &'a Grid,
     limit: DriveLimit<f64>,
 }
 
-impl<'a> Sides<'a> {
+impl<'a> DriveSides<'a> {
     fn of(servo: &'a ServoParameters, grid: &'a Grid) -> Option<Self> {
         let limit = servo.limit.filter(|_| servo.speed_limit.is_none())?;
         Some(Self { servo, grid, limit })
