@@ -206,7 +206,7 @@ class ServoModel:
         for drawn in (drawn for of_round in seeds for drawn in self._draws(count, of_round)):
             if len(found) == count:
                 break
-            servo.update(drawn, alternatives=[])
+            servo.update(drawn, alternatives=[], drawn=True)
             name = f"draw {len(found) + 1} of {self._core.name}{DRAWN}"
             another = Model(_servoid.Model.parse(json.dumps(document), name))
             drawn_servo = another.servo_model

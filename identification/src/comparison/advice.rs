@@ -16,6 +16,10 @@ pub const SIDES: [&str; 2] = ["The first", "The second"];
 /// That the sides had different references.
 pub(super) fn different_references(motions: &Sides<Motion>, linear: bool, unit: &str) -> Advice {
     let (a, b) = (motions.a.in_words(unit), motions.b.in_words(unit));
+    let differ = match a == b {
+        true => format!("The references differ in their strokes: both are {a}, in another order"),
+        false => format!("The references differ: the first is {a}; the second is {b}"),
+    };
     let meaning = if linear {
         "Neither servo is shown to be nonlinear under its own reference, and a linear servo responds to both alike; \
          one that is limited in speed or torque, or has play, does not, and would differ from itself."
@@ -26,7 +30,7 @@ pub(super) fn different_references(motions: &Sides<Motion>, linear: bool, unit: 
     let range = |motion: &Motion| motion.highest - motion.lowest;
     Advice::new(
         Check::References,
-        format!("The references differ: the first is {a}; the second is {b}. {meaning}"),
+        format!("{differ}. {meaning}"),
         range(&motions.b),
         range(&motions.a),
         "Record both sides with the same reference.",

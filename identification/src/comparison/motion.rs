@@ -109,7 +109,10 @@ impl Motion {
             return strokes_differ([self, other].map(Self::ends_in_words), unit);
         }
         let (a, b) = (self.in_words(unit), other.in_words(unit));
-        format!("the references differ (the first has {a}; the second has {b})")
+        match a == b {
+            true => format!("the references differ in their strokes (both have {a})"),
+            false => format!("the references differ (the first has {a}; the second has {b})"),
+        }
     }
 
     /// "±5", or "-3 to +5".
@@ -275,6 +278,10 @@ mod tests {
             "{longer}"
         );
         assert!(!small.is_like(&square(5.0, 40)));
+        assert_eq!(
+            small.difference_in_words(&small, "deg"),
+            "the references differ in their strokes (both have 2 levels from -5 to +5 deg, usually held for 0.2 s)"
+        );
         assert_eq!(
             small.in_words("deg"),
             "2 levels from -5 to +5 deg, usually held for 0.2 s"

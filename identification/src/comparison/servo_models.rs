@@ -13,6 +13,7 @@
 use super::outcome::Comparison;
 use super::rests_apart::RestsApart;
 use super::verdict::Verdict;
+use crate::nonlinear::SpeedLimits;
 use crate::numerics::pointwise_critical;
 use crate::options::Options;
 use crate::results::{Bounds, Interval};
@@ -30,6 +31,9 @@ pub struct ServoModelComparison {
     /// How far apart the rests under one command are in the record of each.
     #[serde(default)]
     pub rests_apart: RestsApart,
+    /// The speeds that larger strokes have in common in the record of each, where a model has no intervals of its top speeds; left out elsewhere.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub speed_limits: Option<SpeedLimitsOfBoth>,
     /// Whether the difference of the delays is without the time by which the outputs of both may have been recorded earlier or later.
     #[serde(default)]
     pub shared_delay_error: bool,
@@ -39,6 +43,15 @@ pub struct ServoModelComparison {
     /// Intervals of both sides and of their differences; withdrawn where one side has none.
     #[serde(flatten)]
     pub bounds: Bounds<QuantityDifferences>,
+}
+
+/// The speeds of the larger strokes of both sides, as they were measured: no model is asked.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SpeedLimitsOfBoth {
+    /// Of the first servo.
+    pub a: SpeedLimits,
+    /// Of the second servo.
+    pub b: SpeedLimits,
 }
 
 /// How long a whole stroke takes, as both models have it, with delay, acceleration and braking.
@@ -181,6 +194,7 @@ pub fn compare_servo_models(
         quantities: pairs.iter().filter_map(pair).collect(),
         stops: stops(a, b),
         stroke: None,
+        speed_limits: speed_limits(a, b).filter(|_| levels.valid().is_none()),
         rests_apart: RestsApart::of(
             [a.rests_apart, b.rests_apart],
             scale_sd,
@@ -283,6 +297,12 @@ fn stops(a: &ServoModel, b: &ServoModel) -> Option<StopsOfBoth> {
         b: b.stops,
         differ: has_a_stop_of_its_own(a, b) || has_a_stop_of_its_own(b, a),
     })
+}
+
+/// `None` where neither record shows any.
+fn speed_limits(a: &ServoModel, b: &ServoModel) -> Option<SpeedLimitsOfBoth> {
+    let [a, b] = [a.speed_limits, b.speed_limits];
+    (!a.are_none() || !b.are_none()).then_some(SpeedLimitsOfBoth { a, b })
 }
 
 /// Whether `servo` has a stop, and shows it, at an end where `other` has none, and follows commands beyond it by more than its errors.

@@ -25,6 +25,8 @@ pub(super) struct Fitted {
     pub(super) moves_again: Option<f64>,
     /// For how many holds the response would go on, where the output is seen to rest within each of them: then N is no longer than a hold.
     pub(super) outlasts_holds: Option<f64>,
+    /// The usual hold \[samples\], where a longer N was stated of a servo that is not linear.
+    pub(super) stated_beyond_hold: Option<usize>,
     /// Why the errors are not noise, and what was done about it; `None` when they are.
     pub(super) misfit: Option<Misfit>,
     /// That the response goes on beyond N, where it does.
@@ -81,6 +83,7 @@ impl Fitted {
             linearity: None,
             moves_again: None,
             outlasts_holds: None,
+            stated_beyond_hold: None,
             misfit: None,
             slow_end: None,
             slow_columns: OnceCell::new(),

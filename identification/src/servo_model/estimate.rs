@@ -457,6 +457,7 @@ fn describe(
         coordinates: point.coordinates.clone(),
         values: point.values.clone(),
         friction_speed_share: point.friction_speed_share,
+        drawn: false,
         commands: Some(found.motion.commands),
         reached: Some(ReachedSpeeds::of(parts, record.sample_period_s())),
         speed_limits: speed_limits(record, point),

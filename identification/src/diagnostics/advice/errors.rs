@@ -53,13 +53,17 @@ pub(super) fn model_error(evidence: &Evidence<'_>) -> Option<Advice> {
         ),
     };
     let noise = evidence.explanation.command_noise.is_some();
-    let (reason, value, threshold) = reason_in_words(misfit, noise);
+    let settling = evidence.model.structure.settling_samples;
+    let (reason, value, threshold) = reason_in_words(misfit, noise, settling);
     let slow = evidence.slow_errors();
     let by_drift = slow.map_or_else(String::new, |slow| format!(" {}.", slow.in_words()));
     let record = match misfit.evidence {
         _ if slow.is_some() => remedy_of_slow_errors(evidence),
         MisfitEvidence::MovesAgain(_) | MisfitEvidence::OutlastsHolds(_) => {
             "Record levels in random order, or holds of different lengths (or more of both, where they are), to see what the answer depends on"
+        }
+        MisfitEvidence::StatedBeyondHold(_) => {
+            "Leave the settling time out, or state one that is no longer than a hold"
         }
         // Without rests a smooth motion lets what was before the record pass for an error.
         _ if misfit.unexcited_above_hz.is_some() => {
@@ -93,8 +97,9 @@ fn probability(p: f64) -> String {
     }
 }
 
-/// Why errors are not noise, the number that shows it, and its threshold. `has_noise` where the command has, which hides how long it is held.
-fn reason_in_words(misfit: &Misfit, has_noise: bool) -> (String, f64, f64) {
+/// Why errors are not noise with N of `settling` samples, the number that shows it, and its threshold. `has_noise` where the command has, which
+/// hides how long it is held.
+fn reason_in_words(misfit: &Misfit, has_noise: bool, settling: usize) -> (String, f64, f64) {
     let unexplained = misfit.unexplained_percent();
     let left = format!("simulation leaves {unexplained:.0} % of the motion (rms) unexplained");
     match misfit.evidence {
@@ -140,6 +145,13 @@ fn reason_in_words(misfit: &Misfit, has_noise: bool) -> (String, f64, f64) {
                  looks like a late part of the response"
             );
             (words, holds, MARGIN)
+        }
+        MisfitEvidence::StatedBeyondHold(hold) => {
+            let words = format!(
+                "the servo is not linear, and the settling time of {settling} samples that was stated is longer than the usual hold of the reference, \
+                 {hold} samples: how its answers to later steps differ passes for a late part of the response"
+            );
+            (words, settling as f64, hold as f64)
         }
         MisfitEvidence::NoSteps(found, seen) => {
             let Excess {

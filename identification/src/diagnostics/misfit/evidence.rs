@@ -54,6 +54,8 @@ pub enum MisfitEvidence {
     MovesAgain(f64),
     /// The response of the model goes on for so many holds of the input, although the output rests before each of them ends.
     OutlastsHolds(f64),
+    /// The servo is not linear, and an N was stated that is longer than this, the usual hold \[samples\].
+    StatedBeyondHold(usize),
     /// The servo is not linear, and only this share of the steps of the input are held until it has
     /// followed.
     NoSteps(Linearity, f64),

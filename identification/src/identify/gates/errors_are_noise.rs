@@ -35,8 +35,9 @@ pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
     };
     let of_errors = || both.evidence(linearity, || share_followed(task, &fitted.estimate));
     let moves_again = fitted.moves_again.map(MisfitEvidence::MovesAgain);
+    let stated = (fitted.stated_beyond_hold).map(MisfitEvidence::StatedBeyondHold);
     let beyond_holds = outlasts_holds.map(MisfitEvidence::OutlastsHolds);
-    let Some(evidence) = moves_again.or_else(of_errors).or(beyond_holds) else {
+    let Some(evidence) = (stated.or(moves_again)).or_else(of_errors).or(beyond_holds) else {
         return Ok(fitted);
     };
     let feedback = input_is_free::tested(task, &fitted).map(|found| Feedback {

@@ -9,7 +9,7 @@
 //! so that several runs are no more evidence of a longer response than one.
 //!
 //! If not, N is chosen again among settling times up to the usual hold. Holds that are too short for a choice,
-//! or for the response, limit nothing.
+//! or for the response, limit nothing. An N that was stated stays, and bounds lose their level.
 
 use crate::data::{Record, usual_hold};
 use crate::diagnostics::{moves_after, moves_again, rests_within};
@@ -22,18 +22,22 @@ use crate::identify::task::Task;
 use crate::thresholds::MARGIN;
 
 pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
-    let (Some(record), Some(choice)) = (task.record, &fitted.candidate.plan.choice) else {
+    let plan = &fitted.candidate.plan;
+    // A comparison gives N of another choice, which has been here.
+    let is_stated = plan.choice.is_none() && !task.may_go_on;
+    let (Some(record), true) = (task.record, is_stated || plan.choice.is_some()) else {
         return Ok(fitted);
     };
     let hold = usual_hold(record);
-    if choice.settling <= hold {
+    let settling = plan.basis.settling();
+    if settling <= hold {
         return Ok(fitted);
     }
     let estimate = &fitted.estimate;
     let rounding = (estimate.steps_of_sensor(record)).map_or(0.0, |found| found.allowance);
     let moves_again = moves_again(&estimate.information, &estimate.fit, hold, rounding);
     let is_rejected = fitted.linearity.is_some_and(|found| found.is_rejected());
-    let outlasts_holds = outlasts_holds(record, choice.settling, hold, estimate);
+    let outlasts_holds = outlasts_holds(record, settling, hold, estimate);
     let rests = moves_again.is_some() || outlasts_holds.is_some();
     if !rests && !is_rejected {
         return Ok(fitted);
@@ -42,6 +46,13 @@ pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
     let Some(shorter) = shorter.and_then(|found| found.within_holds(rests)) else {
         return Ok(fitted);
     };
+    if is_stated {
+        let stated_beyond_hold = Some(hold);
+        return Ok(Fitted {
+            stated_beyond_hold,
+            ..fitted
+        });
+    }
     let shorter = Fitted::new(task, shorter)?;
     Ok(Fitted {
         linearity: shorter.linearity.or(fitted.linearity),

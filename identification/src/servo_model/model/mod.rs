@@ -53,6 +53,9 @@ pub struct ServoModel {
         skip_serializing_if = "is_usual_friction_speed_share"
     )]
     pub friction_speed_share: f64,
+    /// Whether `values` are those of a possible servo that was drawn at random: quantities, intervals and fit are then those of the estimate.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub drawn: bool,
     /// Covariance of the coordinates, where bounds hold.
     #[serde(flatten)]
     pub covariance: Bounds<Covariance>,

@@ -31,9 +31,13 @@ const REDEFINED: [QuantityKind; 3] = [
 ];
 
 impl ServoModel {
-    /// With the quantities that its names stand for now. One that was another is left open: its interval was that of the other.
+    /// With the quantities that its names stand for now. One that was another is left open: its interval was that of the other. Those of a
+    /// servo that was drawn are the estimate's, as they are.
     #[must_use]
     pub fn with_todays_quantities(mut self) -> Self {
+        if self.drawn {
+            return self;
+        }
         let servo = self.parameters(0);
         if self.commands.is_none() && servo.gain < 0.0 {
             for directions in DIRECTED {

@@ -6,7 +6,9 @@
 
 use crate::data::units::Units;
 use crate::presentation::summary::wording::numbers::digits;
-use crate::presentation::summary::wording::speed_words::{speed_in_words, upwards};
+use crate::presentation::summary::wording::speed_words::{
+    measured_speed_in_words, speed_in_words, upwards,
+};
 use servoid_identification::servo_model::{QuantityKind, ServoModel};
 
 /// The limits that the strokes of the recording show where the model has no intervals, upwards first.
@@ -29,8 +31,24 @@ fn are_alike([a, b]: [f64; 2]) -> bool {
 /// "500 deg/s (0.120 s/60°) upwards and 560 deg/s (0.107 s/60°) downwards", of the limits that the recording shows.
 pub(crate) fn limits_in_words(model: &ServoModel, units: Units<'_>) -> Option<String> {
     let of = |limit: f64| speed_in_words(model, (limit, digits(limit, 2)), units);
-    let larger = upwards(model);
-    match measured_limits(model) {
+    both_ways_in_words(measured_limits(model), upwards(model), of)
+}
+
+/// The same of `limits` whose model is not at hand.
+pub(crate) fn limits_of_strokes_in_words(
+    limits: [Option<f64>; 2],
+    units: Units<'_>,
+) -> Option<String> {
+    let of = |limit: f64| measured_speed_in_words((limit, digits(limit, 2)), units);
+    both_ways_in_words(limits, "upwards", of)
+}
+
+fn both_ways_in_words(
+    limits: [Option<f64>; 2],
+    larger: &str,
+    of: impl Fn(f64) -> String,
+) -> Option<String> {
+    match limits {
         [Some(up), Some(down)] if are_alike([up, down]) => {
             Some(format!("{} both ways", of(up.max(down))))
         }

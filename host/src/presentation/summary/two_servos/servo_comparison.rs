@@ -3,14 +3,18 @@
 use crate::data::units::Units;
 use crate::presentation::summary::response::metrics::TableRow;
 use crate::presentation::summary::servo::clauses::LOOKS_LIKE_A_LOAD;
+use crate::presentation::summary::servo::measured_limits::limits_of_strokes_in_words;
 use crate::presentation::summary::servo::quantity_table::{scale_and_unit, under_load};
 use crate::presentation::summary::servo::servo_remarks::stops_in_words;
 use crate::presentation::summary::wording::layout::wrapped;
-use crate::presentation::summary::wording::numbers::{digits_beside, four_digits, percent};
+use crate::presentation::summary::wording::numbers::{digits, digits_beside, four_digits, percent};
 use crate::presentation::summary::wording::sixty_degrees::{both_ways, whole_ms};
-use servoid_identification::comparison::{QuantityPair, RestsApart, ServoModelComparison};
+use servoid_identification::comparison::{
+    QuantityPair, RestsApart, ServoModelComparison, SpeedLimitsOfBoth,
+};
+use servoid_identification::nonlinear::SpeedLimits;
 use servoid_identification::results::{Bounds, Interval, with_unit};
-use servoid_identification::servo_model::{QuantityKind, Spread, Stops};
+use servoid_identification::servo_model::{QuantityKind, Spread, Stops, Unit};
 
 /// Quantities that a sentence names at the most; the table has them all.
 const NAMED: usize = 4;
@@ -31,10 +35,29 @@ pub fn sentence_on_servo_models(
         Some(what_is_sure(a, b, found, differences)),
         play,
         load_of_one(a, b, found, units),
+        speeds_of_both([a, b], found, units),
         strokes_of_both(a, b, found),
     ];
     let sentences: Vec<String> = sentences.into_iter().flatten().collect();
     sentences.join(" ")
+}
+
+/// How fast the larger strokes are, as they were measured, which needs no model.
+fn speeds_of_both(
+    names: [&str; 2],
+    found: &ServoModelComparison,
+    units: Units<'_>,
+) -> Option<String> {
+    let speeds = found.speed_limits?;
+    let of = |name: &str, limits: SpeedLimits| {
+        let both = [limits.upwards, limits.downwards];
+        let words = limits_of_strokes_in_words(both, units);
+        words.map(|words| format!("at about {words} in {name}"))
+    };
+    let [a, b] = [of(names[0], speeds.a)?, of(names[1], speeds.b)?];
+    Some(format!(
+        "By the recordings larger strokes go {a}, and {b}: these have no intervals, and strokes of other sizes differ by up to some 7 %."
+    ))
 }
 
 /// How long a stroke takes, which people decide by.
@@ -278,6 +301,7 @@ pub(crate) fn servo_model_rows(found: &ServoModelComparison, units: Units<'_>) -
         }
     };
     let mut rows: Vec<TableRow> = found.quantities.iter().enumerate().map(row).collect();
+    rows.extend(speed_rows(found, units));
     rows.extend(stroke_rows(found));
     rows.extend(row_of_rests(found, units));
     rows.extend(found.stops.map(|stops| {
@@ -311,6 +335,28 @@ fn row_of_rests(found: &ServoModelComparison, units: Units<'_>) -> Option<TableR
         label: "rests under one command, apart".to_owned(),
         cells,
     })
+}
+
+/// How fast the larger strokes of each recording are, each way; no interval is known of that.
+fn speed_rows(found: &ServoModelComparison, units: Units<'_>) -> Vec<TableRow> {
+    let Some(SpeedLimitsOfBoth { a, b }) = found.speed_limits else {
+        return Vec::new();
+    };
+    let (scale, unit) = scale_and_unit(Unit::OutputPerSecond, units);
+    let cell = |speed: Option<f64>| {
+        let words = |speed| with_unit(digits(scale * speed, 2), &unit);
+        (speed.map_or("-".to_owned(), words), String::new())
+    };
+    let both = [
+        ("upwards", a.upwards, b.upwards),
+        ("downwards", a.downwards, b.downwards),
+    ];
+    let is_known = |(_, a, b): &(&str, Option<f64>, Option<f64>)| a.or(*b).is_some();
+    let row = |(way, a, b): (&str, Option<f64>, Option<f64>)| TableRow {
+        label: format!("speed of larger strokes {way}"),
+        cells: vec![cell(a), cell(b)],
+    };
+    both.into_iter().filter(is_known).map(row).collect()
 }
 
 /// How long a stroke of 60 degrees takes, each way; no interval is known of that.
@@ -348,7 +394,6 @@ mod tests {
         QuantityDifference, QuantityDifferences, SpreadOfBoth, StrokeTimes,
     };
     use servoid_identification::results::Reason;
-    use servoid_identification::servo_model::Unit;
 
     /// Of loads `a` and `b`, the latter with an interval or without.
     fn sentence(a: Option<f64>, b: Option<f64>, of_b: Option<Interval>) -> String {
@@ -371,6 +416,7 @@ mod tests {
             }],
             stops: None,
             rests_apart: RestsApart::default(),
+            speed_limits: None,
             shared_delay_error: false,
             stroke: Some(StrokeTimes {
                 size: 60.0,

@@ -23,6 +23,14 @@ pub(crate) fn speed_in_words(
     format!("{figure} {unit}/s{}", turn(model, speed, units))
 }
 
+/// The same of a recording in which no model is asked: without the time for 60 degrees where the unit is not known.
+pub(crate) fn measured_speed_in_words((speed, figure): (f64, String), units: Units<'_>) -> String {
+    let unit = units.output.unwrap_or("units");
+    let turn = seconds_per_60_degrees(speed, units);
+    let turn = turn.map_or_else(String::new, |seconds| format!(" ({seconds})"));
+    format!("{figure} {unit}/s{turn}")
+}
+
 /// A speed that was reached at least, and its figure: two digits, none of which says more than the recording.
 pub(crate) fn reached_speed(speed: f64) -> (f64, String) {
     let step = 10f64.powf(speed.log10().floor() - 1.0);
