@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use servoid_dynamics::{DriveLimit, Friction, Grid, Load, ServoParameters, Start, Stops, simulate};
 use servoid_identification::results::{Advice, Check, Model, Reason};
 use servoid_identification::thresholds::MISFIT_SIGNIFICANCE;
-use servoid_identification::{Options, Record, identify};
+use servoid_identification::{Options, Record, Run, Settling, identify};
 
 use servoid_test_support::plants::{normal, random};
 use servoid_test_support::servos::{
@@ -248,6 +248,40 @@ fn play_under_equal_holds_is_no_late_part_of_the_response() {
             assert!(model.structure.settling_samples <= hold);
         }
     }
+}
+
+/// Five runs of one order repeat what a linear model lacks, which then passes for a late part of the response.
+#[test]
+fn a_stated_settling_time_beyond_the_holds_of_a_limited_servo_gets_no_level() {
+    let (input, hold) = (sizes(1.0, 150), 150);
+    let of = |clean: &[f64], settling: usize| {
+        let run = |seed| {
+            Run::new(input.clone(), measured(clean, 1.0, seed))
+                .map(|run| run.with_input_at_rest(input[0]))
+        };
+        let runs = (0..5).map(|seed| run(seed).unwrap()).collect();
+        let record = Record::new(PERIOD, runs).unwrap();
+        let settling = Settling::Samples(settling);
+        identify(
+            &record,
+            &Options {
+                settling,
+                ..Options::default()
+            },
+        )
+        .unwrap()
+    };
+    let limit = Limit::Rate(100.0, 100.0);
+    let clean = limited(0.7, 60.0, limit, &input, input[0]);
+    let within = of(&clean, hold - 1);
+    assert!(!within.linear && within.bounds.valid().is_some());
+    let beyond = of(&clean, 401);
+    assert_eq!(beyond.bounds.withdrawn(), Some(Reason::ErrorsNotNoise));
+    let says = |advice: &Advice| advice.finding.contains("401 samples that was stated");
+    assert!(beyond.advice.iter().any(says), "{:?}", beyond.advice);
+    let linear = Linear::second_order(1.0, 0.012, 0.8, 40.0);
+    let linear = of(&linear.respond(&input, input[0], 0.0), 401);
+    assert!(linear.linear && linear.bounds.valid().is_some());
 }
 
 /// These holds end while the servo rings, and after them there is more motion than before.
