@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from . import _servoid
-from ._arrays import flag, number, unexpected
+from ._arrays import flag, number, number_or_none, unexpected
 from ._difference import (
     Asymmetry,
     DifferenceCurve,
@@ -291,7 +291,9 @@ def compare(
     return Comparison(*_servoid.compare(sides[0], sides[1], options))
 
 
-def validate(model: Model, u: Any, y: Any = None, *, at_rest: float | None = None, **reading: Any) -> Validation:
+def validate(
+    model: Model, u: Any, y: Any = None, *, at_rest: float | None = None, frame_ms: float | None = None, **reading: Any
+) -> Validation:
     """Compare a model with data that it was not identified from.
 
     Parameters
@@ -303,6 +305,9 @@ def validate(model: Model, u: Any, y: Any = None, *, at_rest: float | None = Non
         :func:`read` takes; files are read as those of the model were, where the options leave it open.
     at_rest : float, optional
         The input during at least the settling time before each run.
+    frame_ms : float, optional
+        Time between pulses (ms), where commands waited for them, as in a flight log: each acts from the next pulse on, and the moments of the pulses
+        with which the model is closest are taken.
     **reading
         Options of :func:`read`, where ``u`` names files.
 
@@ -344,4 +349,4 @@ def validate(model: Model, u: Any, y: Any = None, *, at_rest: float | None = Non
             output_unit=units.get("output"),
         )
     unit = recording.output_unit or model.units.get("output")
-    return Validation(*_servoid.validate(model._core, recording._data), unit)
+    return Validation(*_servoid.validate(model._core, recording._data, number_or_none("frame_ms", frame_ms)), unit)

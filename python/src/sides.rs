@@ -6,7 +6,6 @@ use crate::error::raised;
 use crate::model::Model;
 use pyo3::prelude::*;
 use servoid::analysis::{Compared, Validated, to_json};
-use servoid::presentation::summary;
 use servoid_identification::Options;
 use servoid_identification::comparison::ComparisonOptions;
 
@@ -80,20 +79,14 @@ pub(crate) fn validate(
     py: Python<'_>,
     model: &Model,
     data: &Bound<'_, Data>,
+    frame_ms: Option<f64>,
 ) -> PyResult<(String, String)> {
     let source = data.get().0.clone();
     let of = || -> anyhow::Result<(String, String)> {
         let data = &source.dataset;
-        let found = Validated::of(&model.file, &model.name, data, &source.name)?;
-        let servo = found.servo_model.as_ref();
+        let found = Validated::of(&model.file, &model.name, data, &source.name, frame_ms)?;
         let unit = data.about.output_unit.as_deref();
-        let text = summary::of_validation(
-            found.validation.as_ref(),
-            servo,
-            found.own_fits(),
-            unit,
-            &found.advice,
-        );
+        let text = found.as_text(unit);
         Ok((to_json(&found)?, text))
     };
     py.detach(of).map_err(raised)

@@ -6,7 +6,6 @@ use crate::analysis::Validated;
 use crate::data::dataset::listed;
 use crate::data::model_file::ModelFile;
 use crate::presentation::plots::{self, Named};
-use crate::presentation::summary;
 use anyhow::Result;
 use clap::Args;
 use servoid_identification::Run;
@@ -14,12 +13,13 @@ use std::path::PathBuf;
 
 /// Compare a model with a recording that it was not identified from
 ///
-/// The model is simulated with the recording's input: the command of each row acts from that row on, without a pulse frame. Fit is 100 %
+/// The model is simulated with the recording's input: the command of each row acts from that row on, without a pulse frame unless one is stated. Fit is 100 %
 /// for a perfect prediction, 0 % for one no better than the mean, and below 0 % for one worse than the mean.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   servoid validate bench.json again.csv --plots plots
-  servoid validate mine.json another.csv          (read as the file that mine.json is of)")]
+  servoid validate mine.json another.csv          (read as the file that mine.json is of)
+  servoid validate mine.json flight.csv --frame-ms 20          (a flight log: commands waited for pulses)")]
 pub(super) struct Validate {
     /// The model, as 'servoid identify -o' writes it
     #[arg(value_name = "MODEL.json")]
@@ -33,6 +33,11 @@ pub(super) struct Validate {
     /// Folder for plots of the linear model against measurement
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
+    /// Time between pulses (ms), where the commands of the recording waited for them, as those of a receiver or a flight controller do: each
+    /// acts from the next pulse on. When pulses came is looked for: the moments with which the model is closest are taken. Only for a model whose own
+    /// recording has commands at their pulses: elsewhere half a frame is in its delay already
+    #[arg(long, value_name = "MS")]
+    frame_ms: Option<f64>,
     #[command(flatten)]
     output: Output,
     #[command(flatten)]
@@ -48,7 +53,7 @@ impl Validate {
             .table
             .load_as(&file.read_as, &self.files, self.output.talk)?;
         let (model_name, files) = (self.model.display().to_string(), listed(&self.files));
-        let validated = Validated::of(&file, &model_name, &data, &files)?;
+        let validated = Validated::of(&file, &model_name, &data, &files, self.frame_ms)?;
         let unit = data.about.output_unit.as_deref();
         if validated.servo_model.is_none() {
             self.output.talk.say(format_args!(
@@ -73,13 +78,6 @@ impl Validate {
             let figures: Vec<_> = data.record.runs().iter().zip(1..).map(of_run).collect();
             self.output.draw(folder, &figures)?;
         }
-        let text = summary::of_validation(
-            validated.validation.as_ref(),
-            validated.servo_model.as_ref(),
-            validated.own_fits(),
-            unit,
-            &validated.advice,
-        );
-        self.output.talk.result(text, &validated)
+        self.output.talk.result(validated.as_text(unit), &validated)
     }
 }

@@ -1,15 +1,16 @@
 //! A model against recordings that it was not identified from.
 
 use super::misfit::{Lag, Line, Misfit, Scale};
+use super::pulses::{self, StatedPulses, at_closest_pulses};
 use super::spikes::Spikes;
 use crate::analysis::one_servo::load_at_rest;
 use crate::analysis::recording_advice::sample_period::unlikely_period;
 use crate::data::dataset::Dataset;
 use crate::data::fingerprint;
-use crate::data::model_file::ModelFile;
+use crate::data::model_file::{ModelFile, ServoModelDocument};
 use crate::data::model_metadata::{ModelMetadata, UnitsDiffer, unit_meant};
 use crate::data::units::Units;
-use crate::presentation::summary::{four_digits, with_unit};
+use crate::presentation::summary::{self, four_digits, with_unit};
 use anyhow::{Context, Result, anyhow};
 use serde::Serialize;
 use servoid_identification::results::{Advice, Check, Validation};
@@ -30,18 +31,34 @@ pub struct Validated {
     /// The same of the servo model.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub servo_model_own_fit_percent: Option<f64>,
+    /// The pulses that commands are taken to wait for, where their frame was stated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pulses: Option<StatedPulses>,
+    /// Whether the recording of the model has its commands at their pulses.
+    #[serde(skip)]
+    model_has_frame: bool,
     /// That the model comes from these very samples, and what the files ask for.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub advice: Vec<Advice>,
 }
 
 impl Validated {
-    /// Validates the model of `file`, which is called `model`, on the data, which are called `name`.
+    /// Validates the model of `file`, which is called `model`, on the data, which are called `name`. With `frame_ms` commands wait for pulses that
+    /// come every so many milliseconds, at the moments with which the model is closest.
     ///
     /// # Errors
     /// Different units, a controller that the model does not know, and data of another sample period or without the history that the
-    /// model needs; the servo model needs neither.
-    pub fn of(file: &ModelFile, model: &str, data: &Dataset, name: &str) -> Result<Self> {
+    /// model needs; the servo model needs neither. A frame that no servo has, and one of a recording whose commands stand at their pulses.
+    pub fn of(
+        file: &ModelFile,
+        model: &str,
+        data: &Dataset,
+        name: &str,
+        frame_ms: Option<f64>,
+    ) -> Result<Self> {
+        let recorded_s = data.about.pulse_frame_s;
+        let frame_s = frame_ms.map(|frame_ms| pulses::frame_s(frame_ms, recorded_s));
+        let frame_s = frame_s.transpose()?;
         let servo = file.servo_model()?;
         let servo = servo.as_ref();
         let metadata = ModelMetadata::from(&data.about);
@@ -50,19 +67,21 @@ impl Validated {
             true => pulses_by_name(&error),
             false => error.into(),
         })?;
-        let validation = file.model.validate(&data.record);
         let own_of_servo = servo.map(|servo| servo.model.fit.simulation_percent);
-        let runs = data.record.runs();
         let of_load = servo.and_then(|servo| load_at_rest::remedy(&servo.model, metadata.units()));
         let is_linear = file.model.linear && servo.is_none_or(|servo| servo.model.is_linear());
-        let period_s = data.record.sample_period_s();
-        // What follows from a wrong time is no finding on the model.
-        let doubtful = unlikely_period(period_s);
         let controllers = servo.map(|servo| data.controllers.among(&servo.controller_names));
         let servo = servo.zip(controllers.transpose()?);
+        let held = frame_s.map(|frame_s| at_pulses(file, servo.as_ref(), &data.record, frame_s));
+        let (held, pulses) = held.transpose()?.unzip();
+        let record = held.as_ref().unwrap_or(&data.record);
+        let (runs, period_s) = (record.runs(), record.sample_period_s());
+        let validation = file.model.validate(record);
+        // What follows from a wrong time is no finding on the model.
+        let doubtful = unlikely_period(period_s);
         let servo_model = servo
             .as_ref()
-            .map(|(servo, controllers)| servo.model.validate(&data.record, controllers));
+            .map(|(servo, controllers)| servo.model.validate(record, controllers));
         let servo_model = servo_model.transpose()?;
         let (validation, only_servo) = match validation.map_err(of_its_own_period) {
             Ok(found) => (Some(found), None),
@@ -92,6 +111,7 @@ impl Validated {
             open_s: file.metadata.sensor_delay_uncertainty_s
                 + data.about.sensor_delay_uncertainty_s,
             polled: data.about.polled,
+            frame_is_stated: frame_s.is_some(),
         };
         let of_linear = validation.as_ref().and_then(|found| {
             let misfit = || {
@@ -112,7 +132,7 @@ impl Validated {
         });
         let of_servo = servo.as_ref().zip(servo_model.as_ref());
         let of_servo = of_servo.and_then(|((servo, controllers), found)| {
-            let misfit = || of_servo_model(&servo.model, &data.record, controllers);
+            let misfit = || of_servo_model(&servo.model, record, controllers);
             larger_error(
                 "servo",
                 [found.rmse, servo.model.fit.rmse],
@@ -141,15 +161,53 @@ impl Validated {
             servo_model,
             own_fit_percent: file.model.fit.simulation_percent,
             servo_model_own_fit_percent: own_of_servo,
+            pulses,
+            model_has_frame: file.metadata.pulse_frame_s.is_some(),
             advice: own.chain(of_files).collect(),
         })
     }
 
-    /// The fits of the linear and the servo model to the recording that they come from \[%\].
+    /// As 'servoid validate' prints it; the position is in `unit`.
     #[must_use]
-    pub fn own_fits(&self) -> (f64, Option<f64>) {
-        (self.own_fit_percent, self.servo_model_own_fit_percent)
+    pub fn as_text(&self, unit: Option<&str>) -> String {
+        let text = summary::of_validation(
+            self.validation.as_ref(),
+            self.servo_model.as_ref(),
+            (self.own_fit_percent, self.servo_model_own_fit_percent),
+            unit,
+            &self.advice,
+        );
+        let pulses = self.pulses.as_ref();
+        let pulses = pulses.map(|found| found.in_words(unit, self.model_has_frame));
+        match pulses {
+            Some(sentence) => format!("{}\n\n{text}", summary::wrapped(&sentence, 0)),
+            None => text,
+        }
     }
+}
+
+/// The record with its commands at pulses every `frame_s`, where the servo model, or the linear one of a file without one, is closest.
+fn at_pulses<'r>(
+    file: &ModelFile,
+    servo: Option<&(&ServoModelDocument, Vec<usize>)>,
+    record: &Record<'r>,
+    frame_s: f64,
+) -> Result<(Record<'r>, StatedPulses)> {
+    let (period_s, phase_s) = (record.sample_period_s(), record.sample_phase_s());
+    let error = |run: Run<'r>, number: usize| {
+        let record = Record::new(period_s, vec![run])
+            .ok()?
+            .with_sample_phase(phase_s);
+        let found = match servo {
+            Some((servo, controllers)) => {
+                let controller = controllers.get(number..=number).unwrap_or_default();
+                servo.model.validate(&record, controller)
+            }
+            None => file.model.validate(&record),
+        };
+        found.ok().map(|found| found.rmse)
+    };
+    at_closest_pulses(record, frame_s, &error)
 }
 
 /// What a recording has that the servo model has not.
@@ -209,6 +267,8 @@ struct Times {
     open_s: f64,
     /// Whether the recording is read as one whose commands were polled.
     polled: bool,
+    /// Whether commands are taken to wait for pulses.
+    frame_is_stated: bool,
 }
 
 /// A model whose error is so many times that of its own recording misses what it knew there: noise alone changes far less from one
@@ -248,7 +308,11 @@ fn larger_error(
 fn cause(
     [rmse, own_rmse]: [f64; 2],
     misfit: &Misfit,
-    Times { open_s, polled }: Times,
+    Times {
+        open_s,
+        polled,
+        frame_is_stated,
+    }: Times,
     in_unit: impl Fn(f64) -> String,
 ) -> String {
     // Spikes spoil every figure below, be they ever so few.
@@ -307,16 +371,20 @@ fn cause(
             format!(
                 "It is a delay: this recording is {:.1} ms {here} than the model, and shifted by that it leaves an error of {}. Where servo, command and \
                  logger are the same, it is the model that is {model} in motion of this kind: identify from this recording, or from both together. Else look at \
-                 how the command is written (at the moment at which it is sent, by the clock of the position), at the logger, and for pulses on a clock of their own, for which commands wait.",
+                 how the command is written (at the moment at which it is sent, by the clock of the position), at the logger, and for pulses on a clock of their own, for which commands wait{}.",
                 1e3 * lag.seconds.abs(),
-                in_unit(lag.left)
+                in_unit(lag.left),
+                state_a_frame(frame_is_stated)
             )
         }
         None => noise(misfit, is_most, &in_unit).unwrap_or_else(|| {
             let lag = misfit.lag.as_ref();
             let in_part = lag.filter(|lag| lag.left < OF_A_CAUSE * misfit.left_of_offset);
             match in_part {
-                Some(lag) => format!("{} {ANOTHER_MOTION}", in_part_a_delay(lag, in_unit)),
+                Some(lag) => {
+                    let delay = in_part_a_delay(lag, frame_is_stated, in_unit);
+                    format!("{delay} {ANOTHER_MOTION}")
+                }
                 None if open_s > 0.0 && !polled => format!("{BETWEEN_ROWS} {ANOTHER_MOTION}"),
                 None => ANOTHER_MOTION.to_owned(),
             }
@@ -325,18 +393,27 @@ fn cause(
 }
 
 /// That a shift leaves less than half of the error, and what does that.
-fn in_part_a_delay(lag: &Lag, in_unit: impl Fn(f64) -> String) -> String {
+fn in_part_a_delay(lag: &Lag, frame_is_stated: bool, in_unit: impl Fn(f64) -> String) -> String {
     let here = if lag.seconds > 0.0 {
         "later"
     } else {
         "earlier"
     };
     format!(
-        "Much of it is a delay: taken {:.1} ms {here} than the model, this recording leaves an error of {}. Pulses on a clock of their own, for which commands wait, do that, \
+        "Much of it is a delay: taken {:.1} ms {here} than the model, this recording leaves an error of {}. Pulses on a clock of their own, for which commands wait{}, do that, \
          a logger that polls the command, and a servo that is slower in this motion.",
         1e3 * lag.seconds.abs(),
-        in_unit(lag.left)
+        in_unit(lag.left),
+        state_a_frame(frame_is_stated)
     )
+}
+
+/// How to try whether commands waited for pulses.
+fn state_a_frame(is_stated: bool) -> &'static str {
+    match is_stated {
+        true => "",
+        false => " (--frame-ms states how often they come)",
+    }
 }
 
 /// That the error is that of single rows.

@@ -50,7 +50,7 @@ pub(crate) fn is_linear_at_pulses(
 }
 
 /// The `run`, with a change of the command at each row taking effect so many rows later as `wait_rows` says.
-fn at_pulses<'r>(run: &Run<'r>, wait_rows: impl Fn(usize) -> f64) -> Option<Run<'r>> {
+pub(crate) fn at_pulses<'r>(run: &Run<'r>, wait_rows: impl Fn(usize) -> f64) -> Option<Run<'r>> {
     let mut input = run.input().to_vec();
     let pairs = run.input().iter().zip(run.input().iter().skip(1));
     for (row, (before, after)) in (1..).zip(pairs) {
