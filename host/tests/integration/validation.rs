@@ -61,6 +61,48 @@ fn a_zero_that_moved_by_any_angle_is_an_offset() {
     }
 }
 
+/// Each command is written at some moment of the frame of 20 ms, ten rows, before the pulse with which the servo gets it.
+#[test]
+fn commands_that_wait_for_pulses_are_held_at_them_where_their_frame_is_stated() {
+    let dir = tempfile::tempdir().unwrap();
+    let [model, other] = model_and_other(dir.path());
+    let table = dir.path().join("table.csv");
+    changed(&other, &table, |row| row);
+    let text = std::fs::read_to_string(&table).unwrap();
+    let rows: Vec<Vec<&str>> = (text.lines().skip(1))
+        .map(|line| line.split(',').collect())
+        .collect();
+    let mut log = "t_s,command,position_deg\n".to_owned();
+    for (k, row) in rows.iter().enumerate() {
+        // The next frame's command from a row on that another frame has elsewhere.
+        let frame = k / 10;
+        let written = k % 10 >= (frame * 7919) % 10;
+        let from = if written { 10 * (frame + 1) } else { k };
+        let command = rows.get(from).unwrap_or(row)[1];
+        log += &format!("{},{command},{}\n", row[0], row[2]);
+    }
+    std::fs::write(&table, log).unwrap();
+    let error = |more: &[&str]| {
+        let named = "--input command --output position_deg --time t_s --json".split(' ');
+        let args = ["validate", "-q", arg(&model), arg(&table)];
+        let args: Vec<&str> = args
+            .into_iter()
+            .chain(named)
+            .chain(more.iter().copied())
+            .collect();
+        let found: serde_json::Value = serde_json::from_str(&run(&args)).unwrap();
+        let rmse = found["servo_model"]["rmse"].as_f64().unwrap();
+        (rmse, found["pulses"]["first_pulse_s"][0].as_f64())
+    };
+    let (waiting, none) = error(&[]);
+    let (held, pulse_s) = error(&["--frame-ms", "20"]);
+    assert_eq!(none, None);
+    // The sensor's noise is 0.05 deg; a frame is known to a part of a row.
+    assert!(held < 0.07 && waiting > 4.0 * held, "{waiting} {held}");
+    let off = pulse_s.unwrap().min(0.02 - pulse_s.unwrap());
+    assert!(off < 0.002, "{pulse_s:?}");
+}
+
 #[test]
 fn milliseconds_under_a_name_in_seconds_come_before_all_that_follows_from_them() {
     let dir = tempfile::tempdir().unwrap();
