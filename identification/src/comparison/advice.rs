@@ -165,11 +165,14 @@ fn few_runs(
             fewest - 1
         ),
     };
+    let are_linear = models.iter().all(|model| model.linear);
     let mut remedy = match of_recordings {
         Some(_) => "Record longer runs, or larger steps.".to_owned(),
-        None => more_runs(comparison, fewest, bounds.level),
+        None if are_linear => more_runs(comparison, fewest, bounds.level),
+        // Runs of other orders differ by more than those at hand.
+        None => "Record more runs a side.".to_owned(),
     };
-    if models.iter().any(|model| !model.linear) {
+    if !are_linear {
         remedy += OTHER_ORDERS;
     }
     Some(Advice::new(
