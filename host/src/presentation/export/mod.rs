@@ -15,7 +15,6 @@ mod jsbsim_delay;
 mod languages;
 mod model;
 mod neutral;
-mod recorded;
 pub mod servo_model;
 mod statement;
 mod strokes;

@@ -3,10 +3,9 @@
 use super::doubts;
 use super::frame_hold::WHEN_TO_STATE;
 use super::model::Export;
-use super::recorded;
 use super::text::{Style, number};
 use crate::data::units::Units;
-use crate::presentation::summary;
+use crate::presentation::summary::{self, recorded};
 use servoid_identification::flight_model::FlightModel;
 use servoid_identification::results::{Bounds, Interval, SelectedBy};
 use servoid_identification::servo_model::LinearKind;

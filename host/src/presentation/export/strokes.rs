@@ -1,8 +1,7 @@
 //! The strokes that a linear model holds for: one servo moves alike in strokes of all sizes, another does not.
 
 use super::model::Export;
-use super::recorded;
-use crate::presentation::summary::stroke_in_words;
+use crate::presentation::summary::{recorded, stroke_in_words};
 
 impl Export<'_> {
     /// Whether the model holds for strokes of other sizes, where that is not so or not known.

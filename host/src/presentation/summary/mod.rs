@@ -38,7 +38,6 @@ pub(crate) use two_servos::servo_comparison::{
 pub use two_servos::servo_comparison::{of_servo_models, sentence_on_servo_models};
 pub use validation::of_validation;
 pub(crate) use wording::sixty_degrees::{per_60_degrees, sixty_degrees};
-pub(crate) use wording::speed_words::reached_speed;
 pub(crate) use wording::strokes::{of_one_size, stroke_in_words};
 
 pub(crate) use headline::{headline_of_comparison, headline_of_model, headline_of_servo};
@@ -60,3 +59,4 @@ pub(crate) use wording::layout::{first_sentence, listed_words, wrapped};
 pub(crate) use wording::numbers::{
     decimals, digits, four_digits, head_of_bounds, percent, probability,
 };
+pub(crate) use wording::recorded;

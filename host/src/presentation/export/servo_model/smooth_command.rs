@@ -2,7 +2,7 @@
 
 use super::subject::ServoExport;
 use super::trial_command::{Trial, exact};
-use crate::presentation::export::recorded;
+use crate::presentation::summary::recorded;
 use servoid_dynamics::ServoParameters;
 use std::f64::consts::{PI, TAU};
 

@@ -8,12 +8,12 @@ use super::trial_command::{FINER_WHERE_EXACT, Held, REVERSALS, Trial};
 use crate::data::unitless_command::UnitlessCommand;
 use crate::presentation::export::doubts;
 use crate::presentation::export::frame_hold::WHEN_TO_STATE;
-use crate::presentation::export::recorded::{self, beside};
 use crate::presentation::export::statement::units_in_words;
 use crate::presentation::export::target::Target;
 use crate::presentation::export::text::number;
 use crate::presentation::summary;
 use crate::presentation::summary::four_digits;
+use crate::presentation::summary::recorded::{self, beside};
 use servoid_identification::results::{Bounds, six_digits};
 use servoid_identification::servo_model::QuantityKind;
 

@@ -8,6 +8,7 @@ use crate::data::model_file::ServoModelDocument;
 use crate::data::units::Units;
 use crate::presentation::summary::wording::layout::wrapped;
 use crate::presentation::summary::wording::numbers::digits;
+use crate::presentation::summary::wording::recorded;
 use servoid_identification::results::with_unit;
 use servoid_identification::servo_model::{
     LadderRung, LinearKind, LinearModelFit, LinearModels, LoadKind, ServoFit, ServoModel, Terms,
@@ -19,12 +20,13 @@ pub fn of_servo_model(document: &ServoModelDocument, units: Units<'_>, explain: 
     let model = &document.model;
     let level = model.covariance.as_ref().map(|covariance| covariance.level);
     let mut text = format!(
-        "\nservo model: {}\n  fit {:.2} %; of parts that it had not seen {:.2} % (a linear servo of second order: {:.2} %)\n  {}\n",
+        "\nservo model: {}\n  fit {:.2} %; of parts that it had not seen {:.2} % (a linear servo of second order: {:.2} %)\n  {}\n{}",
         kind_in_words(model),
         model.fit.simulation_percent,
         model.fit.held_out_percent,
         model.fit.linear_held_out_percent,
-        error_in_words(model, units)
+        error_in_words(model, units),
+        tested_in(model, units)
     );
     let remarks = ServoRemarks::of(document, units);
     let line = |remark: &String| format!("  {}\n", wrapped(remark, 2));
@@ -52,6 +54,21 @@ pub(crate) fn error_in_words(model: &ServoModel, units: Units<'_>) -> String {
         "error {} rms",
         with_unit(error, units.output.unwrap_or_default())
     )
+}
+
+/// What the recording had, which is all that the fit says something of: a line.
+fn tested_in(model: &ServoModel, units: Units<'_>) -> String {
+    let Some((commands, reached)) = model.commands.zip(model.reached) else {
+        return String::new();
+    };
+    let unit = units.output.unwrap_or("units");
+    let speeds = recorded::speeds_in_words(reached, 1.0, unit);
+    let speeds = speeds.map_or_else(String::new, |speeds| format!(", and speeds of {speeds} at the least"));
+    let words = format!(
+        "in commands {}{speeds}: beyond these the model was not tested",
+        recorded::range_in_words(commands, units)
+    );
+    format!("  {}\n", wrapped(&words, 2))
 }
 
 /// The table of the linear models beside the servo model.

@@ -2,6 +2,7 @@
 
 pub(super) mod layout;
 pub(super) mod numbers;
+pub(crate) mod recorded;
 pub(super) mod sixty_degrees;
 pub(super) mod speed_words;
 pub(super) mod strokes;
