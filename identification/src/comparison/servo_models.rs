@@ -234,6 +234,17 @@ impl ServoModelComparison {
         !decided && (differ || self.compares() && !show)
     }
 
+    /// The measured speeds of both sides in the place of the top speed `kind`, where both records show one and models have no intervals.
+    #[must_use]
+    pub fn speeds_of_strokes(&self, kind: QuantityKind) -> Option<[f64; 2]> {
+        let SpeedLimitsOfBoth { a, b } = self.speed_limits?;
+        match kind {
+            QuantityKind::TopSpeedUpwards => Some([a.upwards?, b.upwards?]),
+            QuantityKind::TopSpeedDownwards => Some([a.downwards?, b.downwards?]),
+            _ => None,
+        }
+    }
+
     /// With the times of a stroke of `size` \[output\] by the two models; without that of one which takes it at a top speed that it extrapolates.
     #[must_use]
     pub fn with_stroke(self, [a, b]: [&ServoModel; 2], size: f64) -> Self {

@@ -381,6 +381,16 @@ pub(crate) fn of_both_machines(
     };
     let figure = |(index, pair): (usize, &QuantityPair)| {
         let (scale, unit) = scale_and_unit(pair.unit, units);
+        // Top speeds of models that lack something are off by more than what strokes show.
+        let measured = pair.kind().and_then(|kind| found.speeds_of_strokes(kind));
+        if let Some(speeds) = measured {
+            let [a, b] = speeds.map(|speed| digits(scale * speed, 3));
+            return KeyFigure {
+                label: pair.name.clone(),
+                value: with_unit(format!("{a} → {b}"), &unit),
+                below: "by larger strokes; no interval".to_owned(),
+            };
+        }
         let shown = |value: Option<f64>| value.map_or(NONE.to_owned(), |v| four_digits(scale * v));
         let value = match pair.a.or(pair.b) {
             None => NONE.to_owned(),

@@ -102,9 +102,10 @@ fn rests(record: &Record) -> Vec<Rest> {
     all
 }
 
-/// Those of one run: the two halves of the last quarter agree, beside the way there.
+/// Those of one run: the two halves of the last quarter agree, beside the way there. Where most holds do not end so, the motion goes on, and those that seem to
+/// are where it turns round.
 ///
-/// Where most holds end so, one in which the output stays where it was is a rest, too: there is no way between commands beyond a stop.
+/// One in which the output stays where it was is a rest, too: there is no way between commands beyond a stop.
 fn rests_of(run: &Run<'_>) -> Vec<(f64, f64)> {
     let range = |column: &[f64]| span(column.iter().copied()).unwrap_or_default();
     let gain = range(run.output()) / range(run.input());
@@ -129,10 +130,10 @@ fn rests_of(run: &Run<'_>) -> Vec<(f64, f64)> {
         .filter(|hold| last_quarter(&hold.samples).len() > 1);
     let ends: Vec<HoldEnd> = long.filter_map(ends).collect();
     let arrived = ends.iter().filter(|end| end.is_rest()).count();
-    let may_stay = 2 * arrived > ends.len();
-    let rests = ends
-        .iter()
-        .filter(|end| end.is_rest() || may_stay && end.stays());
+    if 2 * arrived <= ends.len() {
+        return Vec::new();
+    }
+    let rests = ends.iter().filter(|end| end.is_rest() || end.stays());
     rests.map(|end| (end.command, end.rest)).collect()
 }
 

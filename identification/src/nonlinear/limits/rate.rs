@@ -142,8 +142,11 @@ impl Rate {
             rate.speed = mean_speed(&of_size(&|size| size == sizes.1), level);
         } else if is_constant(&above, critical) {
             rate.verdict = RateVerdict::Limited;
-            // Of strokes just above the hinge, acceleration and braking reach into the middle.
-            rate.speed = top_speed(&above[above.len() / 2..], level);
+            // Acceleration and braking reach farthest into the smaller ones.
+            let near_largest = |stroke: &&Stroke| size(stroke) * STROKES_AT_LIMIT.1 >= sizes.1;
+            let largest = above.iter().filter(near_largest).count();
+            let taken = largest.max(STROKES_AT_LIMIT.0).min(above.len());
+            rate.speed = top_speed(&above[above.len() - taken..], level);
         } else {
             rate.verdict = RateVerdict::GrowsLess;
             rate.speed = mean_speed(

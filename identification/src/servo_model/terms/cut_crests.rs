@@ -15,6 +15,10 @@ const WAY: f64 = 0.1;
 /// How many times as long it takes at the most. The top of a sine takes 1.9 times as long, one that is cut off at 0.9 of it 1.4 times.
 const SLOWER: f64 = 1.6;
 
+/// Largest tolerance, as a share of the range of the output. Counted from so far below it, the top of a sine takes 1.7 times as long; from four times as far, 1.4 times,
+/// as one that is cut off.
+const TOLERANCE: f64 = 0.005;
+
 /// The tops of one side of a record. Outputs are times its sign.
 pub(super) struct Tops {
     /// The farthest output, and how far from there an output still is at the level of the top.
@@ -33,6 +37,9 @@ impl Tops {
         commands: &[f64],
         within: Range<usize>,
     ) -> Option<Range<usize>> {
+        if self.tolerance > TOLERANCE * self.range {
+            return None;
+        }
         let nearest = self.farthest - 2.0 * self.tolerance;
         let is_there = |row: &usize| outputs[*row] > nearest;
         let first = within.clone().find(is_there)?;

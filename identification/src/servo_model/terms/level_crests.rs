@@ -9,7 +9,7 @@ use crate::data::column::{extent, span};
 use crate::data::{Record, Run};
 use crate::numerics::median;
 
-/// Crests that show it at least: two are level by chance.
+/// Crests that are cut off which show it at least: two are level by chance.
 const FEWEST: usize = 3;
 
 /// Rows of the means whose largest is the top of a crest. A single row has more noise.
@@ -21,7 +21,8 @@ const LEVEL: f64 = 4.0;
 /// The least and the largest share of the range of the output within which tops are level, whatever the noise is.
 const LEVEL_SHARES: [f64; 2] = [1e-3, 0.02];
 
-/// Share of the range of the command over which theirs must go: commands as level as the crests are those of a stick at its end.
+/// Share of the range of the command over which theirs must go, the farthest and the nearest one apart: commands as level as the crests are those of a
+/// stick at its end, or of one sine.
 const APART: f64 = 0.05;
 
 /// The level of the lower and of the upper crests \[output\], where they have one. The output goes the way of the command, or, of a `gain` below 0, the other way.
@@ -141,7 +142,9 @@ impl<'a> Level<'a> {
         let tops: Vec<&[f64]> = (self.crests.iter())
             .filter_map(|crest| crest.cut_off(&self.tops))
             .collect();
-        (tops.len() >= FEWEST).then(|| median(tops.concat()))?
+        // Of many tops of a sine, noise makes some look so.
+        let are_many = 4 * tops.len() > self.crests.len();
+        (tops.len() >= FEWEST && are_many).then(|| median(tops.concat()))?
     }
 
     /// That of crests whose commands are apart.
@@ -151,12 +154,15 @@ impl<'a> Level<'a> {
             tolerance,
             ..
         } = self.tops;
-        let apart = span(self.crests.iter().map(|crest| crest.command))?;
-        if self.crests.len() < FEWEST || apart <= APART * self.commands {
-            return None;
-        }
         // The farther the command goes, the longer the output is at a stop.
         (self.crests).sort_by(|a, b| b.command.total_cmp(&a.command));
+        // One crest that a run begins or ends with is apart from those of any sine.
+        let [_, far, .., near, _] = self.crests[..] else {
+            return None;
+        };
+        if far.command - near.command <= APART * self.commands {
+            return None;
+        }
         let under_farther = self.crests[..self.crests.len().div_ceil(2)].iter();
         // The top itself is raised by noise.
         let is_there =

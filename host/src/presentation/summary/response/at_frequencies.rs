@@ -2,6 +2,7 @@
 
 use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::summary::wording::numbers::{decimals, fixed, head_of_bounds};
+use crate::presentation::summary::wording::strokes::stroke_in_words;
 use servoid_identification::Error;
 use servoid_identification::results::{Bounds, FrequencyResponse, Interval, Model, Reason};
 use servoid_identification::servo_model::ServoModel;
@@ -60,14 +61,21 @@ pub fn at_frequencies(
     let machine: String = machine.collect();
     let linear = of_linear_model(model, of, asked)?;
     // What is asked of an amplitude, the linear model of a servo that is not linear does not answer.
+    let late = match of.pulse_frame_s {
+        Some(_) => AT_PULSES,
+        None => AT_ROWS,
+    };
     Ok(match model.linear {
-        true => linear + &machine + OF_FRAMES,
-        false => machine + &linear + OF_FRAMES,
+        true => linear + &machine + late,
+        false => machine + &linear + late,
     })
 }
 
-/// Said below the table.
-const OF_FRAMES: &str = "  Late: behind a smooth command that the servo gets as it is. One that is held for frames, as by a pulse every\n  20 ms, is half a frame later; more where limits of speed or drive are reached.\n";
+/// Said below the table of a recording whose commands stand at their pulses.
+const AT_PULSES: &str = "  Late: behind a smooth command that the servo gets as it is. One that is held for frames, as by a pulse every\n  20 ms, is half a frame later; more where limits of speed or drive are reached.\n";
+
+/// The same of any other recording.
+const AT_ROWS: &str = "  Late: behind a smooth command that waits for pulses as those of this recording did, or did not. Where they\n  stood at their pulses, one that is held for frames of 20 ms is half a frame later; where they waited for\n  pulses, that is in these figures already.\n";
 
 /// Of the servo as a machine, under a sine of this amplitude.
 fn of_machine(servo: &ServoModel, of: &ModelMetadata, hertz: f64, amplitude: f64) -> String {
@@ -171,9 +179,13 @@ fn of_linear_model(
     let bounds = model.frequency.bounds.as_ref();
     let head = head_of_bounds(bounds.map(|bounds| bounds.level));
     // As the other figures of a servo that is not linear.
-    let motion = match bounds.valid().is_some() && !model.linear {
-        true => ", of the recorded motion",
-        false => "",
+    let motion = match (bounds.valid().is_some(), model.linear) {
+        (true, false) => ", of the recorded motion".to_owned(),
+        // A servo that is limited follows a sine of that size otherwise.
+        (true, true) => {
+            stroke_in_words(of).map_or_else(String::new, |size| format!(", of strokes of {size}"))
+        }
+        (false, _) => String::new(),
     };
     let mut text = format!(
         "\n  {:22} {:>10}       {head}{motion}\n",

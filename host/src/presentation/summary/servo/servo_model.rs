@@ -63,7 +63,9 @@ fn tested_in(model: &ServoModel, units: Units<'_>) -> String {
     };
     let unit = units.output.unwrap_or("units");
     let speeds = recorded::speeds_in_words(reached, 1.0, unit);
-    let speeds = speeds.map_or_else(String::new, |speeds| format!(", and speeds of {speeds} at the least"));
+    let speeds = speeds.map_or_else(String::new, |speeds| {
+        format!(", and speeds of {speeds} at the least")
+    });
     let words = format!(
         "in commands {}{speeds}: beyond these the model was not tested",
         recorded::range_in_words(commands, units)
