@@ -486,6 +486,8 @@ class Model(Document):
         True
         """
         rows = normal(self.theta, self.covariance, count, seed, self.withdrawn)
+        if not self.linear:
+            warnings.warn("the servo is not linear: these are responses to motion as it was recorded, and other motion has others", stacklevel=2)
         taps = len(self.step.value)
         harmonics = np.arange(1, (rows.shape[1] + 1) // 2)
         turned = 2.0 * np.pi * np.outer(harmonics, np.arange(taps)) / taps

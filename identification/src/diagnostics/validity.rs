@@ -4,7 +4,7 @@
 //! Nothing else makes bounds valid; everything else derives its own from the level that is given here.
 
 use crate::diagnostics::commands::inexact_commands::Inexact;
-use crate::diagnostics::misfit::Misfit;
+use crate::diagnostics::misfit::{Misfit, MisfitEvidence};
 use crate::diagnostics::response_end::rise_at_end::rise_at_end;
 use crate::diagnostics::response_end::slow_servo::SlowServo;
 use crate::diagnostics::runs::gain_drift::GainDrift;
@@ -149,11 +149,12 @@ impl Validity {
                 (Some(Withheld::FrequenciesLeftOut), false)
             }
             // Where estimators disagree, neither's times are findings. The final value may be one all the same, unless both
-            // take an unfinished response for it.
+            // take an unfinished response for it, or one to a step that was not seen.
             Some(misfit) => {
                 let last = evidence.step.last().zip(misfit.other_step.last());
                 let agree = |(a, b): (&f64, &f64)| (a - b).abs() <= DISAGREEMENT * a.abs();
-                let has_end = rise_at_end(evidence.step).is_none();
+                let saw_steps = !matches!(misfit.evidence, MisfitEvidence::NoSteps(..));
+                let has_end = saw_steps && rise_at_end(evidence.step).is_none();
                 (
                     Some(Withheld::EstimatorsDisagree),
                     has_end && last.is_some_and(agree),

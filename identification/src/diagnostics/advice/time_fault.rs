@@ -41,7 +41,7 @@ pub(super) fn time_fault(evidence: &Evidence<'_>) -> Option<Advice> {
             Check::LagDrift,
             format!(
                 "No bounds can be given, because the servo answers {} ms {} at the end of a run than at its beginning (p = {:.0e}): the \
-                 clocks of the two columns differ by {} %, or the servo changes, as with its supply or its heat.",
+                 clocks of the two columns differ by {} %, or the clocks of the rows and of pulses that commands wait for, or the servo changes, as with its supply or its heat.",
                 two_digits(1e3 * found.change_s.abs()),
                 if found.change_s > 0.0 {
                     "later"
@@ -53,8 +53,8 @@ pub(super) fn time_fault(evidence: &Evidence<'_>) -> Option<Advice> {
             ),
             found.p,
             LAG_DRIFT_SIGNIFICANCE,
-            "Write command and position by one clock. Where they are, look at the servo's supply, and identify the beginning and the end of \
-             the run by themselves.",
+            "Write command and position by one clock, and change commands with the pulses. Where they are, look at the servo's supply, and identify the beginning and \
+             the end of the run by themselves.",
         ),
     })
 }

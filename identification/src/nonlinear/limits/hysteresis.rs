@@ -79,7 +79,7 @@ impl Table {
                     difference.abs()
                 ),
                 (true, _) => format!(
-                    "Hysteresis of {difference:.3}: the rest position depends on the direction of approach, by backlash, dead band or friction."
+                    "Hysteresis of {difference:.3}: the mean rest positions of the two directions of approach are so far apart, by backlash, dead band or friction."
                 ),
                 (false, Some(bound)) => format!(
                     "No hysteresis above {bound:.3}: the mean rest position does not depend on the direction of approach by more."

@@ -45,7 +45,7 @@ pub(super) fn hysteresis(model: &ServoModel, units: Units<'_>) -> Option<String>
     let unit = with_space(units.output);
     let Some(shown) = found.shown else {
         return Some(
-            " Where it rests under one command depends on from where it comes, and how far its rests are apart this recording does not show: play in the gears, of \
+            " Where it rests under one command depends on from where it comes, and how far its rests are apart at the most this recording does not show: play in the gears, of \
              which the model has none, does that, as do a dead band and friction."
                 .to_owned(),
         );

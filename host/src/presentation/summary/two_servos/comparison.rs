@@ -9,7 +9,7 @@ use crate::presentation::summary::wording::numbers::{
 use servoid_identification::comparison::{
     Comparison, ComparisonBounds, DifferenceCurve, Direction, Subject, Verdict,
 };
-use servoid_identification::results::{Bounds, Interval, command_in_words};
+use servoid_identification::results::{Advice, Bounds, Interval, command_in_words};
 
 /// A comparison of the sides A and B, for a terminal.
 #[must_use]
@@ -45,7 +45,7 @@ pub(crate) fn table_of_comparison(a: &str, b: &str, found: &Comparison) -> Strin
     let mut text = format!(
         "  {structure:32} {a:>10} {b:>10} {:>12}  {level} % interval{}\n",
         "difference",
-        of_two_motions(found)
+        whose_intervals(found)
     );
     for row in difference_rows(found, "") {
         if let [(a, _), (b, _), (difference, bounds)] = &row.cells[..] {
@@ -56,10 +56,11 @@ pub(crate) fn table_of_comparison(a: &str, b: &str, found: &Comparison) -> Strin
     text + "\n  " + &wrapped(how_compared(found), 2) + "\n"
 }
 
-/// What is added to the head of intervals where they are those of two motions, and not of two servos.
-fn of_two_motions(found: &Comparison) -> &'static str {
+/// What is added to the head of intervals where they are those of motions, and not of two servos.
+fn whose_intervals(found: &Comparison) -> &'static str {
     match found.descriptions_of_different_motions {
         true => ", of two motions",
+        false if found.advice.iter().any(Advice::is_of_linearity) => ", of this motion",
         false => "",
     }
 }
