@@ -71,6 +71,8 @@ pub(crate) struct Lag {
     pub(crate) seconds: f64,
     /// The error that is left then, without its mean (rms).
     pub(crate) left: f64,
+    /// This mean.
+    pub(crate) offset: f64,
 }
 
 /// Sums over pairs of measured and simulated output that are both known.
@@ -247,9 +249,11 @@ impl Lag {
             false => 0.0,
         };
         let left = least - 0.25 * (before - after) * between;
+        let shifted = Sums::at(runs, simulated, shift);
         Some(Self {
             seconds: (shift as f64 + between) * period_s,
             left: left.max(0.0).sqrt(),
+            offset: shifted.error / shifted.count,
         })
     }
 }

@@ -147,8 +147,8 @@ impl Validated {
         let of_models: Vec<Advice> = match doubtful {
             Some(doubt) => vec![doubt],
             None => (predicts_nothing.clone().into_iter())
-                .chain(only_servo)
                 .chain(of_models)
+                .chain(only_servo)
                 .collect(),
         };
         let own = own.into_iter().chain(of_models);
@@ -337,7 +337,9 @@ fn cause(
              controller is set to."
             .to_owned();
     }
-    let both = |scale: &&Scale| is_most(scale.left) && !is_all(scale.left_of_scale_alone);
+    let both = |scale: &&Scale| {
+        is_all(scale.left) && scale.left < OF_A_CAUSE * rmse && !is_all(scale.left_of_scale_alone)
+    };
     if let Some(scale) = scale.filter(both) {
         return format!(
             "It is gain and offset together: this recording is {:.3} times the model and {}, which leaves an error of {}. If the servo is the same, \
@@ -357,9 +359,10 @@ fn cause(
     }
     match misfit.lag.as_ref().filter(|lag| is_most(lag.left)) {
         Some(lag) if lag.seconds.abs() <= open_s => format!(
-            "It is a delay of {:.1} ms, and shifted by that this recording leaves an error of {}. The files leave up to {:.1} ms open, as in how a command \
+            "It is a delay of {:.1} ms, and shifted by that{} this recording leaves an error of {}. The files leave up to {:.1} ms open, as in how a command \
              that moves on with every row was sent: the model is not shown to be wrong.",
             1e3 * lag.seconds.abs(),
+            without_offset(lag, &in_unit),
             in_unit(lag.left),
             1e3 * open_s
         ),
@@ -369,10 +372,11 @@ fn cause(
                 false => ("earlier", "late"),
             };
             format!(
-                "It is a delay: this recording is {:.1} ms {here} than the model, and shifted by that it leaves an error of {}. Where servo, command and \
+                "It is a delay: this recording is {:.1} ms {here} than the model, and shifted by that{} it leaves an error of {}. Where servo, command and \
                  logger are the same, it is the model that is {model} in motion of this kind: identify from this recording, or from both together. Else look at \
                  how the command is written (at the moment at which it is sent, by the clock of the position), at the logger, and for pulses on a clock of their own, for which commands wait{}.",
                 1e3 * lag.seconds.abs(),
+                without_offset(lag, &in_unit),
                 in_unit(lag.left),
                 state_a_frame(frame_is_stated)
             )
@@ -385,7 +389,14 @@ fn cause(
                     let delay = in_part_a_delay(lag, frame_is_stated, in_unit);
                     format!("{delay} {ANOTHER_MOTION}")
                 }
-                None if open_s > 0.0 && !polled => format!("{BETWEEN_ROWS} {ANOTHER_MOTION}"),
+                None if misfit.left_of_offset < OF_A_CAUSE * rmse => format!(
+                    "Much of it is an offset of {}, without which the error is {}: the zero of the sensor has moved, or that of the command, or a load. {ANOTHER_MOTION}",
+                    in_unit(misfit.offset),
+                    in_unit(misfit.left_of_offset)
+                ),
+                None if open_s > 0.0 && !polled && !frame_is_stated => {
+                    format!("{BETWEEN_ROWS} {ANOTHER_MOTION}")
+                }
                 None => ANOTHER_MOTION.to_owned(),
             }
         }),
@@ -400,12 +411,21 @@ fn in_part_a_delay(lag: &Lag, frame_is_stated: bool, in_unit: impl Fn(f64) -> St
         "earlier"
     };
     format!(
-        "Much of it is a delay: taken {:.1} ms {here} than the model, this recording leaves an error of {}. Pulses on a clock of their own, for which commands wait{}, do that, \
+        "Much of it is a delay: taken {:.1} ms {here} than the model{}, this recording leaves an error of {}. Pulses on a clock of their own, for which commands wait{}, do that, \
          a logger that polls the command, and a servo that is slower in this motion.",
         1e3 * lag.seconds.abs(),
+        without_offset(lag, &in_unit),
         in_unit(lag.left),
         state_a_frame(frame_is_stated)
     )
+}
+
+/// The offset that is taken out beside a shift, where it is more than a part of what is left.
+fn without_offset(lag: &Lag, in_unit: impl Fn(f64) -> String) -> String {
+    match lag.offset.abs() > OF_A_CAUSE * lag.left {
+        true => format!(", without an offset of {}", in_unit(lag.offset)),
+        false => String::new(),
+    }
 }
 
 /// How to try whether commands waited for pulses.
@@ -530,6 +550,7 @@ mod tests {
         let known = Times {
             open_s,
             polled: false,
+            frame_is_stated: false,
         };
         larger_error("linear", [0.8, 0.05], || misfit, ("deg", known))
             .unwrap()
@@ -538,13 +559,18 @@ mod tests {
 
     #[test]
     fn a_delay_is_named_where_it_is_most_of_the_error() {
-        let delayed = |left: f64| {
-            let seconds = -0.02;
+        let shifted = |left: f64, offset: f64| {
+            let lag = Lag {
+                seconds: -0.02,
+                left,
+                offset,
+            };
             remedy(Misfit {
-                lag: Some(Lag { seconds, left }),
+                lag: Some(lag),
                 ..misfit()
             })
         };
+        let delayed = |left: f64| shifted(left, 0.0);
         let delay = delayed(0.06);
         assert!(
             delay.starts_with(
@@ -555,6 +581,7 @@ mod tests {
         let lag = Some(Lag {
             seconds: 0.0099,
             left: 0.06,
+            offset: 0.0,
         });
         let open = remedy_within(Misfit { lag, ..misfit() }, 0.012);
         assert!(open.contains("leave up to 12.0 ms open"), "{open}");
@@ -563,6 +590,7 @@ mod tests {
         let polled = Times {
             open_s: 0.012,
             polled: true,
+            frame_is_stated: false,
         };
         let found = larger_error("linear", [0.8, 0.05], misfit, ("deg", polled)).unwrap();
         assert_eq!(found.remedy, ANOTHER_MOTION);
@@ -572,6 +600,13 @@ mod tests {
             in_part.starts_with("Much of it is a delay: taken 20.0 ms earlier than the model")
                 && in_part.ends_with(ANOTHER_MOTION),
             "{in_part}"
+        );
+        let beside = shifted(0.3, -0.4);
+        assert!(
+            beside.contains(
+                "than the model, without an offset of -0.4000 deg, this recording leaves"
+            ),
+            "{beside}"
         );
         let motion = delayed(0.6);
         assert!(motion.starts_with("Where servo and noise"), "{motion}");
@@ -586,12 +621,22 @@ mod tests {
             lag: Some(Lag {
                 seconds: 0.0,
                 left: 0.06,
+                offset: 0.0,
             }),
             ..misfit()
         });
         assert!(
             offset.starts_with("It is an offset of 0.7900 deg"),
             "{offset}"
+        );
+        let in_part = remedy(Misfit {
+            offset: 0.77,
+            left_of_offset: 0.2,
+            ..misfit()
+        });
+        assert!(
+            in_part.starts_with("Much of it is an offset of 0.7700 deg"),
+            "{in_part}"
         );
         let scaled = |factor: f64| {
             let left = 0.06;
