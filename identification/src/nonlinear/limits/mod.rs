@@ -103,14 +103,12 @@ impl Hysteresis {
         (rests.table(Some(level)).hysteresis(), rests.apart(level))
     }
 
-    /// With how far rests are `apart` where that is surely more than the mean over the directions says: strokes that overshoot and strokes that do not
-    /// cancel there.
+    /// With how far rests are surely `apart`: in the mean over the directions strokes that overshoot and strokes that do not cancel.
     fn beside(self, apart: Option<Interval>) -> Self {
-        let of_mean = self.size.upper.unwrap_or(0.0);
-        let is_more = |apart: &Interval| apart.lower.is_some_and(|lower| lower > of_mean);
+        let is_sure = |apart: &Interval| apart.lower.is_some_and(|lower| lower > 0.0);
         let bounds = |apart: Interval| Some((apart.value?, apart.lower?, apart.upper?));
         let mean = self.size.value;
-        match apart.filter(is_more).and_then(bounds).zip(mean) {
+        match apart.filter(is_sure).and_then(bounds).zip(mean) {
             Some(((value, lower, upper), mean)) => Self {
                 statement: format!(
                     "Rests under one command are up to {value:.3} ({lower:.3} .. {upper:.3}) apart, by the strokes that led there: play, a dead band or friction \

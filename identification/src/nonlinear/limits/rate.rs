@@ -175,7 +175,7 @@ impl Rate {
                     false => String::new(),
                 };
                 format!(
-                    "The speed {direction} grows less than the stroke{power}, up to {speed:.1} per second at the largest stroke: \
+                    "The speed {direction} grows less than the stroke{power}, up to a mean of {speed:.1} per second in the middle of the largest strokes: \
                      torque, acceleration or speed is limited."
                 )
             }

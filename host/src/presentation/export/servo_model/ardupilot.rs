@@ -157,8 +157,6 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     // The trial has its commands at pulses, and no wait.
     let written = Parameters::of(export, command.full, export.frame_s() / 2.0)?.slower(share);
     let smooth = SmoothCommand::of(export, &trial, written.top(command.full));
-    let moved = written.respond(&outputs(smooth.command()));
-    let late_s = smooth.lag_s(export, &positions(&moved, servo));
     let found = parameters.respond(&outputs(trial.command()));
     let unloaded = export.parameters_with(Load::None).without_stops();
     let found = |servo: &ServoParameters| positions(&found, servo);
@@ -176,7 +174,9 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         &apply(export, &line, command.zero),
         &difference,
     );
-    about.push(smooth.in_words(export, late_s));
+    about.push(smooth.in_words(export, &|sine| {
+        positions(&written.respond(&outputs(sine.command())), servo)
+    }));
     let values = [
         ("about", SCRIPT_STYLE.comment(&about)),
         ("speed", number(written.speed_s)),

@@ -287,14 +287,13 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     let positions = actuator.respond(&trial.command(), step_s);
     let slowest = actuator.rates.map(|(up, down)| up.min(down));
     let smooth = SmoothCommand::of(export, &trial, slowest);
-    let late_s = smooth.lag_s(export, &actuator.respond(&smooth.held(), trial.step_s));
     let like = export.parameters_with(export.only_constant_load());
     let difference = Difference::of(export, trial, |_| positions.clone(), &like);
     let id = identifier(export.name);
     let [limits, tops] = [&actuator, &any].map(|of| of.rates.map(<[f64; 2]>::from));
     let rate = export.rate(limits, tops.unwrap_or_default());
     let mut about = about(export, &actuator, rate, &difference);
-    about.push(smooth.in_words(export, late_s));
+    about.push(smooth.in_words(export, &|sine| actuator.respond(&sine.held(), step_s)));
     let centre = actuator.centre;
     let (mut before, input) = before_servo(&id, centre, export.frame_s());
     let within = clip(actuator.commands.map(|end| end - centre)).map(|clip| {

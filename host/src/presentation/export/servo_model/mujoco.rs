@@ -251,7 +251,6 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     let positions = |commands: Vec<f64>| positions_of(&joint, commands);
     let trial = with_worst(trial, export, |commands| positions(commands.to_vec()));
     let smooth = SmoothCommand::of(export, &trial, None);
-    let late_s = smooth.lag_s(export, &positions(smooth.held()));
     let found = positions(trial.command());
     let load = match servo.load {
         Load::Pendulum { .. } => servo.load,
@@ -267,7 +266,7 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         joint.delay_steps
     ));
     about.extend(speed_in_words(export, drive));
-    about.push(smooth.in_words(export, late_s));
+    about.push(smooth.in_words(export, &|sine| positions(sine.held())));
     let mut values = joint.values(&identifier(export.name));
     values.push(("about", XML_STYLE.comment(&about)));
     let text = fill(include_str!("../templates/servo_model/servo.mjcf"), &values);

@@ -19,7 +19,7 @@ pub(super) fn recorded(model: &ServoModel, parameters: &ServoParameters) -> (f64
         }
     };
     // A command that friction and dead band swallow would compare two servos that stand still.
-    let shown = shown.max(MOVING * held(parameters));
+    let shown = shown.max(MOVING * held_back(parameters));
     match POSSIBLE.contains(&shown) && middle.is_finite() {
         true => (middle, shown),
         false => (middle_of_outputs, amplitude_without_recording(parameters)),
@@ -37,10 +37,10 @@ fn amplitude_without_recording(parameters: &ServoParameters) -> f64 {
 }
 
 /// So many times as large as what does not move the servo the amplitude is at least.
-const MOVING: f64 = 3.0;
+pub(super) const MOVING: f64 = 3.0;
 
 /// The error that moves nothing: that which friction at rest holds, and the dead band.
-fn held(parameters: &ServoParameters) -> f64 {
+pub(super) fn held_back(parameters: &ServoParameters) -> f64 {
     parameters.resting_error().unwrap_or(0.0) + parameters.dead_band.unwrap_or(0.0)
 }
 

@@ -1,5 +1,6 @@
 //! A smooth command, which shows how late an export is in motion: a staircase shows its largest difference alone.
 
+use super::recorded_range::{MOVING, held_back};
 use super::subject::ServoExport;
 use super::trial_command::{Trial, exact};
 use crate::presentation::summary::recorded;
@@ -17,6 +18,9 @@ const LEFT: f64 = 0.05;
 
 /// The longest period \[s\]; a servo that needs longer for the strokes of the recording gets smaller ones.
 const LONGEST_S: f64 = 10.0;
+
+/// The small sine beside it, as a share of its amplitude.
+const SMALL: f64 = 0.1;
 
 /// Periods, of which the first is not compared.
 const PERIODS: usize = 3;
@@ -97,7 +101,7 @@ impl SmoothCommand {
     }
 
     /// By how much later than the servo itself, which gets the held command, an export is with these positions \[s\].
-    pub fn lag_s(&self, export: &ServoExport<'_>, positions: &[f64]) -> f64 {
+    fn lag_s(&self, export: &ServoExport<'_>, positions: &[f64]) -> f64 {
         let servo = exact(&export.parameters, self.step_s, &self.held());
         let apart = self.phase(positions) - self.phase(&servo);
         let nearest = apart - TAU * (apart / TAU).round();
@@ -115,21 +119,43 @@ impl SmoothCommand {
         f64::atan2(behind, in_phase).clamp(-PI, PI)
     }
 
-    /// Of an export that is late by this, a sentence.
-    pub fn in_words(&self, export: &ServoExport<'_>, lag_s: f64) -> String {
+    /// A sine of which a limit of the rate spreads no step.
+    fn small(&self) -> Self {
+        Self {
+            amplitude: SMALL * self.amplitude,
+            ..*self
+        }
+    }
+
+    /// How late an export is that has these `positions` under a smooth command, a sentence; of a small sine, too, where that moves the servo.
+    pub fn in_words(
+        &self,
+        export: &ServoExport<'_>,
+        positions: &dyn Fn(&Self) -> Vec<f64>,
+    ) -> String {
+        let late = |command: &Self| {
+            let lag_s = command.lag_s(export, &positions(command));
+            let way = if lag_s < 0.0 { "early" } else { "late" };
+            format!("{:.1} ms {way}", 1e3 * lag_s.abs())
+        };
+        let small = self.small();
+        let moves = small.amplitude > MOVING * held_back(&export.parameters);
+        let of_small = match moves {
+            true => format!(", and under one of a tenth of that {}", late(&small)),
+            false => String::new(),
+        };
         let beside = |value| recorded::beside(value, self.amplitude);
         let held = match self.frame_s > 0.0 {
             true => " and is held for each pulse frame",
             false => "",
         };
         format!(
-            "Smooth command: under a sine of {} +- {} {} at {:.2} Hz, which stays below the limits of speed and drive{held}, the position is {:.1} ms {}.",
+            "Smooth command: under a sine of {} +- {} {} at {:.2} Hz, which stays below the limits of speed and drive{held}, the position is {}{of_small}.",
             beside(self.middle),
             beside(self.amplitude),
             export.command_unit(),
             1.0 / self.period_s(),
-            1e3 * lag_s.abs(),
-            if lag_s < 0.0 { "early" } else { "late" }
+            late(self)
         )
     }
 }

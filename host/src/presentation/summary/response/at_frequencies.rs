@@ -75,7 +75,7 @@ pub fn at_frequencies(
 const AT_PULSES: &str = "  Late: behind a smooth command that the servo gets as it is. One that is held for frames, as by a pulse every\n  20 ms, is half a frame later; more where limits of speed or drive are reached.\n";
 
 /// The same of any other recording.
-const AT_ROWS: &str = "  Late: behind a smooth command that waits for pulses as those of this recording did, or did not. Where they\n  stood at their pulses, one that is held for frames of 20 ms is half a frame later; where they waited for\n  pulses, that is in these figures already.\n";
+const AT_ROWS: &str = "  Late: behind a smooth command that is sent as those of this recording were. If these stood at their pulses, a\n  command that is held for frames of 20 ms is half a frame later; if they waited for pulses, that is included.\n";
 
 /// Of the servo as a machine, under a sine of this amplitude.
 fn of_machine(servo: &ServoModel, of: &ModelMetadata, hertz: f64, amplitude: f64) -> String {
