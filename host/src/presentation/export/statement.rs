@@ -390,9 +390,15 @@ fn low_order(flight: &FlightModel, largest_error_percent: f64) -> String {
         Bounds::Valid(bounds) => format!("intervals of {} %", summary::percent(bounds.level)),
         Bounds::Withdrawn(_) => "of which no intervals can be given".to_owned(),
     };
-    let own = match flight.approximation && flight.band_hz.is_none() {
-        true => " As the fit compares both, by what the recording determines of a response: ",
-        false => " ",
+    let is_earlier = flight.delay_s.value.is_some_and(|delay_s| delay_s < 0.0);
+    let own = match (flight.approximation && flight.band_hz.is_none(), is_earlier) {
+        (true, true) => {
+            " As the fit compares both, with the delay that was estimated and by what the recording determines of a response: "
+        }
+        (true, false) => {
+            " As the fit compares both, by what the recording determines of a response: "
+        }
+        (false, _) => " ",
     };
     let largest = match flight.band_hz {
         None => format!(
