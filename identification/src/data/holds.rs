@@ -7,6 +7,7 @@
 
 use std::ops::Range;
 
+use crate::data::column::extent;
 use crate::data::record::{Record, Run};
 use crate::thresholds::{EQUALLY_LARGE, HELD_WITHIN};
 
@@ -91,11 +92,18 @@ pub(crate) fn share_held(record: &Record, samples: usize) -> f64 {
 /// The sizes of the changes from hold to hold \[input\].
 pub(crate) fn stroke_sizes(record: &Record, tolerance: f64) -> impl Iterator<Item = f64> {
     let runs = record.runs().iter();
-    let holds = runs.flat_map(move |run| holds(run, tolerance));
-    holds.filter_map(|hold| Some((hold.level - hold.before?).abs()))
+    runs.flat_map(move |run| sizes_of(&holds(run, tolerance)).collect::<Vec<_>>())
 }
 
-/// The size of all strokes of the command, where they have one \[input\]; `None` where sizes differ, or the input is not held.
+fn sizes_of(holds: &[Hold]) -> impl Iterator<Item = f64> {
+    (holds.iter()).filter_map(|hold| Some((hold.level - hold.before?).abs()))
+}
+
+/// Strokes of a run from which on the first and the last are left out where it begins and ends at rest between the levels.
+const WITH_REST: usize = 4;
+
+/// The size of all strokes of the command, where they have one \[input\]; `None` where sizes differ, or the input is not held. The first and the last stroke of
+/// a run of four or more, which lead from its rest and back to it, do not count.
 ///
 /// A recording with strokes of one size does not show how a servo answers others.
 ///
@@ -105,14 +113,20 @@ pub(crate) fn stroke_sizes(record: &Record, tolerance: f64) -> impl Iterator<Ite
 /// let of = |input: Vec<f64>| only_stroke(&Record::of_run(0.01, &input, &input).unwrap());
 /// assert_eq!(of(stroke(4.0)), Some(4.0));
 /// assert_eq!(of([stroke(4.0), stroke(2.0)].concat()), None);
+/// // From a rest in the middle, and back to it.
+/// assert_eq!(of([vec![2.0; 20], stroke(4.0), stroke(4.0), vec![2.0; 20]].concat()), Some(4.0));
 /// ```
 #[must_use]
 pub fn only_stroke(record: &Record) -> Option<f64> {
-    let ends = stroke_sizes(record, EXACTLY).fold(None, |ends: Option<(f64, f64)>, size| {
-        let (least, most) = ends.unwrap_or((size, size));
-        Some((least.min(size), most.max(size)))
-    });
-    let (least, most) = ends.filter(|_| usual_hold(record) >= HELD)?;
+    let of_run = |run: &Run| {
+        let sizes: Vec<f64> = sizes_of(&holds(run, EXACTLY)).collect();
+        match &sizes[..] {
+            [_, inner @ .., _] if sizes.len() >= WITH_REST => inner.to_vec(),
+            _ => sizes,
+        }
+    };
+    let sizes = record.runs().iter().flat_map(of_run);
+    let (least, most) = extent(sizes).filter(|_| usual_hold(record) >= HELD)?;
     (most - least <= EQUALLY_LARGE * most).then_some(most)
 }
 

@@ -99,6 +99,11 @@ pub enum ExportError {
         "the servo model has numbers beyond what any servo could have: take those that 'servoid identify' wrote"
     )]
     Impossible,
+    /// A full command of a servo under pulses that is a pulse itself.
+    #[error(
+        "--full-command {0} is counted from 1500 us, where the command is in us: 500 stands for a pulse of 2000 us, and is taken without the option"
+    )]
+    FullCommandIsPulse(f64),
     /// The positions of the file grow beyond all numbers.
     #[error("the motion of this file has no end: export it with a shorter --step-ms")]
     Endless,

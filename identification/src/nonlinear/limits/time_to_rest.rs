@@ -51,3 +51,26 @@ pub(super) fn time_to_rest(record: &Record) -> Option<usize> {
     });
     most.map(|(time, _)| *time)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Strokes of 40 take 80 samples; a flight has hundreds of changes by 0.2 that are held for a while, and over at once.
+    #[test]
+    fn small_changes_say_nothing_of_strokes() {
+        let strokes = (0..20).flat_map(|k| [40.0 * f64::from(k % 2); 200]);
+        let flight = (0..300).flat_map(|k| [0.2 * f64::from(k % 2); 12]);
+        let input: Vec<f64> = strokes.chain(flight).collect();
+        let follow = |y: &mut f64, (k, u): (usize, &f64)| {
+            *y += (u - *y).clamp(-0.5, 0.5);
+            // White enough to have a spread at rest.
+            Some(*y + 1e-3 * (((k * 7919) % 101) as f64 - 50.0) / 50.0)
+        };
+        let output: Vec<f64> = input.iter().enumerate().scan(0.0, follow).collect();
+        let record = Record::of_run(0.01, input, output).unwrap();
+        let found = time_to_rest(&record).unwrap();
+        // To within 1 % of the way: 0.4 of the 40.
+        assert!((79..=80).contains(&found), "{found}");
+    }
+}

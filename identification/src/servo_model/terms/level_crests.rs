@@ -278,6 +278,25 @@ mod tests {
         assert_eq!(level_crests(&record, 1.0), [Some(-9.0), Some(6.0)]);
     }
 
+    /// Behind a sensor whose steps are a sixtieth of the motion, from a rest whose first crest is smaller.
+    #[test]
+    fn nor_are_those_of_one_sine_in_steps_of_a_sensor() {
+        let sine = |k: u32| match f64::from(k) * 0.005 {
+            t if t < 1.0 => 0.0,
+            t => 3.0 * (std::f64::consts::TAU * 4.0 * t).sin(),
+        };
+        let input: Vec<f64> = (0..4000).map(sine).collect();
+        for phase in [0.0, 0.03, 0.07] {
+            let follow = |y: &mut f64, u: &f64| {
+                *y += (u - *y) / 5.0;
+                Some(((*y + phase) / 0.088).round() * 0.088)
+            };
+            let output: Vec<f64> = input.iter().scan(0.0, follow).collect();
+            let record = Record::of_run(0.005, input.clone(), output).unwrap();
+            assert_eq!(level_crests(&record, 1.0), [None; 2], "{phase}");
+        }
+    }
+
     /// Play or a dead band of a tenth of the sweep, a speed of half of its own, and coming to rest behind a clipped command: tops of the first are flat, of the last level.
     #[test]
     fn crests_at_which_other_servos_wait_are_not() {

@@ -66,7 +66,11 @@ impl FullCommand {
 
     fn size(export: &ServoExport<'_>) -> Result<(f64, Origin), ExportError> {
         if let Some(stated) = export.options.full_command {
-            return Ok((stated, Origin::Stated));
+            // A pulse from 0 on is none from the middle.
+            return match Self::is_pulse(export) && stated >= NEUTRAL_US {
+                true => Err(ExportError::FullCommandIsPulse(stated)),
+                false => Ok((stated, Origin::Stated)),
+            };
         }
         if Self::is_pulse(export) {
             return Ok((FULL_US, Origin::Pulse));

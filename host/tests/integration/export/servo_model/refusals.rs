@@ -168,6 +168,7 @@ fn a_full_command_is_for_ardupilot_and_reaches_the_recorded_ones() {
     let full = |target, full| refused(&file, &["--to", target, "--full-command", full]);
     assert!(full("mujoco", "50").contains("is for --to ardupilot"));
     assert!(full("ardupilot", "0").contains("must be a command above 0"));
+    assert!(full("ardupilot", "2000").contains("500 stands for a pulse of 2000 us"));
     let mut document = crate::support::json(&file);
     document["servo_model"]["commands"] = json!({ "least": 600.0, "largest": 900.0 });
     std::fs::write(&file, document.to_string()).unwrap();
