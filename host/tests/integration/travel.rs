@@ -112,3 +112,23 @@ fn what_a_dead_band_does_is_no_wrong_scale() {
     assert!(text.contains("After a step"), "{text}");
     assert!(!text.contains("The servo ends at"), "{text}");
 }
+
+/// Sines that hardly change their frequency, in frames of 20 ms: within some holds the output turns round, and seems to rest there. The simulated servo has no stops.
+#[test]
+fn a_sine_whose_output_turns_round_shows_no_stop() {
+    let dir = tempfile::tempdir().unwrap();
+    for (number, (frequencies, amplitude)) in [("4:4.05", "4.97"), ("5:5.05", "4.97")]
+        .into_iter()
+        .enumerate()
+    {
+        let recording = dir.path().join(format!("{number}.csv"));
+        let reference = ["--reference", "sweep", "--length", "10"];
+        let sweep = ["--frequencies", frequencies, "--amplitude", amplitude];
+        let simulate = ["simulate", "-q", "--servo", "bench", "-o", arg(&recording)];
+        run(&[&simulate[..], &reference, &sweep].concat());
+        let said = run(&["identify", "-q", arg(&recording)]);
+        for stop in ["stops at", "a stop at"] {
+            assert!(!said.contains(stop), "{frequencies}: {said}");
+        }
+    }
+}

@@ -463,27 +463,6 @@ mod tests {
         ends.into_iter().flatten().next()
     }
 
-    /// Sines of 2 to 5 Hz, held in frames of ten rows of 2 ms: the output turns round within some holds, and seems to rest there.
-    #[test]
-    fn where_a_motion_turns_round_is_no_rest() {
-        for (seed, hertz) in [(1, 2.0), (2, 3.0), (3, 4.0), (4, 4.05), (5, 5.05)] {
-            let mut random = ChaCha8Rng::seed_from_u64(seed);
-            let frame = |k: u32| f64::from(k / 10) * 0.02;
-            let input: Vec<f64> = (0..5000)
-                .map(|k| 5.0 * (std::f64::consts::TAU * hertz * frame(k)).sin())
-                .collect();
-            let (mut lag, mut y) = (0.0, 0.0);
-            let follow = |u: &f64| {
-                lag += (u - lag) / 10.0;
-                y += (lag - y) / 10.0;
-                y + random.random_range(-0.1..0.1)
-            };
-            let output: Vec<f64> = input.iter().map(follow).collect();
-            let record = Record::of_run(0.002, input, output).unwrap();
-            assert_eq!(TravelEnd::of_rests(&record), [None; 2], "{hertz}");
-        }
-    }
-
     /// Random levels behind a lag under noise, of a servo that moves freely or stops at 12, in steps of the sensor. None of the 40 free servos
     /// may be found, since what rounding can do is bounded; of those that stop at three fifths of the range all are, in steps of 2.
     #[test]
