@@ -68,7 +68,7 @@ mod tests {
             load: Load::None,
             stops: Stops::default(),
         };
-        assert_eq!(held(&servo), 5.5);
+        assert_eq!(held_back(&servo), 5.5);
         let moved = |command: f64| {
             let grid = Grid::for_stiffness(0.002, 0.0, servo.stiffness);
             let start = Start::at_rest(0.0, Some(0.0));
@@ -76,6 +76,6 @@ mod tests {
             simulate(&servo, &grid, &start, &[command; 300], |_, y| last = y);
             last != 0.0
         };
-        assert!(!moved(0.99 * held(&servo)) && moved(MOVING * held(&servo)));
+        assert!(!moved(0.99 * held_back(&servo)) && moved(MOVING * held_back(&servo)));
     }
 }
