@@ -19,7 +19,7 @@ use std::path::PathBuf;
 #[command(after_help = "Examples:
   servoid validate bench.json again.csv --plots plots
   servoid validate mine.json another.csv          (read as the file that mine.json is of)
-  servoid validate mine.json flight.csv --frame-ms 20          (a flight log: commands waited for pulses)")]
+  servoid validate mine.json flight.csv --frame-ms 20          (commands waited for pulses)")]
 pub(super) struct Validate {
     /// The model, as 'servoid identify -o' writes it
     #[arg(value_name = "MODEL.json")]

@@ -17,7 +17,7 @@ pub const SIDES: [&str; 2] = ["The first", "The second"];
 pub(super) fn different_references(motions: &Sides<Motion>, linear: bool, unit: &str) -> Advice {
     let (a, b) = (motions.a.in_words(unit), motions.b.in_words(unit));
     let differ = match a == b {
-        true => format!("The references differ in their strokes: both are {a}, in another order"),
+        true => format!("The references differ in their strokes: both are {a}"),
         false => format!("The references differ: the first is {a}; the second is {b}"),
     };
     let meaning = if linear {

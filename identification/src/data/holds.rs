@@ -99,11 +99,11 @@ fn sizes_of(holds: &[Hold]) -> impl Iterator<Item = f64> {
     (holds.iter()).filter_map(|hold| Some((hold.level - hold.before?).abs()))
 }
 
-/// Strokes of a run from which on the first and the last are left out where it begins and ends at rest between the levels.
+/// Strokes of a run from which on the first and the last may be smaller than the others.
 const WITH_REST: usize = 4;
 
 /// The size of all strokes of the command, where they have one \[input\]; `None` where sizes differ, or the input is not held. The first and the last stroke of
-/// a run of four or more, which lead from its rest and back to it, do not count.
+/// a run of four or more may be smaller: from a rest between the levels, and back to it.
 ///
 /// A recording with strokes of one size does not show how a servo answers others.
 ///
@@ -115,18 +115,21 @@ const WITH_REST: usize = 4;
 /// assert_eq!(of([stroke(4.0), stroke(2.0)].concat()), None);
 /// // From a rest in the middle, and back to it.
 /// assert_eq!(of([vec![2.0; 20], stroke(4.0), stroke(4.0), vec![2.0; 20]].concat()), Some(4.0));
+/// // A large one at the end is another size.
+/// assert_eq!(of([stroke(4.0), stroke(4.0), vec![9.0; 20]].concat()), None);
 /// ```
 #[must_use]
 pub fn only_stroke(record: &Record) -> Option<f64> {
-    let of_run = |run: &Run| {
+    let inner_of_run = |run: &Run| {
         let sizes: Vec<f64> = sizes_of(&holds(run, EXACTLY)).collect();
         match &sizes[..] {
             [_, inner @ .., _] if sizes.len() >= WITH_REST => inner.to_vec(),
             _ => sizes,
         }
     };
-    let sizes = record.runs().iter().flat_map(of_run);
-    let (least, most) = extent(sizes).filter(|_| usual_hold(record) >= HELD)?;
+    let inner = record.runs().iter().flat_map(inner_of_run);
+    let (least, _) = extent(inner).filter(|_| usual_hold(record) >= HELD)?;
+    let (_, most) = extent(stroke_sizes(record, EXACTLY))?;
     (most - least <= EQUALLY_LARGE * most).then_some(most)
 }
 
