@@ -109,6 +109,16 @@ def test_a_comparison_a_validation_and_a_plan_are_those_of_the_program(bench, tm
     assert compared.verdict == "different"
     validated = servoid.validate(servoid.Model.load(model), other)
     assert validated.to_dict() == json.loads(program("validate", str(model), str(other), "--json"))
+    with pytest.raises(servoid.ServoidError, match="need no frame_ms"):
+        servoid.validate(servoid.Model.load(model), other, frame_ms=20)
+    rows = [line.split(",") for line in other.read_text().splitlines() if line[:1].isdigit()]
+    log = tmp_path / "log.csv"
+    log.write_text("t_s,u_deg,y_deg\n" + "".join(f"{t},{u},{y}\n" for _, t, u, y, *_ in rows))
+    columns = {"input": "u_deg", "output": "y_deg", "time": "t_s"}
+    options = [f"--{name}={value}" for name, value in columns.items()]
+    held = servoid.validate(servoid.Model.load(model), log, frame_ms=20, **columns)
+    assert held.to_dict() == json.loads(program("validate", str(model), str(log), "--frame-ms", "20", "--json", *options))
+    assert held.to_dict()["pulses"]["frame_s"] == 0.02
     planned = servoid.plan("linear", repeat=2)
     assert planned.to_dict() == json.loads(program("plan", "--servo", "linear", "--repeat", "2", "--no-rig", "--json"))
 

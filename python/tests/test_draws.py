@@ -59,6 +59,10 @@ def test_a_draw_is_exported_and_its_linear_model_is_doubted(model):
     assert files[0] != files[1]
     with pytest.warns(UserWarning, match="draw.servo_model.simulate"):
         first.simulate([0.0] * 10)
+    # Its figures are the estimate's, offset and accelerations included.
+    assert "Not determined" not in first.export("python", name="servo", servo_model=True).text
+    with pytest.warns(UserWarning, match="the servo is not linear"):
+        model.draws(1, seed=1)
 
 
 def test_draws_have_the_range_of_the_intervals(model):

@@ -66,7 +66,7 @@ impl StatedPulses {
 pub(super) fn frame_s(frame_ms: f64, recorded_s: Option<f64>) -> Result<f64> {
     if let Some(recorded_s) = recorded_s {
         bail!(
-            "commands of servoid's own recordings stand at their pulses, every {} ms: leave --frame-ms out",
+            "commands of servoid's own recordings stand at their pulses, every {} ms, and need no --frame-ms",
             1e3 * recorded_s
         );
     }
@@ -112,7 +112,7 @@ pub(super) fn at_closest_pulses<'r>(
         .sum();
     if samples == 0.0 {
         return Err(anyhow!(
-            "the model can be held against none of the runs, so that no pulses are found: leave --frame-ms out to see why"
+            "the model can be held against none of the runs, so that no pulses are found: a validation without --frame-ms says why"
         ));
     }
     let held = Record::new(period_s, runs)?
