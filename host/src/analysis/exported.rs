@@ -1,14 +1,11 @@
 //! A model of a file for another program, with what whoever uses it must know.
 
 use crate::data::model_file::ModelFile;
-use crate::data::model_metadata::{ModelMetadata, PULSE_FRAMES_S};
+use crate::data::model_metadata::{ModelMetadata, PULSE_FRAMES_S, SHORTEST_FRAME_S};
 use crate::presentation::export::servo_model::{ServoExport, ServoExportOptions};
 use crate::presentation::export::{Export, ExportError, Target};
 use anyhow::Result;
 use serde_json::{Map, Value, json};
-
-/// The shortest pulse frame \[s\]: narrow pulses come in 1.8 ms, and 0.02 is a frame in seconds.
-const SHORTEST_FRAME_S: f64 = 1e-3;
 
 /// Steps of time that a simulation may have \[ms\]; beyond, it is a slip.
 const STEPS_MS: std::ops::RangeInclusive<f64> = 0.05..=100.0;

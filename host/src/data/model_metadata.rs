@@ -11,6 +11,9 @@ use servoid_identification::servo_model::RecordedMotion;
 /// Pulse frames that a servo may have \[s\]; beyond a second it is a slip.
 pub const PULSE_FRAMES_S: std::ops::RangeInclusive<f64> = 0.0..=1.0;
 
+/// The shortest that users state \[s\]: narrow pulses come in 1.8 ms, and 0.02 is a frame in seconds.
+pub(crate) const SHORTEST_FRAME_S: f64 = 1e-3;
+
 /// Names of the units of a model's command and position.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct UnitNames {

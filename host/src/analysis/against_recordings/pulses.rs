@@ -4,14 +4,11 @@
 //! came is not in it, so that it is looked for: of all moments that the pulses of a run may have, those with which the model is closest are taken.
 
 use crate::analysis::command_times::commands_at_pulses::at_pulses;
+use crate::data::model_metadata::{PULSE_FRAMES_S, SHORTEST_FRAME_S};
 use crate::presentation::summary::{four_digits, with_unit};
-use anyhow::{Result, anyhow, bail};
+use anyhow::{Result, bail};
 use serde::Serialize;
 use servoid_identification::{Record, Run};
-use std::ops::RangeInclusive;
-
-/// Frames of pulses \[ms\]: narrow pulses come in 1.8 ms, and 0.02 is a frame in seconds.
-const FRAMES_MS: RangeInclusive<f64> = 1.0..=1000.0;
 
 /// Moments of pulses that are tried in a frame, evenly spaced.
 const TRIED: usize = 12;
@@ -70,10 +67,11 @@ pub(super) fn frame_s(frame_ms: f64, recorded_s: Option<f64>) -> Result<f64> {
             1e3 * recorded_s
         );
     }
-    if !FRAMES_MS.contains(&frame_ms) {
+    let frame_s = 1e-3 * frame_ms;
+    if !PULSE_FRAMES_S.contains(&frame_s) || frame_s < SHORTEST_FRAME_S {
         bail!("--frame-ms must be a number of milliseconds from 1 to 1000");
     }
-    Ok(1e-3 * frame_ms)
+    Ok(frame_s)
 }
 
 /// The record with its commands at pulses every `frame_s`. `errors` are those of the model (rms) in one run of it, by the number of the run; `None` where
@@ -87,33 +85,27 @@ pub(super) fn at_closest_pulses<'r>(
     errors: &dyn Fn(Run<'r>, usize) -> Option<f64>,
 ) -> Result<(Record<'r>, StatedPulses)> {
     let period_s = record.sample_period_s();
-    let mut runs = Vec::new();
-    let mut first_pulse_s = Vec::new();
-    let mut squares = [0.0; 2];
+    let (mut runs, mut first_pulse_s) = (Vec::new(), Vec::new());
+    let (mut samples, mut squares) = (0.0, [0.0; 2]);
     for (number, run) in record.runs().iter().enumerate() {
         let at = |pulse_s: f64| with_pulses(run, [frame_s, pulse_s].map(|time| time / period_s));
         let error = |pulse_s: f64| errors(at(pulse_s)?, number);
         let found = closest(frame_s, &error);
         first_pulse_s.push(found.map(|found| found.pulse_s));
-        runs.push(match found {
-            Some(found) => at(found.pulse_s).unwrap_or_else(|| run.clone()),
-            None => run.clone(),
-        });
+        let held = found.and_then(|found| at(found.pulse_s));
+        runs.push(held.unwrap_or_else(|| run.clone()));
         if let Some(found) = found {
-            let samples = run.len() as f64;
+            let of_run = run.len() as f64;
+            samples += of_run;
             for (sum, error) in squares.iter_mut().zip([found.error, found.largest_error]) {
-                *sum += samples * error * error;
+                *sum += of_run * error * error;
             }
         }
     }
-    let held = first_pulse_s.iter().zip(record.runs());
-    let samples: f64 = (held.filter(|(pulse, _)| pulse.is_some()))
-        .map(|(_, run)| run.len() as f64)
-        .sum();
     if samples == 0.0 {
-        return Err(anyhow!(
+        bail!(
             "the model can be held against none of the runs, so that no pulses are found: a validation without --frame-ms says why"
-        ));
+        );
     }
     let held = Record::new(period_s, runs)?
         .with_sample_phase(record.sample_phase_s())

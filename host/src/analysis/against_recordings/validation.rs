@@ -72,7 +72,8 @@ impl Validated {
         let is_linear = file.model.linear && servo.is_none_or(|servo| servo.model.is_linear());
         let controllers = servo.map(|servo| data.controllers.among(&servo.controller_names));
         let servo = servo.zip(controllers.transpose()?);
-        let held = frame_s.map(|frame_s| at_pulses(file, servo.as_ref(), &data.record, frame_s));
+        let held =
+            frame_s.map(|frame_s| held_at_pulses(file, servo.as_ref(), &data.record, frame_s));
         let (held, pulses) = held.transpose()?.unzip();
         let record = held.as_ref().unwrap_or(&data.record);
         let (runs, period_s) = (record.runs(), record.sample_period_s());
@@ -187,7 +188,7 @@ impl Validated {
 }
 
 /// The record with its commands at pulses every `frame_s`, where the servo model, or the linear one of a file without one, is closest.
-fn at_pulses<'r>(
+fn held_at_pulses<'r>(
     file: &ModelFile,
     servo: Option<&(&ServoModelDocument, Vec<usize>)>,
     record: &Record<'r>,

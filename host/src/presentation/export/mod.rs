@@ -20,6 +20,7 @@ mod statement;
 mod strokes;
 mod target;
 mod text;
+mod unseen_limit;
 
 pub use error::ExportError;
 pub use model::Export;

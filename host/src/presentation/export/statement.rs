@@ -4,6 +4,7 @@ use super::doubts;
 use super::frame_hold::WHEN_TO_STATE;
 use super::model::Export;
 use super::text::{Style, number};
+use super::unseen_limit::no_limit;
 use crate::data::units::Units;
 use crate::presentation::summary::{self, recorded};
 use servoid_identification::flight_model::FlightModel;
@@ -101,11 +102,7 @@ impl Export<'_> {
             .servo_model
             .is_some_and(|servo| servo.terms.is_limited());
         let found = self.metadata.recorded.filter(|_| !is_limited)?;
-        Some(recorded::no_limit(
-            Some(found.commands),
-            Some(found.reached),
-            units,
-        ))
+        Some(no_limit(Some(found.commands), Some(found.reached), units))
     }
 
     /// That the servo model beside the linear one predicts better, so that this is not the model to fly with.

@@ -11,6 +11,7 @@ use crate::presentation::export::frame_hold::WHEN_TO_STATE;
 use crate::presentation::export::statement::units_in_words;
 use crate::presentation::export::target::Target;
 use crate::presentation::export::text::number;
+use crate::presentation::export::unseen_limit::no_limit;
 use crate::presentation::summary;
 use crate::presentation::summary::four_digits;
 use crate::presentation::summary::recorded::{self, beside};
@@ -107,7 +108,7 @@ impl ServoExport<'_> {
     fn unknown_speed(&self) -> Option<String> {
         if self.top_speeds().is_none() {
             let (commands, reached) = (self.model.commands, self.model.reached);
-            return Some(recorded::no_limit(commands, reached, self.metadata.units()));
+            return Some(no_limit(commands, reached, self.metadata.units()));
         }
         (!self.top_speed_is_known()).then(|| {
             let unit = (self.metadata.units().output).unwrap_or("units of the position");

@@ -32,23 +32,6 @@ pub(crate) fn speeds_in_words(reached: ReachedSpeeds, each: f64, unit: &str) -> 
     (!each.is_empty()).then(|| each.join(" and "))
 }
 
-/// That a file has no limit of the speed, a sentence without its stop.
-pub(crate) fn no_limit(
-    commands: Option<CommandRange>,
-    reached: Option<ReachedSpeeds>,
-    units: Units<'_>,
-) -> String {
-    let unit = units.output.unwrap_or("units of the position");
-    let up_to = (reached.and_then(|reached| speeds_in_words(reached, 1.0, unit)))
-        .map(|speeds| format!(" up to {speeds}"));
-    let under = commands.map(|range| format!(" (commands {})", range_in_words(range, units)));
-    format!(
-        "no limit of the speed was seen{}{} (strokes of one size, and those that end before the servo reaches it, show none): this file has none, and a servo has one",
-        up_to.unwrap_or_default(),
-        under.unwrap_or_default()
-    )
-}
-
 /// A number with the digits that count beside the size `size`: three of that.
 pub(crate) fn beside(value: f64, size: f64) -> String {
     let decimals = 2 - size.abs().max(f64::MIN_POSITIVE).log10().floor() as i32;

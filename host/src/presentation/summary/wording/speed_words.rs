@@ -19,14 +19,16 @@ pub(crate) fn speed_in_words(
     (speed, figure): (f64, String),
     units: Units<'_>,
 ) -> String {
-    let unit = units.output.unwrap_or("units");
-    format!("{figure} {unit}/s{}", turn(model, speed, units))
+    with_turn(&figure, turn(model, speed, units), units)
 }
 
 /// The same of a recording in which no model is asked: without the time for 60 degrees where the unit is not known.
 pub(crate) fn measured_speed_in_words((speed, figure): (f64, String), units: Units<'_>) -> String {
+    with_turn(&figure, seconds_per_60_degrees(speed, units), units)
+}
+
+fn with_turn(figure: &str, turn: Option<String>, units: Units<'_>) -> String {
     let unit = units.output.unwrap_or("units");
-    let turn = seconds_per_60_degrees(speed, units);
     let turn = turn.map_or_else(String::new, |seconds| format!(" ({seconds})"));
     format!("{figure} {unit}/s{turn}")
 }
@@ -42,15 +44,14 @@ pub(crate) fn reached_speed(speed: f64) -> (f64, String) {
     (rounded, digits(rounded, 2))
 }
 
-/// " (0.181 s/60°)", or what that is if the output is in degrees.
-fn turn(model: &ServoModel, speed: f64, units: Units<'_>) -> String {
+/// "0.181 s/60°", or what that is if the output is in degrees.
+fn turn(model: &ServoModel, speed: f64, units: Units<'_>) -> Option<String> {
     let stated = seconds_per_60_degrees(speed, units);
     let assumed = || {
         let seconds = seconds_per_60_degrees(speed, assumed_units(model, units)?)?;
         Some(format!("{seconds} if that is degrees"))
     };
-    let seconds = stated.or_else(assumed);
-    seconds.map_or_else(String::new, |seconds| format!(" ({seconds})"))
+    stated.or_else(assumed)
 }
 
 /// Degrees, where no unit is known and the model takes the command for them.
