@@ -35,7 +35,7 @@ fuzz_target!(|text: &str| {
     let input: Vec<f64> = (0..200).map(|k| f64::from(k / 7 % 2)).collect();
     let record = Record::of_run(model.sample_period_s, &input, &input);
     if let Ok(found) = record.and_then(|record| model.validate(&record)) {
-        let _ = summary::of_validation(Some(&found), None, (model.fit.simulation_percent, None), None, &model.advice);
+        let _ = summary::of_validation(Some(&found), None, (model.fit.simulation_percent, None), None);
     }
     for (a, b) in [(&*OTHER, &model), (&model, &*OTHER), (&model, &model)] {
         let found = compare_models(a, b, &ComparisonOptions::default());

@@ -347,7 +347,8 @@ class ServoModel:
     def at(self, hertz: float, amplitude: float, *, controller: float | None = None) -> SineResponse:
         """How much of a sine of the command arrives, and how late: gain and phase, as ``servoid identify --at HZ:AMPLITUDE`` prints them.
 
-        A servo that is limited has others for each amplitude. Both are of the first harmonic of the motion, about the middle of the recorded commands.
+        A servo that is limited has others for each amplitude. Both are of the first harmonic of the motion, about the middle of the recorded commands. The sine is
+        smooth: one that is held for frames is half a frame later.
 
         Parameters
         ----------
@@ -361,7 +362,8 @@ class ServoModel:
         Returns
         -------
         SineResponse
-            Its bounds are withdrawn where the command runs further ahead of the servo than in the recording.
+            Its bounds are withdrawn where the command runs further ahead of the servo than in the recording, and where that leaves the phase open by a
+            turn or more.
 
         Raises
         ------

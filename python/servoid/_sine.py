@@ -28,7 +28,8 @@ class SineResponse:
     gain : Interval
         Amplitude of the motion over that of the command (output per input).
     phase_deg : Interval
-        Phase (degrees); a lag is negative. What the times of the recording leave open is in its bounds.
+        Phase (degrees); a lag is negative. What the times of the recording leave open is in its bounds. ``None`` throughout where the sine does not move
+        the servo, as one within its dead band: then the gain is 0.
     phase_at_rest_deg : float
         Phase of the slowest sines (degrees), from which a lag counts: 0, or a half turn where the position goes against the command.
     level : float or None

@@ -68,7 +68,7 @@ pub(super) struct Identify {
     #[arg(long)]
     limits: bool,
     /// Also print gain and phase at these frequencies (Hz), separated by commas: how much of such a sine arrives, and how late. With
-    /// an amplitude to each side (8:5), also those of the servo as a machine, which depend on it
+    /// an amplitude to each side (8:5, in the unit of the command), also those of the servo as a machine, which depend on it
     #[arg(long, value_name = "HZ[:AMPLITUDE]", value_delimiter = ',', value_parser = super::value_parsers::sine)]
     at: Vec<AskedSine>,
     /// The model to write

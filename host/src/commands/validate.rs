@@ -3,12 +3,12 @@
 use super::input::TableArgs;
 use super::output::{Output, stem};
 use crate::analysis::Validated;
+use crate::data::PredictedRun;
 use crate::data::dataset::listed;
 use crate::data::model_file::ModelFile;
-use crate::presentation::plots::{self, Named};
+use crate::presentation::plots;
 use anyhow::Result;
 use clap::Args;
-use servoid_identification::Run;
 use std::path::PathBuf;
 
 /// Compare a model with a recording that it was not identified from
@@ -30,7 +30,7 @@ pub(super) struct Validate {
     /// The result to write, as JSON
     #[arg(long, short, value_name = "FILE.json")]
     out: Option<PathBuf>,
-    /// Folder for plots of the linear model against measurement
+    /// Folder for plots of each run: the models against the measurement
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
     /// Time between pulses (ms), where the commands of the recording waited for them, as those of a receiver or a flight controller do: each
@@ -61,21 +61,13 @@ impl Validate {
             ));
         }
         self.output.write_json(self.out.as_ref(), &validated)?;
-        let linear = self
-            .plots
-            .as_ref()
-            .filter(|_| validated.validation.is_some());
-        if let (Some(folder), Some(first)) = (linear, self.files.first()) {
+        if let (Some(folder), Some(first)) = (&self.plots, self.files.first()) {
             let (name, first) = (stem(&self.model), stem(first));
-            let named = [Named {
-                name: &name,
-                model: &file.model,
-            }];
-            let of_run = |(run, number): (&Run, usize)| {
+            let of_run = |(run, number): (&PredictedRun, usize)| {
                 let file = format!("{name}-on-{first}-run-{number}");
-                plots::validation(&file, "Model against measurement", &named, run, unit)
+                plots::predicted(&file, "Models against measurement", run, unit)
             };
-            let figures: Vec<_> = data.record.runs().iter().zip(1..).map(of_run).collect();
+            let figures: Vec<_> = validated.predicted.iter().zip(1..).map(of_run).collect();
             self.output.draw(folder, &figures)?;
         }
         self.output.talk.result(validated.as_text(unit), &validated)

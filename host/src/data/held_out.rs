@@ -1,7 +1,7 @@
 //! A stretch of a record that is held out: models that are identified from the rest can show how they predict it.
 
 use crate::data::dataset::Dataset;
-use servoid_identification::{Record, Run};
+use servoid_identification::Run;
 use std::ops::Range;
 
 /// Runs from which on a whole one can be spared.
@@ -61,12 +61,9 @@ impl<'a> HeldOut<'a> {
             return None;
         }
         others.splice(number..=number, kept);
-        let record = Record::new(data.record.sample_period_s(), others).ok()?;
         Some(Self {
             rest: Dataset {
-                record: record
-                    .with_sample_phase(data.record.sample_phase_s())
-                    .with_rest(data.record.rest().to_vec()),
+                record: data.record.try_with_runs(others).ok()?,
                 controllers: match first {
                     0 => data.controllers.without(number),
                     _ => data.controllers.clone(),

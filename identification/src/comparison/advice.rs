@@ -58,7 +58,7 @@ fn different_zeros(
             Check::Zeros,
             format!(
                 "The second stands {} from the first, {percent:.0} % of the stroke, under the same commands. The verdict is on \
-                 step responses, which are of changes alone; the over-prediction at the two ends counts from zero and contains it.",
+                 step responses, which are of changes alone; an over-prediction at the two ends counts from zero and contains it.",
                 with_unit(format!("{apart:+.3}"), unit)
             ),
             percent,

@@ -24,8 +24,8 @@ use crate::results::{Interval, Model};
 /// Over-prediction of the second servo by the first.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct OverPrediction {
-    /// At the largest command \[%\]; empty where that is 0, of which nothing is a share, and where commands go to both sides of their zero and the output does not: a
-    /// sensor whose zero is nowhere near that of the command.
+    /// At the largest command \[%\]; empty where that is 0, of which nothing is a share, and where the output of a side neither goes to both sides of its zero nor
+    /// has it where the command has its own: a sensor whose zero is another one.
     pub plus_percent: Interval,
     /// At the smallest command \[%\], likewise.
     pub minus_percent: Interval,
@@ -63,6 +63,16 @@ struct End {
     predicted: f64,
 }
 
+/// An output at a command of zero beyond this share of the travel is that of a sensor whose zero is another one.
+const OFF_ZERO: f64 = 0.1;
+
+/// Whether the output counts from a zero that means something: it goes to both sides of it, or has it where the command has its own.
+fn counts_from_zero([low, high]: [f64; 2], (minus, plus): (f64, f64)) -> bool {
+    let travel = plus - minus;
+    let at_zero = minus - travel / (high - low) * low;
+    minus * plus <= 0.0 || (low * high >= 0.0 && at_zero.abs() <= OFF_ZERO * travel.abs())
+}
+
 /// `None` when the record has no two ends with two plateaus each.
 pub(crate) fn over_prediction(
     record: &Record,
@@ -88,7 +98,8 @@ pub(crate) fn over_prediction(
         End::new(record, predictor, low)?,
     );
     let zero = predictor.zero_sd;
-    let has_zero = low * high >= 0.0 || minus.mean * plus.mean <= 0.0;
+    let ends = [(minus.mean, plus.mean), (minus.predicted, plus.predicted)];
+    let has_zero = (ends.iter()).all(|ends| counts_from_zero([low, high], *ends));
     let side = |level: f64, end: &End, sd_at_rest: f64| {
         if level == 0.0 || !has_zero {
             return Interval::new(f64::NAN, f64::NAN, f64::NAN);

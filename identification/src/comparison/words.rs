@@ -150,7 +150,7 @@ fn subject(found: &Comparison) -> &'static str {
 
 fn feel(found: &Comparison, options: &ComparisonOptions) -> String {
     let time = behind(found);
-    let rise = rise_time(found).unwrap_or_default();
+    let times = times_of_response(found);
     let rest = found
         .levels
         .as_ref()
@@ -173,7 +173,7 @@ fn feel(found: &Comparison, options: &ComparisonOptions) -> String {
         }
     };
     let all_of_it = by_time_alone(found);
-    format!("{time}{rise}{rest}{scale}; {runs}.{all_of_it}")
+    format!("{time}{times}{rest}{scale}; {runs}.{all_of_it}")
 }
 
 /// What the shift is of the difference, and that a logger makes one, too, where it is all of it.
@@ -198,9 +198,14 @@ fn behind(found: &Comparison) -> String {
         let Some(seconds) = shift.value else {
             return "cannot be called earlier or later than the first".to_owned();
         };
-        if shift.lower.is_some() && shift.contains(0.0) {
-            return "is neither ahead of the first nor behind it, as far as these recordings show"
-                .to_owned();
+        if let (Some(lower), Some(upper)) = (shift.lower, shift.upper)
+            && shift.contains(0.0)
+        {
+            return format!(
+                "is between {:.1} ms ahead of the first and {:.1} ms behind it",
+                -1e3 * lower,
+                1e3 * upper
+            );
         }
         if seconds.abs() < NOTABLE_SHIFT_S {
             return format!(
@@ -224,18 +229,29 @@ fn behind(found: &Comparison) -> String {
     }
 }
 
-/// "; the rise time of the second is 4.8 ms longer ...", where that is sure: a servo that is slower in the middle of a stroke need not be later.
-fn rise_time(found: &Comparison) -> Option<String> {
-    let rise = (found.differences.iter()).find(|row| row.metric == "rise_time_s")?;
+/// "; the rise time of the second is 4.8 ms longer ...", where that is sure: a servo that is slower in the middle of a stroke need not be later. Its delay, too, where
+/// nothing else says that it is later.
+fn times_of_response(found: &Comparison) -> String {
+    let is_open = |curve: &DifferenceCurve| curve.delay_shift_s.contains(0.0);
+    let delay = (found.curves.iter().all(is_open)).then_some(("delay_s", "delay"));
+    let times = delay.into_iter().chain([("rise_time_s", "rise time")]);
+    times
+        .filter_map(|(metric, name)| longer(found, metric, name))
+        .collect()
+}
+
+/// By how much this time of the second is longer, where that is sure.
+fn longer(found: &Comparison, metric: &str, name: &str) -> Option<String> {
+    let row = (found.differences.iter()).find(|row| row.metric == metric)?;
     let ms = |seconds: Option<f64>| Some(1e3 * seconds?);
-    let (more, lower, upper) = (ms(rise.difference)?, ms(rise.lower)?, ms(rise.upper)?);
+    let (more, lower, upper) = (ms(row.difference)?, ms(row.lower)?, ms(row.upper)?);
     let (how, from, to) = match (lower > 0.0, upper < 0.0) {
         (true, _) => ("longer", lower, upper),
         (_, true) => ("shorter", -upper, -lower),
         _ => return None,
     };
     Some(format!(
-        "; the rise time of the second is {:.1} ms {how} ({from:.1} .. {to:.1})",
+        "; the {name} of the second is {:.1} ms {how} ({from:.1} .. {to:.1})",
         more.abs()
     ))
 }

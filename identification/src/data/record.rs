@@ -271,6 +271,22 @@ impl<'a> Record<'a> {
         self.units.each_ref().map(String::as_str)
     }
 
+    /// The record with these runs in place of its own, all else as it was.
+    ///
+    /// # Errors
+    /// As of [`Record::new`].
+    pub fn try_with_runs<'r>(&self, runs: Vec<Run<'r>>) -> Result<Record<'r>, Error>
+    where
+        'a: 'r,
+    {
+        Ok(Record {
+            sample_phase_s: self.sample_phase_s,
+            rest: self.rest.clone(),
+            units: self.units.clone(),
+            ..Record::new(self.sample_period_s, runs)?
+        })
+    }
+
     /// States that the output is sampled `seconds` after the instant at which the input of the same
     /// sample takes effect: sample m after an edge is then the servo m Ts + `seconds` after it. The
     /// times and phases of [`Metrics`](crate::results::Metrics) count from the edge.
@@ -331,7 +347,7 @@ impl<'a> Record<'a> {
         self.sample_period_s
     }
 
-    /// The same with other runs.
+    /// The same with other runs, which are known to vary (see [`Record::try_with_runs`]).
     pub(crate) fn with_runs(&self, runs: Vec<Run<'a>>) -> Self {
         Self {
             runs,

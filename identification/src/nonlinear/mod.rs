@@ -6,5 +6,6 @@ mod limits;
 pub use direction::{DirectionModel, Symmetry, split_by_direction};
 pub(crate) use direction::{explains_errors, split_with};
 pub use limits::{
-    Cell, Hysteresis, Limits, RangeEnd, Rate, RateVerdict, Side, SpeedLimits, rests_apart,
+    Cell, Hysteresis, Limits, MissedRest, RangeEnd, Rate, RateVerdict, Side, SpeedLimits,
+    missed_rests, rests_apart,
 };

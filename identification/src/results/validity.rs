@@ -50,6 +50,8 @@ pub enum Reason {
     QuantisationAboveNoise,
     /// The command runs further ahead of the servo than in the recording that the model comes from.
     BeyondRecord,
+    /// Of a sine: the record leaves its response open by more than a turn.
+    SineOpen,
     /// The response goes on beyond the longest time that can be judged, or the settling time that was given.
     ResponseNotOver,
     /// The input does not show whether the response is over after the settling time: it repeats itself too soon.
@@ -132,6 +134,7 @@ impl Reason {
             Self::NeverAtRest => "the servo is hardly ever at rest, so nothing shows what is noise",
             Self::QuantisationAboveNoise => "the steps of the sensor are larger than the noise",
             Self::BeyondRecord => "the command has larger strokes than the recording",
+            Self::SineOpen => "the recording does not determine the response to such a sine",
             Self::ResponseNotOver => "the response is not seen to end within the settling time",
             Self::EndUnseen => "the reference does not show whether the response is over",
             Self::InputFollowsOutput => "the input follows the output, as in a closed loop",

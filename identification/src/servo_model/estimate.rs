@@ -463,6 +463,7 @@ fn describe(
         speed_limits: speed_limits(record, point),
         hysteresis: None,
         rests_apart: None,
+        missed_rests: Vec::new(),
         delay_by_noise: None,
         stops: shown.stops,
         run_offsets: point.run_offsets.clone(),

@@ -1,6 +1,9 @@
 //! A model against recordings that it was not identified from.
 
+pub(super) mod error_by_octave;
+mod larger_error;
 pub(super) mod misfit;
+mod model_on_recording;
 pub(super) mod noise_at_rest;
 pub(super) mod pulses;
 pub(super) mod spikes;

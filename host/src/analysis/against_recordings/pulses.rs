@@ -107,9 +107,7 @@ pub(super) fn at_closest_pulses<'r>(
             "the model can be held against none of the runs, so that no pulses are found: a validation without --frame-ms says why"
         );
     }
-    let held = Record::new(period_s, runs)?
-        .with_sample_phase(record.sample_phase_s())
-        .with_rest(record.rest().to_vec());
+    let held = record.try_with_runs(runs)?;
     let found = StatedPulses {
         frame_s,
         first_pulse_s,

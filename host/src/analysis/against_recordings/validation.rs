@@ -1,20 +1,23 @@
 //! A model against recordings that it was not identified from.
 
-use super::misfit::{Lag, Line, Misfit, Scale};
-use super::pulses::{self, StatedPulses, at_closest_pulses};
-use super::spikes::Spikes;
+use super::error_by_octave::{self, OctaveError, error_by_octave};
+use super::larger_error::{ANOTHER_MOTION, Times, larger_error};
+use super::misfit::Misfit;
+use super::model_on_recording::ModelOnRecording;
+use super::pulses::{self, StatedPulses};
 use crate::analysis::one_servo::load_at_rest;
 use crate::analysis::recording_advice::sample_period::unlikely_period;
+use crate::data::PredictedRun;
 use crate::data::dataset::Dataset;
 use crate::data::fingerprint;
-use crate::data::model_file::{ModelFile, ServoModelDocument};
+use crate::data::model_file::ModelFile;
 use crate::data::model_metadata::{ModelMetadata, UnitsDiffer, unit_meant};
 use crate::data::units::Units;
-use crate::presentation::summary::{self, four_digits, with_unit};
+use crate::presentation::summary::{self, four_digits};
 use anyhow::{Context, Result, anyhow};
 use serde::Serialize;
 use servoid_identification::results::{Advice, Check, Validation};
-use servoid_identification::servo_model::{CommandRange, ServoModel};
+use servoid_identification::servo_model::CommandRange;
 use servoid_identification::{Error, Record, Run};
 
 /// The validation as its document has it, with advice on the files.
@@ -34,6 +37,12 @@ pub struct Validated {
     /// The pulses that commands are taken to wait for, where their frame was stated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pulses: Option<StatedPulses>,
+    /// Motion and errors by octaves of frequency, where runs are of 2 s or more.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub error_by_octave: Vec<OctaveError>,
+    /// What the models predict of each run, with commands at their pulses.
+    #[serde(skip)]
+    pub predicted: Vec<PredictedRun>,
     /// Whether the recording of the model has its commands at their pulses.
     #[serde(skip)]
     model_has_frame: bool,
@@ -56,35 +65,24 @@ impl Validated {
         name: &str,
         frame_ms: Option<f64>,
     ) -> Result<Self> {
-        let recorded_s = data.about.pulse_frame_s;
-        let frame_s = frame_ms.map(|frame_ms| pulses::frame_s(frame_ms, recorded_s));
-        let frame_s = frame_s.transpose()?;
         let servo = file.servo_model()?;
-        let servo = servo.as_ref();
         let metadata = ModelMetadata::from(&data.about);
         let same_units = file.metadata.same_units(model, &metadata, name);
         same_units.map_err(|error| match is_of_pulses(file, data) {
             true => pulses_by_name(&error),
             false => error.into(),
         })?;
-        let own_of_servo = servo.map(|servo| servo.model.fit.simulation_percent);
-        let of_load = servo.and_then(|servo| load_at_rest::remedy(&servo.model, metadata.units()));
-        let is_linear = file.model.linear && servo.is_none_or(|servo| servo.model.is_linear());
-        let controllers = servo.map(|servo| data.controllers.among(&servo.controller_names));
-        let servo = servo.zip(controllers.transpose()?);
-        let held =
-            frame_s.map(|frame_s| held_at_pulses(file, servo.as_ref(), &data.record, frame_s));
-        let (held, pulses) = held.transpose()?.unzip();
-        let record = held.as_ref().unwrap_or(&data.record);
-        let (runs, period_s) = (record.runs(), record.sample_period_s());
-        let validation = file.model.validate(record);
+        let recorded_s = data.about.pulse_frame_s;
+        let frame_s = frame_ms.map(|frame_ms| pulses::frame_s(frame_ms, recorded_s));
+        let held = ModelOnRecording::of(file, servo.as_ref(), data)?;
+        let held = match frame_s.transpose()? {
+            Some(frame_s) => held.at_pulses(frame_s)?,
+            None => held,
+        };
         // What follows from a wrong time is no finding on the model.
-        let doubtful = unlikely_period(period_s);
-        let servo_model = servo
-            .as_ref()
-            .map(|(servo, controllers)| servo.model.validate(record, controllers));
-        let servo_model = servo_model.transpose()?;
-        let (validation, only_servo) = match validation.map_err(of_its_own_period) {
+        let doubtful = unlikely_period(data.record.sample_period_s());
+        let servo_model = held.of_servo()?;
+        let (validation, only_servo) = match held.of_linear().map_err(of_its_own_period) {
             Ok(found) => (Some(found), None),
             Err(error) if servo_model.is_some() => (None, Some(only_servo_model(&error))),
             Err(error) => {
@@ -95,126 +93,107 @@ impl Validated {
                 };
             }
         };
-        let commands = servo.as_ref().and_then(|(servo, _)| servo.model.commands);
-        let found = validation.iter().chain(&servo_model);
-        let best = found.map(|found| found.fit_percent);
-        let predicts_nothing = (best.fold(f64::NEG_INFINITY, f64::max) < 0.0).then(|| {
-            let of_model = (file.metadata.units(), commands);
-            predicts_nothing(
-                of_model,
-                (metadata.units(), range_of_commands(&data.record)),
-            )
-        });
+        let of_models = match doubtful {
+            Some(doubt) => vec![doubt],
+            None => {
+                let on_models = on_models(file, data, &held, [&validation, &servo_model]);
+                on_models.into_iter().chain(only_servo).collect()
+            }
+        };
         let own = fingerprint::of(&data.record);
         let own = fingerprint::advice_on_validation(&file.fingerprints, &own);
-        let unit = metadata.units().output.unwrap_or_default();
-        let times = Times {
-            open_s: file.metadata.sensor_delay_uncertainty_s
-                + data.about.sensor_delay_uncertainty_s,
-            polled: data.about.polled,
-            frame_is_stated: frame_s.is_some(),
-        };
-        let of_linear = validation.as_ref().and_then(|found| {
-            let misfit = || {
-                let simulated: Vec<_> = runs.iter().map(|run| file.model.simulate(run)).collect();
-                let misfit = Misfit::of(runs, &|_| simulated.clone(), period_s);
-                Misfit {
-                    // What is slower in larger strokes is later there, and no delay.
-                    lag: misfit.lag.filter(|_| is_linear),
-                    ..misfit
-                }
-            };
-            larger_error(
-                "linear",
-                [found.rmse, file.model.fit.rmse],
-                misfit,
-                (unit, times),
-            )
-        });
-        let of_servo = servo.as_ref().zip(servo_model.as_ref());
-        let of_servo = of_servo.and_then(|((servo, controllers), found)| {
-            let misfit = || of_servo_model(&servo.model, record, controllers);
-            larger_error(
-                "servo",
-                [found.rmse, servo.model.fit.rmse],
-                misfit,
-                (unit, times),
-            )
-        });
-        // Of a recording that may be in other units, nobody should hear that its motion is another one.
-        let is_a_cause =
-            |found: &Advice| predicts_nothing.is_none() || !found.remedy.ends_with(ANOTHER_MOTION);
-        let of_models = of_linear.into_iter().chain(of_servo).filter(is_a_cause);
-        let of_models: Vec<Advice> = match doubtful {
-            Some(doubt) => vec![doubt],
-            None => (predicts_nothing.clone().into_iter())
-                .chain(of_models)
-                .chain(only_servo)
-                .collect(),
-        };
-        let own = own.into_iter().chain(of_models);
+        let of_load = held.servo.as_ref();
+        let of_load = of_load.and_then(|servo| load_at_rest::remedy(servo.model, metadata.units()));
         let mut of_files = data.about.advice.clone();
         if let Some((by_load, remedy)) = of_load {
             Advice::name_load(&mut of_files, Some(by_load), &remedy);
         }
+        let predicted = held.predictions(validation.is_some());
         Ok(Self {
             validation,
             servo_model,
             own_fit_percent: file.model.fit.simulation_percent,
-            servo_model_own_fit_percent: own_of_servo,
-            pulses,
+            servo_model_own_fit_percent: (held.servo.as_ref())
+                .map(|servo| servo.model.fit.simulation_percent),
+            error_by_octave: error_by_octave(&predicted),
+            pulses: held.pulses,
             model_has_frame: file.metadata.pulse_frame_s.is_some(),
-            advice: own.chain(of_files).collect(),
+            predicted,
+            advice: own.into_iter().chain(of_models).chain(of_files).collect(),
         })
     }
 
     /// As 'servoid validate' prints it; the position is in `unit`.
     #[must_use]
     pub fn as_text(&self, unit: Option<&str>) -> String {
-        let text = summary::of_validation(
-            self.validation.as_ref(),
-            self.servo_model.as_ref(),
-            (self.own_fit_percent, self.servo_model_own_fit_percent),
-            unit,
-            &self.advice,
-        );
-        let pulses = self.pulses.as_ref();
-        let pulses = pulses.map(|found| found.in_words(unit, self.model_has_frame));
-        match pulses {
-            Some(sentence) => format!("{}\n\n{text}", summary::wrapped(&sentence, 0)),
-            None => text,
-        }
+        let pulses = self.pulses.as_ref().map(|found| {
+            let sentence = found.in_words(unit, self.model_has_frame);
+            format!("{}\n\n", summary::wrapped(&sentence, 0))
+        });
+        let own_fits = (self.own_fit_percent, self.servo_model_own_fit_percent);
+        let models = (self.validation.as_ref(), self.servo_model.as_ref());
+        let fits = summary::of_validation(models.0, models.1, own_fits, unit);
+        let octaves = match self.error_by_octave.as_slice() {
+            [] => String::new(),
+            octaves => format!("\n{}", error_by_octave::as_table(octaves, unit)),
+        };
+        let findings = summary::findings(&self.advice);
+        format!("{}{fits}{octaves}{findings}", pulses.unwrap_or_default())
     }
 }
 
-/// The record with its commands at pulses every `frame_s`, where the servo model, or the linear one of a file without one, is closest.
-fn held_at_pulses<'r>(
+/// What the errors of the models say.
+fn on_models(
     file: &ModelFile,
-    servo: Option<&(&ServoModelDocument, Vec<usize>)>,
-    record: &Record<'r>,
-    frame_s: f64,
-) -> Result<(Record<'r>, StatedPulses)> {
-    let (period_s, phase_s) = (record.sample_period_s(), record.sample_phase_s());
-    let error = |run: Run<'r>, number: usize| {
-        let record = Record::new(period_s, vec![run])
-            .ok()?
-            .with_sample_phase(phase_s);
-        let found = match servo {
-            Some((servo, controllers)) => {
-                let controller = controllers.get(number..=number).unwrap_or_default();
-                servo.model.validate(&record, controller)
-            }
-            None => file.model.validate(&record),
-        };
-        found.ok().map(|found| found.rmse)
+    data: &Dataset,
+    held: &ModelOnRecording,
+    [of_linear, of_servo]: [&Option<Validation>; 2],
+) -> Vec<Advice> {
+    let metadata = ModelMetadata::from(&data.about);
+    let servo = held.servo.as_ref();
+    let found = of_linear.iter().chain(of_servo);
+    let best = found.map(|found| found.fit_percent);
+    let predicts_nothing = (best.fold(f64::NEG_INFINITY, f64::max) < 0.0).then(|| {
+        let commands = servo.and_then(|servo| servo.model.commands);
+        predicts_nothing(
+            (file.metadata.units(), commands),
+            (metadata.units(), range_of_commands(&data.record)),
+        )
+    });
+    let unit = metadata.units().output.unwrap_or_default();
+    let times = Times {
+        open_s: file.metadata.sensor_delay_uncertainty_s + data.about.sensor_delay_uncertainty_s,
+        polled: data.about.polled,
+        frame_is_stated: held.pulses.is_some(),
     };
-    at_closest_pulses(record, frame_s, &error)
-}
-
-/// What a recording has that the servo model has not.
-fn of_servo_model(model: &ServoModel, record: &Record, controllers: &[usize]) -> Misfit {
-    let simulate = |line: Line| model.simulate(&line.undone(record), controllers);
-    Misfit::of(record.runs(), &simulate, record.sample_period_s())
+    let is_linear = file.model.linear && servo.is_none_or(|servo| servo.model.is_linear());
+    let of_linear = of_linear.as_ref().and_then(|found| {
+        let misfit = || {
+            let misfit = held.misfit_of_linear();
+            Misfit {
+                // What is slower in larger strokes is later there, and no delay.
+                lag: misfit.lag.filter(|_| is_linear),
+                ..misfit
+            }
+        };
+        let errors = [found.rmse, file.model.fit.rmse];
+        larger_error("linear", errors, misfit, (unit, times))
+    });
+    let of_servo = servo.zip(of_servo.as_ref()).and_then(|(servo, found)| {
+        let errors = [found.rmse, servo.model.fit.rmse];
+        larger_error(
+            "servo",
+            errors,
+            || held.misfit_of_servo(servo),
+            (unit, times),
+        )
+    });
+    // Of a recording that may be in other units, nobody should hear that its motion is another one.
+    let is_a_cause =
+        |found: &Advice| predicts_nothing.is_none() || !found.remedy.ends_with(ANOTHER_MOTION);
+    let causes = of_linear.into_iter().chain(of_servo).filter(is_a_cause);
+    let causes: Vec<Advice> = causes.collect();
+    predicts_nothing.into_iter().chain(causes).collect()
 }
 
 /// The least and the largest command of a record.
@@ -261,231 +240,6 @@ fn predicts_nothing(
     )
 }
 
-/// How the times of a model and of a recording are known to each other.
-#[derive(Clone, Copy)]
-struct Times {
-    /// Within this (s).
-    open_s: f64,
-    /// Whether the recording is read as one whose commands were polled.
-    polled: bool,
-    /// Whether commands are taken to wait for pulses.
-    frame_is_stated: bool,
-}
-
-/// A model whose error is so many times that of its own recording misses what it knew there: noise alone changes far less from one
-/// recording of a sensor to the next.
-const LARGER_ERROR: f64 = 2.0;
-
-/// An offset, a scale or a shift in time is the cause where it leaves less than this share of the error, and hardly more than the model has on
-/// its own recording: a servo that is slower in larger strokes is later, too, and a shift leaves the rest of that.
-const OF_A_CAUSE: f64 = 0.5;
-
-/// That a model does not hold for a recording, with an error of `rmse`, as it did for its own. `misfit` is asked for only then. The times of model and
-/// recording are `known` to each other.
-fn larger_error(
-    kind: &str,
-    [rmse, own_rmse]: [f64; 2],
-    misfit: impl FnOnce() -> Misfit,
-    (unit, known): (&str, Times),
-) -> Option<Advice> {
-    let times = rmse / own_rmse;
-    (times > LARGER_ERROR).then(|| {
-        let in_unit = |error: f64| with_unit(four_digits(error), unit);
-        Advice::new(
-            Check::Prediction,
-            format!(
-                "The {kind} model does not hold here as it does for its own recording: its error is {} rms, {times:.1} times the {} there.",
-                in_unit(rmse),
-                in_unit(own_rmse)
-            ),
-            times,
-            LARGER_ERROR,
-            cause([rmse, own_rmse], &misfit(), known, in_unit),
-        )
-    })
-}
-
-/// What the error is, the simplest first, and what to do.
-fn cause(
-    [rmse, own_rmse]: [f64; 2],
-    misfit: &Misfit,
-    Times {
-        open_s,
-        polled,
-        frame_is_stated,
-    }: Times,
-    in_unit: impl Fn(f64) -> String,
-) -> String {
-    // Spikes spoil every figure below, be they ever so few.
-    let is_of_spikes = |spikes: &&Spikes| spikes.left < OF_A_CAUSE * rmse;
-    if let Some(spikes) = misfit.spikes.as_ref().filter(is_of_spikes) {
-        return of_spikes(spikes, in_unit);
-    }
-    let is_all = |left: f64| left < LARGER_ERROR * own_rmse;
-    let is_most = |left: f64| is_all(left) && left < OF_A_CAUSE * misfit.left_of_offset;
-    if is_all(misfit.left_of_offset) && misfit.left_of_offset < rmse {
-        return format!(
-            "It is an offset of {}, without which the error is {}: the zero of the sensor has moved, or that of the command, or a load.",
-            in_unit(misfit.offset),
-            in_unit(misfit.left_of_offset)
-        );
-    }
-    let scale = misfit.scale.as_ref();
-    let turned =
-        |scale: &Scale| scale.factor < 0.0 && scale.left < OF_A_CAUSE * misfit.left_of_offset;
-    if scale.is_some_and(turned) {
-        return "This recording turns the other way: look at the sign of command and position, and at the direction that a transmitter or \
-             controller is set to."
-            .to_owned();
-    }
-    let both = |scale: &&Scale| {
-        is_all(scale.left) && scale.left < OF_A_CAUSE * rmse && !is_all(scale.left_of_scale_alone)
-    };
-    if let Some(scale) = scale.filter(both) {
-        return format!(
-            "It is gain and offset together: this recording is {:.3} times the model and {}, which leaves an error of {}. If the servo is the same, \
-             look at the calibration of the sensor, its scale and its zero, and at travel and centre that a transmitter or controller is set to.",
-            scale.factor,
-            in_unit(scale.offset),
-            in_unit(scale.left)
-        );
-    }
-    if let Some(scale) = scale.filter(|scale| is_most(scale.left)) {
-        return format!(
-            "It is the gain: this recording moves {:.3} times as far as the model, and scaled by that it leaves an error of {}. If the servo is \
-             the same, look at the units of both columns, at the calibration of the sensor, at the travel that a transmitter or controller is set to, and for a load that grows with the angle.",
-            scale.factor,
-            in_unit(scale.left)
-        );
-    }
-    match misfit.lag.as_ref().filter(|lag| is_most(lag.left)) {
-        Some(lag) if lag.seconds.abs() <= open_s => format!(
-            "It is a delay of {:.1} ms, and shifted by that{} this recording leaves an error of {}. The files leave up to {:.1} ms open, as in how a command \
-             that moves on with every row was sent: the model is not shown to be wrong.",
-            1e3 * lag.seconds.abs(),
-            without_offset(lag, &in_unit),
-            in_unit(lag.left),
-            1e3 * open_s
-        ),
-        Some(lag) => {
-            let (here, model) = match lag.seconds > 0.0 {
-                true => ("later", "early"),
-                false => ("earlier", "late"),
-            };
-            format!(
-                "It is a delay: this recording is {:.1} ms {here} than the model, and shifted by that{} it leaves an error of {}. Where servo, command and \
-                 logger are the same, it is the model that is {model} in motion of this kind: identify from this recording, or from both together. Else look at \
-                 how the command is written (at the moment at which it is sent, by the clock of the position), at the logger, and for pulses on a clock of their own, for which commands wait{}.",
-                1e3 * lag.seconds.abs(),
-                without_offset(lag, &in_unit),
-                in_unit(lag.left),
-                state_a_frame(frame_is_stated)
-            )
-        }
-        None => noise(misfit, is_most, &in_unit).unwrap_or_else(|| {
-            let lag = misfit.lag.as_ref();
-            let in_part = lag.filter(|lag| lag.left < OF_A_CAUSE * misfit.left_of_offset);
-            match in_part {
-                Some(lag) => {
-                    let delay = in_part_a_delay(lag, frame_is_stated, in_unit);
-                    format!("{delay} {ANOTHER_MOTION}")
-                }
-                None if misfit.left_of_offset < OF_A_CAUSE * rmse => format!(
-                    "Much of it is an offset of {}, without which the error is {}: the zero of the sensor has moved, or that of the command, or a load. {ANOTHER_MOTION}",
-                    in_unit(misfit.offset),
-                    in_unit(misfit.left_of_offset)
-                ),
-                None if open_s > 0.0 && !polled && !frame_is_stated => {
-                    format!("{BETWEEN_ROWS} {ANOTHER_MOTION}")
-                }
-                None => ANOTHER_MOTION.to_owned(),
-            }
-        }),
-    }
-}
-
-/// That a shift leaves less than half of the error, and what does that.
-fn in_part_a_delay(lag: &Lag, frame_is_stated: bool, in_unit: impl Fn(f64) -> String) -> String {
-    let here = if lag.seconds > 0.0 {
-        "later"
-    } else {
-        "earlier"
-    };
-    format!(
-        "Much of it is a delay: taken {:.1} ms {here} than the model{}, this recording leaves an error of {}. Pulses on a clock of their own, for which commands wait{}, do that, \
-         a logger that polls the command, and a servo that is slower in this motion.",
-        1e3 * lag.seconds.abs(),
-        without_offset(lag, &in_unit),
-        in_unit(lag.left),
-        state_a_frame(frame_is_stated)
-    )
-}
-
-/// The offset that is taken out beside a shift, where it is more than a part of what is left.
-fn without_offset(lag: &Lag, in_unit: impl Fn(f64) -> String) -> String {
-    match lag.offset.abs() > OF_A_CAUSE * lag.left {
-        true => format!(", without an offset of {}", in_unit(lag.offset)),
-        false => String::new(),
-    }
-}
-
-/// How to try whether commands waited for pulses.
-fn state_a_frame(is_stated: bool) -> &'static str {
-    match is_stated {
-        true => "",
-        false => " (--frame-ms states how often they come)",
-    }
-}
-
-/// That the error is that of single rows.
-fn of_spikes(spikes: &Spikes, in_unit: impl Fn(f64) -> String) -> String {
-    let rows = match spikes.count {
-        1 => "one row that stands".to_owned(),
-        count => format!("{count} rows that stand"),
-    };
-    format!(
-        "It is {rows} apart from what is before and behind, as spikes of a sensor or of its line do (the first at {:.3} s of its run): without that the \
-         error is {}. Identification weights such rows down; leave their cells empty to validate without them.",
-        spikes.first_s,
-        in_unit(spikes.left)
-    )
-}
-
-/// Said before it where times are open.
-const BETWEEN_ROWS: &str = "Where the servo followed the command between the rows, and was not held at each, say --polled first: a fast motion is another one then.";
-
-/// Said where nothing simpler is the cause.
-const ANOTHER_MOTION: &str = "Where servo and noise are the same, the motion is not: identify from recordings of both kinds of motion together, all with rows of one period (strokes as \
-    large, as small and as quick as these), and take the servo model where the servo is not linear. Where the servo may be another, as under a load or another \
-    supply, identify this recording by itself and compare the two.";
-
-/// That the error is noise, where what the recording scatters by at rest is most of it.
-fn noise(
-    misfit: &Misfit,
-    is_most: impl Fn(f64) -> bool,
-    in_unit: impl Fn(f64) -> String,
-) -> Option<String> {
-    let noise = misfit.noise?;
-    let left = (misfit.left_of_offset.powi(2) - noise.powi(2))
-        .max(0.0)
-        .sqrt();
-    let of_offset = match misfit.offset.abs() > left.max(OF_A_CAUSE * noise) {
-        true => format!("an offset of {} and ", in_unit(misfit.offset)),
-        false => String::new(),
-    };
-    let rest = match left > 0.0 {
-        true => format!("without that the error is {}", in_unit(left)),
-        false => "that is all of the error".to_owned(),
-    };
-    is_most(left).then(|| {
-        format!(
-            "It is {of_offset}noise: at rest this recording scatters by {} rms, and {rest}. The response of the model is not shown to be wrong: look for \
-             what shakes the servo or disturbs the sensor, or validate with a recording that has less noise.",
-            in_unit(noise),
-        )
-    })
-}
-
 /// Why the servo model alone is validated: it is continuous in time and begins with the first samples.
 fn only_servo_model(error: &anyhow::Error) -> Advice {
     Advice::new(
@@ -522,180 +276,5 @@ fn of_its_own_period(error: Error) -> anyhow::Error {
             1e3 * expected
         ),
         other => other.into(),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    use super::super::misfit::Lag;
-
-    fn misfit() -> Misfit {
-        Misfit {
-            offset: 0.0,
-            left_of_offset: 0.8,
-            scale: None,
-            lag: None,
-            noise: None,
-            spikes: None,
-        }
-    }
-
-    fn remedy(misfit: Misfit) -> String {
-        remedy_within(misfit, 0.0)
-    }
-
-    /// The same where the times of model and recording are known to each other within `open_s`.
-    fn remedy_within(misfit: Misfit, open_s: f64) -> String {
-        let known = Times {
-            open_s,
-            polled: false,
-            frame_is_stated: false,
-        };
-        larger_error("linear", [0.8, 0.05], || misfit, ("deg", known))
-            .unwrap()
-            .remedy
-    }
-
-    #[test]
-    fn a_delay_is_named_where_it_is_most_of_the_error() {
-        let shifted = |left: f64, offset: f64| {
-            let lag = Lag {
-                seconds: -0.02,
-                left,
-                offset,
-            };
-            remedy(Misfit {
-                lag: Some(lag),
-                ..misfit()
-            })
-        };
-        let delayed = |left: f64| shifted(left, 0.0);
-        let delay = delayed(0.06);
-        assert!(
-            delay.starts_with(
-                "It is a delay: this recording is 20.0 ms earlier than the model, and shifted by that it leaves an error of 0.06000 deg."
-            ),
-            "{delay}"
-        );
-        let lag = Some(Lag {
-            seconds: 0.0099,
-            left: 0.06,
-            offset: 0.0,
-        });
-        let open = remedy_within(Misfit { lag, ..misfit() }, 0.012);
-        assert!(open.contains("leave up to 12.0 ms open"), "{open}");
-        let another = remedy_within(misfit(), 0.012);
-        assert!(another.contains("say --polled first") && another.ends_with(ANOTHER_MOTION));
-        let polled = Times {
-            open_s: 0.012,
-            polled: true,
-            frame_is_stated: false,
-        };
-        let found = larger_error("linear", [0.8, 0.05], misfit, ("deg", polled)).unwrap();
-        assert_eq!(found.remedy, ANOTHER_MOTION);
-        // A shift that leaves six times the error of the model's own recording is not all, and half of this one is no more than a slower servo has.
-        let in_part = delayed(0.3);
-        assert!(
-            in_part.starts_with("Much of it is a delay: taken 20.0 ms earlier than the model")
-                && in_part.ends_with(ANOTHER_MOTION),
-            "{in_part}"
-        );
-        let beside = shifted(0.3, -0.4);
-        assert!(
-            beside.contains(
-                "than the model, without an offset of -0.4000 deg, this recording leaves"
-            ),
-            "{beside}"
-        );
-        let motion = delayed(0.6);
-        assert!(motion.starts_with("Where servo and noise"), "{motion}");
-    }
-
-    #[test]
-    fn an_offset_a_gain_and_the_other_direction_are_named() {
-        let offset = remedy(Misfit {
-            offset: 0.79,
-            left_of_offset: 0.06,
-            // A shift leaves no less where there is no shift.
-            lag: Some(Lag {
-                seconds: 0.0,
-                left: 0.06,
-                offset: 0.0,
-            }),
-            ..misfit()
-        });
-        assert!(
-            offset.starts_with("It is an offset of 0.7900 deg"),
-            "{offset}"
-        );
-        let in_part = remedy(Misfit {
-            offset: 0.77,
-            left_of_offset: 0.2,
-            ..misfit()
-        });
-        assert!(
-            in_part.starts_with("Much of it is an offset of 0.7700 deg"),
-            "{in_part}"
-        );
-        let scaled = |factor: f64| {
-            let left = 0.06;
-            remedy(Misfit {
-                scale: Some(Scale {
-                    factor,
-                    offset: 0.0,
-                    left,
-                    left_of_scale_alone: left,
-                }),
-                ..misfit()
-            })
-        };
-        assert!(scaled(0.9).starts_with("It is the gain: this recording moves 0.900 times"));
-        assert!(scaled(-1.0).starts_with("This recording turns the other way"));
-    }
-
-    #[test]
-    fn gain_and_offset_that_differ_together_are_named_together() {
-        let both = remedy(Misfit {
-            scale: Some(Scale {
-                factor: 0.9,
-                offset: -1.5,
-                left: 0.06,
-                left_of_scale_alone: 0.7,
-            }),
-            ..misfit()
-        });
-        assert!(
-            both.starts_with(
-                "It is gain and offset together: this recording is 0.900 times the model and -1.500 deg,"
-            ),
-            "{both}"
-        );
-    }
-
-    #[test]
-    fn noise_is_named_where_it_is_most_of_the_error() {
-        let noisy = |noise: f64| {
-            let noise = Some(noise);
-            remedy(Misfit { noise, ..misfit() })
-        };
-        // sqrt(0.8² - 0.797²) = 0.069 is less than twice the error of the model's own recording, and sqrt(0.8² - 0.7²) is not.
-        let named = noisy(0.797);
-        assert!(
-            named.starts_with("It is noise: at rest this recording scatters by 0.7970 deg rms"),
-            "{named}"
-        );
-        assert!(noisy(0.7).starts_with("Where servo and noise"));
-        let moved = remedy(Misfit {
-            offset: 2.0,
-            noise: Some(0.81),
-            ..misfit()
-        });
-        assert!(
-            moved.starts_with("It is an offset of 2.000 deg and noise")
-                && moved.contains("that is all of the error"),
-            "{moved}"
-        );
     }
 }

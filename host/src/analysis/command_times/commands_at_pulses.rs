@@ -35,13 +35,8 @@ pub(crate) fn is_linear_at_pulses(
     options: &Options,
 ) -> bool {
     let moved: Option<Vec<Run>> = runs.iter().map(|run| run.at_pulses(record)).collect();
-    let moved = moved.and_then(|runs| Record::new(record.sample_period_s(), runs).ok());
-    let found = moved.and_then(|moved| {
-        let moved = moved
-            .with_sample_phase(record.sample_phase_s())
-            .with_rest(record.rest().to_vec());
-        identify_explained(&moved, options).ok()
-    });
+    let moved = moved.and_then(|runs| record.try_with_runs(runs).ok());
+    let found = moved.and_then(|moved| identify_explained(&moved, options).ok());
     found.is_some_and(|Identification { explanation, .. }| {
         let linearity = explanation.linearity;
         explanation.model_errors.is_none()

@@ -7,12 +7,12 @@ use crate::data::model_file::ServoModelDocument;
 use crate::presentation::summary::sixty_degrees;
 use servoid_identification::comparison::{Comparison, Verdict};
 use servoid_identification::diagnostics::TakenOut;
-use servoid_identification::nonlinear::Hysteresis;
+use servoid_identification::nonlinear::{Hysteresis, missed_rests};
 use servoid_identification::results::{Model, Precedence, Reason, Validation};
 use servoid_identification::servo_model::{
     self, ServoModel, ServoModelOptions, Watch, no_prediction,
 };
-use servoid_identification::{Identification, Options, Record, Run, identify};
+use servoid_identification::{Identification, Options, Run, identify};
 
 /// Whether a servo model is looked for: on request, and where the servo is not linear or the result has no bounds, which leaves its
 /// user with little. Where the input follows the output the motion is that of a loop, and where the output leads times count from nothing:
@@ -153,7 +153,10 @@ fn fit(
     let model = model.map_err(|error| error.to_string())?;
     let model = model.with_delay_error(data.about.sensor_delay_uncertainty_s);
     let (hysteresis, apart) = Hysteresis::with_rests_apart(&data.record, linear.model(), level);
+    let simulated = model.simulate(&data.record, &options.controllers);
+    let most_apart = apart.and_then(|apart| apart.value).unwrap_or_default();
     let model = ServoModel {
+        missed_rests: missed_rests(&data.record, &simulated, linear.model(), most_apart),
         hysteresis: (hysteresis.found == Some(true)).then_some(hysteresis.size),
         rests_apart: apart.filter(|_| options.against.is_none_or(Reason::leaves_rests)),
         ..model
@@ -187,8 +190,7 @@ fn predict(held_out: &HeldOut, options: &Options, search: &dyn Watch) -> Option<
     let of_record = Linear::OfRecord(&linear);
     let servo = fit(&held_out.rest, of_record, options.level, search).ok()?;
     let record = &held_out.rest.record;
-    let whole = Record::new(record.sample_period_s(), vec![held_out.run.clone()]).ok()?;
-    let whole = whole.with_sample_phase(record.sample_phase_s());
+    let whole = record.try_with_runs(vec![held_out.run.clone()]).ok()?;
     let names = &servo.controller_names;
     let controller = held_out
         .controller

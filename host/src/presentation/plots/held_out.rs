@@ -1,7 +1,7 @@
 //! A stretch that the models have not seen: measurement, linear model and servo model, with the residuals below.
 
-use super::figure::{Figure, Ink, with_unit};
-use super::signals::{over_time, signal};
+use super::figure::{Figure, Ink};
+use super::signals::against_measurement;
 use crate::data::HeldOutPrediction;
 
 /// The sentence below the figure.
@@ -16,27 +16,14 @@ pub fn held_out_caption(found: &HeldOutPrediction) -> String {
 /// Measurement and predictions, and the residuals below; `unit` is that of the output.
 #[must_use]
 pub fn held_out(name: &str, title: &str, found: &HeldOutPrediction, unit: Option<&str>) -> Figure {
-    let drawn = |name: &str, ink: Ink, values: &[f64]| signal(name, ink, found.period_s, values);
+    let named = |name: &str, fit: f64| format!("{name}, fit {fit:.1} %");
     let [linear_fit, servo_fit] = found.fits_percent;
+    let linear = named("linear model", linear_fit);
+    let servo = named("servo model", servo_fit);
     let models = [
-        ("linear model", linear_fit, Ink::Model, &found.by_linear),
-        ("servo model", servo_fit, Ink::SecondModel, &found.by_servo),
+        (linear.as_str(), Ink::Model, found.by_linear.as_slice()),
+        (servo.as_str(), Ink::SecondModel, found.by_servo.as_slice()),
     ];
-    let mut above = vec![drawn("measured", Ink::Measured, &found.measured)];
-    let mut below = Vec::new();
-    for (name, fit, ink, predicted) in models {
-        above.push(drawn(&format!("{name}, fit {fit:.1} %"), ink, predicted));
-        let residual: Vec<f64> = found
-            .measured
-            .iter()
-            .zip(predicted)
-            .map(|(y, predicted)| y - predicted)
-            .collect();
-        below.push(drawn(name, ink, &residual));
-    }
-    let panels = vec![
-        over_time(with_unit("position", unit), above),
-        over_time(with_unit("measured - model", unit), below),
-    ];
+    let panels = against_measurement((found.period_s, &found.measured), &models, unit);
     Figure::new(name, title, panels)
 }

@@ -28,7 +28,7 @@ pub use paper_figures::{PaperFigure, PaperFigureKind, Subject, identification, p
 pub use residuals::residuals;
 pub use response::{bode, servo_frequency, shown_frequencies, step_response};
 pub use run_scatter::run_scatter;
-pub use signals::{input_output, validation};
+pub use signals::{input_output, predicted, validation};
 pub use strokes::NamedServo;
 pub use structure::structure;
 pub use svg::draw;

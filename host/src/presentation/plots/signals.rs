@@ -1,6 +1,7 @@
 //! Signals over time: command, measurement and simulation.
 
 use super::figure::{Curve, Figure, INKS, Ink, Legend, Named, Panel, with_unit};
+use crate::data::PredictedRun;
 use crate::data::units::Units;
 use servoid_identification::{Record, Run};
 
@@ -79,6 +80,29 @@ fn share_a_scale(run: &Run, units: Units<'_>) -> bool {
     !differ && high - low >= FLAT * both && top - bottom >= FLAT * both
 }
 
+/// A curve of a model: its name, colour and output.
+pub(super) type ModelCurve<'a> = (&'a str, Ink, &'a [f64]);
+
+/// What was measured and what models predict, with the residuals below.
+pub(super) fn against_measurement(
+    (period_s, measured): (f64, &[f64]),
+    models: &[ModelCurve<'_>],
+    unit: Option<&str>,
+) -> Vec<Panel> {
+    let mut above = vec![signal("measured", Ink::Measured, period_s, measured)];
+    let mut below = Vec::new();
+    for (name, ink, predicted) in models {
+        let residual = measured.iter().zip(*predicted).map(|(y, by)| y - by);
+        let residual: Vec<f64> = residual.collect();
+        above.push(signal(name, *ink, period_s, predicted));
+        below.push(signal(name, *ink, period_s, &residual));
+    }
+    vec![
+        over_time(with_unit("position", unit), above),
+        over_time(with_unit("measured - model", unit), below),
+    ]
+}
+
 /// Figs 7, 9 and 12: models against a measurement, with the residual below.
 #[must_use]
 pub fn validation(
@@ -91,19 +115,24 @@ pub fn validation(
     let Some(first) = models.first() else {
         return Figure::new(name, title, Vec::new());
     };
-    let (period, measured) = (first.model.sample_period_s, run.output());
-    let mut above = vec![signal("measured", Ink::Measured, period, measured)];
-    let mut below = Vec::new();
-    for (Named { name, model }, ink) in models.iter().zip(INKS) {
-        let simulated = model.simulate(run);
-        let residual = measured.iter().zip(&simulated).map(|(y, s)| y - s);
-        let residual: Vec<f64> = residual.collect();
-        above.push(signal(name, ink, period, &simulated));
-        below.push(signal(name, ink, period, &residual));
-    }
-    let panels = vec![
-        over_time(with_unit("position", unit), above),
-        over_time(with_unit("measured - model", unit), below),
-    ];
-    Figure::new(name, title, panels)
+    let simulated: Vec<Vec<f64>> = models
+        .iter()
+        .map(|named| named.model.simulate(run))
+        .collect();
+    let curves = models.iter().zip(INKS).zip(&simulated);
+    let curves: Vec<ModelCurve> = curves
+        .map(|((named, ink), simulated)| (named.name, ink, simulated.as_slice()))
+        .collect();
+    let measured = (first.model.sample_period_s, run.output());
+    Figure::new(name, title, against_measurement(measured, &curves, unit))
+}
+
+/// What the models of a file predict of a run, against what was measured, with the residuals below.
+#[must_use]
+pub fn predicted(name: &str, title: &str, run: &PredictedRun, unit: Option<&str>) -> Figure {
+    let linear = (run.by_linear.as_deref()).map(|by| ("linear model", Ink::Model, by));
+    let servo = (run.by_servo.as_deref()).map(|by| ("servo model", Ink::SecondModel, by));
+    let curves: Vec<ModelCurve> = linear.into_iter().chain(servo).collect();
+    let measured = (run.period_s, run.measured.as_slice());
+    Figure::new(name, title, against_measurement(measured, &curves, unit))
 }

@@ -1,8 +1,7 @@
 //! How well a model predicts another recording.
 
-use super::wording::layout::findings;
 use super::wording::numbers::{decimals, number_with_unit};
-use servoid_identification::results::{Advice, Validation};
+use servoid_identification::results::Validation;
 
 /// How well a model predicted a recording that it was not identified from; `own_fits` are the fits of the linear and the servo model to
 /// the recording that they come from \[%\], which identification prints.
@@ -12,7 +11,6 @@ pub fn of_validation(
     servo_model: Option<&Validation>,
     own_fits: (f64, Option<f64>),
     unit: Option<&str>,
-    advice: &[Advice],
 ) -> String {
     let (own, own_of_servo) = own_fits;
     let line = |found| validation_line(found, unit);
@@ -31,10 +29,7 @@ pub fn of_validation(
             servo.into_iter().chain(linear).collect()
         }
     };
-    format!(
-        "{text}the fit of the recording that the model comes from is {own}\n{}",
-        findings(advice)
-    )
+    format!("{text}the fit of the recording that the model comes from is {own}\n")
 }
 
 fn validation_line(validation: &Validation, unit: Option<&str>) -> String {

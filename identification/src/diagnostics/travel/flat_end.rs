@@ -7,14 +7,14 @@
 
 use std::ops::Range;
 
-use statrs::distribution::{ContinuousCDF, StudentsT};
+use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
 
 use super::split_squares::{Rest, SplitSquares};
 use crate::data::column::span;
 use crate::data::{EXACTLY, Hold, Record, Run, holds, last_quarter, mean_output, sensor_step};
 use crate::diagnostics::runs::common_offset::common_offset;
 use crate::numerics::{dot, median, square_about_mean};
-use crate::thresholds::{SHORT_LEVEL_SIGNIFICANCE, STOP_GAIN, STOP_SHORT};
+use crate::thresholds::{RESIDUAL_SIGNIFICANCE, SHORT_LEVEL_SIGNIFICANCE, STOP_GAIN, STOP_SHORT};
 
 /// Commands that show a line and its end at least: those of the line, and those of an end that rest at one angle with another. With fewer, a
 /// bend is a stop. A run of fewer rests does not show its own offset: it is left out beside runs that do.
@@ -368,21 +368,41 @@ impl Split {
         if spread > 0.0 { product / spread } else { 0.0 }
     }
 
-    /// The end of one side, at the [common offset](common_offset) of the runs that show theirs.
+    /// What the offset of each run is above the [common one](common_offset) where they differ beyond chance, else 0: what friction makes of the mean of a few rests
+    /// is no zero of the sensor that moved.
+    fn moved(&self) -> Option<Vec<f64>> {
+        let offset = |(u, y, _): &(f64, f64, f64)| y - self.slope * u;
+        let used = || self.runs.iter().filter(|(_, _, count)| *count > 0.0);
+        let common = common_offset(&used().map(offset).collect::<Vec<_>>())?;
+        let all: f64 = used().map(|run| run.2).sum();
+        let mean = used().map(|run| run.2 * offset(run)).sum::<f64>() / all;
+        let between: f64 = used().map(|run| run.2 * (offset(run) - mean).powi(2)).sum();
+        let freedom = (used().count() as f64 - 1.0, self.degrees());
+        let ratio = between / freedom.0 / (self.of_line / freedom.1);
+        let f = FisherSnedecor::new(freedom.0, freedom.1);
+        let differ = f.is_ok_and(|f| !(f.sf(ratio) >= RESIDUAL_SIGNIFICANCE));
+        let above = |run: &(f64, f64, f64)| if differ { offset(run) - common } else { 0.0 };
+        Some(self.runs.iter().map(above).collect())
+    }
+
+    /// The end of one side, at the common offset.
     fn end(&self, rests: &[Rest], side: usize) -> Option<TravelEnd> {
         let mut end = self.beyond(rests, side);
         if side == 0 {
             end.reverse();
         }
         let (first, last) = (end.first()?, end.last()?);
-        let known = self.runs.iter().filter(|(_, _, count)| *count > 0.0);
-        let offsets: Vec<f64> = known.map(|(u, y, _)| y - self.slope * u).collect();
+        let moved = self.moved()?;
         // A mean is moved by a hold that ends just before the stop.
-        let rest = median(end.iter().map(|rest| self.beside_run(rest)).collect())?;
+        let rest = median(
+            end.iter()
+                .map(|rest| rest.output - moved[rest.run])
+                .collect(),
+        )?;
         let mut commands: Vec<f64> = end.iter().map(|rest| rest.command).collect();
         commands.dedup();
         Some(TravelEnd {
-            rest: rest + common_offset(&offsets)?,
+            rest,
             commands: (first.command, last.command),
             count: commands.len(),
             is_shown: true,

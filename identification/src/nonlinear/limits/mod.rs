@@ -10,6 +10,7 @@
 mod directed_strokes;
 mod hysteresis;
 mod level_table;
+mod missed_rests;
 mod open_question;
 mod range_end;
 mod rate;
@@ -31,6 +32,7 @@ use visits::{Visit, visits};
 
 pub use hysteresis::Hysteresis;
 pub use level_table::{Cell, Side};
+pub use missed_rests::{MissedRest, missed_rests};
 pub use range_end::RangeEnd;
 pub use rate::{Rate, RateVerdict};
 pub use speed_limits::SpeedLimits;

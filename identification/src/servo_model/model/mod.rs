@@ -10,7 +10,7 @@ mod top_speed_reached;
 use super::quantities::{Quantity, widen_delay};
 use crate::data::{Record, Run, Timing};
 use crate::error::Error;
-use crate::nonlinear::SpeedLimits;
+use crate::nonlinear::{MissedRest, SpeedLimits};
 use crate::numerics::not_negative;
 use crate::results::{Bounds, Interval, Noise, Reason, Validation, pointwise_critical};
 use crate::servo_model::descent::coordinates::{Coordinate, FRICTION_SPEED_SHARE, Point, Terms};
@@ -80,6 +80,9 @@ pub struct ServoModel {
     /// record does not show it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rests_apart: Option<Interval>,
+    /// The outermost commands under which the servo rests elsewhere than the model, as where a stop, a linkage or a load is not in it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub missed_rests: Vec<MissedRest>,
     /// The delay as far as noise leaves it open, where its interval among the `quantities` allows for output that was recorded earlier or later,
     /// too: that is the same in two recordings that were made alike.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -6,7 +6,7 @@
 
 use super::{ServoModel, quadratic};
 use crate::numerics::not_negative;
-use crate::results::{Bounds, Interval, pointwise_critical};
+use crate::results::{Bounds, Interval, Reason, pointwise_critical};
 use crate::servo_model::descent::coordinates::Point;
 use crate::servo_model::descent::step::MOST;
 use servoid_dynamics::{Dual, Grid, Scalar, Start, simulate};
@@ -28,7 +28,8 @@ pub struct SineResponse {
     pub gain: f64,
     /// Phase \[degrees\]; a lag is negative.
     pub phase_deg: f64,
-    /// Intervals of both at the level of the model. They are withdrawn where the command runs further ahead of the servo than in the record.
+    /// Intervals of both at the level of the model. They are withdrawn where the command runs further ahead of the servo than in the record, and where that
+    /// leaves the phase open by a turn or more.
     pub bounds: Bounds<[Interval; 2]>,
 }
 
@@ -126,10 +127,17 @@ impl ServoModel {
             Interval::new(phase_deg, phase_deg - degrees, phase_deg + degrees),
         ];
         let beyond = self.beyond_record(&sine.commands, &found.outputs, controller);
+        // Next to the edge of a dead band the derivatives are of no use.
+        let open = !(half[1] < PI);
         SineResponse {
             gain,
             phase_deg,
-            bounds: self.covariance.as_ref().map(|_| intervals).unless(beyond),
+            bounds: self
+                .covariance
+                .as_ref()
+                .map(|_| intervals)
+                .unless(beyond)
+                .unless(open.then_some(Reason::SineOpen)),
         }
     }
 

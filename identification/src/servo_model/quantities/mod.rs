@@ -51,7 +51,10 @@ pub(super) fn quantities(
             name: definition.kind.name().to_owned(),
             unit: definition.unit,
             determined: definition.is_determined(&interval, largest_of(definition.unit))
-                && !(level.valid().is_none() && definition.is_at_end(value)),
+                && match level {
+                    Bounds::Valid(_) => !definition.is_of_assumed_law(),
+                    Bounds::Withdrawn(_) => !definition.is_at_end(value),
+                },
             value,
             interval: level.as_ref().map(|_| interval),
             other_fits: level

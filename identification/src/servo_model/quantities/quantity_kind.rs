@@ -70,11 +70,10 @@ impl QuantityKind {
     /// What small quick strokes show.
     pub const OF_SMALL_SIGNALS: &[Self] = &[Self::Bandwidth, Self::DampingRatio];
 
-    /// What shows where the servo rests.
+    /// What shows where the servo rests. The friction at rest is no such quantity: how soon it is gone in motion no recording shows.
     pub const OF_REST: &[Self] = &[
         Self::DeadBand,
         Self::RestingError,
-        Self::FrictionAtRest,
         Self::FrictionOfGears,
         Self::LoadAtMiddle,
         Self::LoadOfLevelArm,

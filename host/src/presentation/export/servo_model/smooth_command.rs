@@ -16,6 +16,9 @@ const OF_BANDWIDTH: f64 = 0.2;
 /// What the drive has left for motion at least, as a share of the limit: a load may take all of it at an end of the range.
 const LEFT: f64 = 0.05;
 
+/// By how much it stays short of a stop, as a share of the way between them: a servo that is held there has no phase.
+const SHORT_OF_STOP: f64 = 0.05;
+
 /// The longest period \[s\]; a servo that needs longer for the strokes of the recording gets smaller ones.
 const LONGEST_S: f64 = 10.0;
 
@@ -43,18 +46,19 @@ impl SmoothCommand {
     pub fn of(export: &ServoExport<'_>, trial: &Trial, limit: Option<f64>) -> Self {
         let top = export.top_speeds().map(|(up, down)| up.min(down));
         let limit = limit.into_iter().chain(top).fold(f64::INFINITY, f64::min);
-        let most = trial.largest_stroke() / 2.0;
+        let [least, largest] = between_stops(export, trial.ends());
+        let (middle, most) = (0.5 * (least + largest), 0.5 * (largest - least));
         let bandwidth = OF_BANDWIDTH * export.parameters.stiffness.sqrt();
         let wanted = (OF_LIMIT * limit / most).min(bandwidth).min(of_drive(
             &export.parameters,
-            trial.middle(),
+            middle,
             most,
         ));
         let omega = wanted.max(TAU / LONGEST_S);
         Self {
             step_s: trial.step_s,
             frame_s: export.frame_s(),
-            middle: trial.middle(),
+            middle,
             amplitude: most * wanted / omega,
             steps_per_period: (TAU / omega / trial.step_s).round().max(1.0) as usize,
         }
@@ -158,6 +162,13 @@ impl SmoothCommand {
             late(self)
         )
     }
+}
+
+/// The commands of a range between which the servo meets no stop.
+fn between_stops(export: &ServoExport<'_>, [least, largest]: [f64; 2]) -> [f64; 2] {
+    let [lower, upper] = export.parameters.range();
+    let short = SHORT_OF_STOP * (largest.min(upper) - least.max(lower));
+    [least.max(lower + short), largest.min(upper - short)]
 }
 
 /// The frequency of a sine of this amplitude about `middle` at which the drive is used up to its share \[rad/s\]; infinite without a limit.

@@ -58,6 +58,7 @@ impl ServoExport<'_> {
         }
         found.extend(self.unknown_speed());
         found.extend(self.unexplained_hysteresis());
+        found.extend(self.missed_rests());
         found.extend(self.metadata.frame_warning(Some(self.parameters.delay_s)));
         found.extend(doubts::of_units(
             self.model.commands,
@@ -101,6 +102,15 @@ impl ServoExport<'_> {
         };
         Some(format!(
             "rests under one command {apart}, of which this servo model explains {explained} {unit}: play in the gears, which it has not, makes strokes of that size quite different"
+        ))
+    }
+
+    /// That positions at the ends of the commands are not those of the recording.
+    fn missed_rests(&self) -> Option<String> {
+        let missed =
+            summary::missed_rests_in_words(self.model, self.metadata.units(), "this file")?;
+        Some(format!(
+            "{missed}: a stop there, or a load, is not in this file, and larger commands may be farther off"
         ))
     }
 
@@ -458,7 +468,7 @@ fn searched(trial: &Trial) -> String {
     match trial.worst.is_empty() {
         true => "It is that of repeated reversals, as a loop that swings has them, and of strokes that are held or broken off once; other commands may show several times as much, most of it where the servo just reaches a stop or just comes to rest; shorter steps show less.".to_owned(),
         false => format!(
-            "A search found the strokes in which it is largest, {}, among reversals and random strokes over the recorded range, with half-periods from 1/sqrt(k) to the time in which its largest stroke settles; other commands may be farther, seldom by more than a tenth.",
+            "A search found the strokes in which it is largest, {}, among reversals and random strokes over the recorded range, with half-periods from 1/sqrt(k) to the time in which its largest stroke settles; other commands may be farther, as random ones by up to a fifth.",
             reversals(trial)
         ),
     }

@@ -25,13 +25,22 @@ pub struct AskedSine {
 pub struct GainAndPhase {
     /// Amplitude of the motion over that of the command \[output per input\]; without ends where bounds are withdrawn.
     pub gain: Interval,
-    /// Phase \[degrees\]; a lag is negative.
+    /// Phase \[degrees\]; a lag is negative. Empty where the sine does not move the servo.
     pub phase_deg: Interval,
     /// Phase of the slowest sines \[degrees\], from which a lag counts: 0, or a half turn where the position goes against the command.
     pub phase_at_rest_deg: f64,
 }
 
+/// A motion of less than this part of that of a slow sine is the rounding of a simulation.
+const ROUNDING: f64 = 1e-9;
+
 impl GainAndPhase {
+    /// Whether the sine does not move the servo at all, as one within its dead band: then it has no phase.
+    #[must_use]
+    pub fn stands_still(&self) -> bool {
+        self.gain.value == Some(0.0)
+    }
+
     /// How far the motion is behind \[degrees\].
     fn lag_deg(&self) -> Option<f64> {
         self.phase_deg
@@ -92,9 +101,13 @@ fn of_machine(servo: &ServoModel, of: &ModelMetadata, hertz: f64, amplitude: f64
         .map(|unit| format!(" {unit}"))
         .unwrap_or_default();
     let name = format!("servo model, ±{amplitude}{unit}");
+    let head = match found.stands_still() {
+        true => "a sine of this size does not move it".to_owned(),
+        false => head,
+    };
     let open_deg = open_deg(of, hertz);
     let open = match withdrawn {
-        Some(_) if open_deg > 0.0 => format!(
+        Some(_) if open_deg > 0.0 && !found.stands_still() => format!(
             "  {:22} the times of the recording leave ±{} deg of it open\n",
             "",
             fixed(open_deg, 1)
@@ -121,7 +134,8 @@ pub fn sine_of_machine(
 ) -> (GainAndPhase, Option<Reason>) {
     let found = servo.respond_to_sine(hertz, amplitude, controller);
     let open_deg = open_deg(of, hertz);
-    let phase_at_rest_deg = match servo.parameters(controller).gain < 0.0 {
+    let gain_at_rest = servo.parameters(controller).gain;
+    let phase_at_rest_deg = match gain_at_rest < 0.0 {
         true => 180.0,
         false => 0.0,
     };
@@ -131,6 +145,13 @@ pub fn sine_of_machine(
         phase_at_rest_deg,
     };
     match found.bounds {
+        bounds if found.gain < ROUNDING * gain_at_rest.abs() => {
+            let none = Interval {
+                value: Some(0.0),
+                ..Interval::default()
+            };
+            (with(none, Interval::default()), bounds.withdrawn())
+        }
         Bounds::Valid([gain, phase]) => {
             let phase_deg = Interval {
                 lower: phase.lower.map(|lower| lower - open_deg),
@@ -225,7 +246,7 @@ fn lines(found: &GainAndPhase, of: &ModelMetadata, hertz: f64) -> String {
 
 fn line(name: &str, interval: &Interval, unit: &str, digits: usize) -> String {
     let number = |value: f64| fixed(value, digits);
-    let value = interval.value.map(number).unwrap_or_default();
+    let value = interval.value.map_or_else(|| "-".to_owned(), number);
     let bounds = interval.lower.zip(interval.upper);
     let bounds = bounds.map_or_else(String::new, |(lower, upper)| {
         format!("{} .. {}", number(lower), number(upper))

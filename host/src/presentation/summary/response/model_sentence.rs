@@ -201,7 +201,7 @@ pub(crate) fn certainty(model: &Model) -> String {
             let linear = match model.linear {
                 true => "",
                 false => {
-                    "The servo is not linear: this describes the motion that was recorded, and another one may differ. "
+                    "The servo is not linear: this describes the motion that was recorded. Another one, of other levels in another order, may be farther off than the bounds. "
                 }
             };
             let (_, whole) = bounds.mean_half_widths();

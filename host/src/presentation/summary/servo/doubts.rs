@@ -55,7 +55,7 @@ pub(super) fn hysteresis(model: &ServoModel, units: Units<'_>) -> Option<String>
             "friction or a dead band of the model does that, and play in the gears, which it has not, would do it as well".to_owned()
         }
         explained if explained > 0.0 => format!(
-            "friction or a dead band of the model makes {}{unit} of that, and play in the gears, which it has not, may make the rest",
+            "friction or a dead band of the model makes {}{unit} of that; how much of it is play in the gears, which the model has not, is not known",
             digits(explained, 2)
         ),
         _ => "play in the gears, of which the model has none, does that, as do a dead band and friction".to_owned(),

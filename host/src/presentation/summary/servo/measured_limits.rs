@@ -49,10 +49,15 @@ fn both_ways_in_words(
     of: impl Fn(f64) -> String,
 ) -> Option<String> {
     match limits {
-        [Some(up), Some(down)] if are_alike([up, down]) => {
-            Some(format!("{} both ways", of(up.max(down))))
+        [Some(up), Some(down)] if of(up) == of(down) => Some(format!("{} both ways", of(up))),
+        [Some(up), Some(down)] => {
+            let alike = match are_alike([up, down]) {
+                true => " (alike, as far as their strokes show)",
+                false => "",
+            };
+            let (up, down) = (of(up), of(down));
+            Some(format!("{up} {larger} and {down} downwards{alike}"))
         }
-        [Some(up), Some(down)] => Some(format!("{} {larger} and {} downwards", of(up), of(down))),
         [Some(up), None] => Some(format!("{} {larger}", of(up))),
         [None, Some(down)] => Some(format!("{} downwards", of(down))),
         [None, None] => None,
@@ -116,7 +121,7 @@ mod tests {
             downwards: Some(29.0),
             ..both
         };
-        let words = "30 deg/s (2.000 s/60°) both ways";
+        let words = "30 deg/s (2.000 s/60°) upwards and 29 deg/s (2.069 s/60°) downwards (alike, as far as their strokes show)";
         assert_eq!(
             limits_in_words(&model(alike), DEGREES).as_deref(),
             Some(words)

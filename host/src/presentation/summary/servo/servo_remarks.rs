@@ -7,6 +7,7 @@ use super::whole_stroke::whole_stroke;
 use crate::data::model_file::ServoModelDocument;
 use crate::data::units::Units;
 use crate::presentation::summary::wording::numbers::{digits, four_digits};
+use servoid_identification::nonlinear::MissedRest;
 use servoid_identification::results::{Bounds, with_unit};
 use servoid_identification::servo_model::{ServoModel, Stops};
 
@@ -26,6 +27,7 @@ impl ServoRemarks {
             of_intervals(model),
             run_offsets_in_words(model, units),
             of_stops(model, units),
+            of_missed_rests(model, units),
         ];
         let quantities = &model.quantities;
         let has_other_fits = quantities.iter().any(|found| found.other_fits.is_some());
@@ -89,6 +91,37 @@ fn of_stops(model: &ServoModel, units: Units<'_>) -> Option<String> {
              looks the same."
         ),
     })
+}
+
+/// Where the servo rests elsewhere than the model, at the ends of its commands.
+fn of_missed_rests(model: &ServoModel, units: Units<'_>) -> Option<String> {
+    let missed = missed_rests_in_words(model, units, "the model")?;
+    Some(format!(
+        "The model is off at an end: {missed}. A stop, a linkage or a load there is not in it. Holds at two or more commands that far out, each until the servo \
+         rests, show whether it is a stop."
+    ))
+}
+
+/// "under a command of 50 deg the servo rests at 41.17 deg, and the model at 45.50 deg", of a model that is called so.
+pub(crate) fn missed_rests_in_words(
+    model: &ServoModel,
+    units: Units<'_>,
+    called: &str,
+) -> Option<String> {
+    let with =
+        |number: f64, unit: Option<&str>| with_unit(four_digits(number), unit.unwrap_or_default());
+    let rest = |missed: &MissedRest| {
+        let [command, measured, modelled] = [
+            with(missed.command, units.input),
+            with(missed.measured, units.output),
+            with(missed.modelled, units.output),
+        ];
+        format!(
+            "under a command of {command} the servo rests at {measured}, and {called} at {modelled}"
+        )
+    };
+    let rests: Vec<String> = model.missed_rests.iter().map(rest).collect();
+    (!rests.is_empty()).then(|| rests.join("; "))
 }
 
 /// Where the servo stops.

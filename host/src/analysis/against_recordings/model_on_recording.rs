@@ -1,0 +1,118 @@
+//! The models of a file with the recording that they are held against.
+
+use super::misfit::{Line, Misfit};
+use super::pulses::{StatedPulses, at_closest_pulses};
+use crate::data::PredictedRun;
+use crate::data::dataset::Dataset;
+use crate::data::model_file::{ModelFile, ServoModelDocument};
+use anyhow::Result;
+use servoid_identification::results::{Model, Validation};
+use servoid_identification::servo_model::ServoModel;
+use servoid_identification::{Error, Record, Run};
+use std::borrow::Cow;
+
+/// The servo model of a file, with the place of each run's controller among its own.
+pub(super) struct ServoOnRecording<'d> {
+    pub(super) model: &'d ServoModel,
+    controllers: Vec<usize>,
+}
+
+/// The models of a file and a recording.
+pub(super) struct ModelOnRecording<'d> {
+    pub(super) linear: &'d Model,
+    pub(super) servo: Option<ServoOnRecording<'d>>,
+    pub(super) record: Cow<'d, Record<'d>>,
+    /// The pulses that commands are taken to wait for.
+    pub(super) pulses: Option<StatedPulses>,
+}
+
+impl<'d> ModelOnRecording<'d> {
+    /// The commands of the data act as they are recorded.
+    ///
+    /// # Errors
+    /// A controller that the servo model does not know.
+    pub(super) fn of(
+        file: &'d ModelFile,
+        servo: Option<&'d ServoModelDocument>,
+        data: &'d Dataset,
+    ) -> Result<Self> {
+        let servo = servo.map(|servo| {
+            let controllers = data.controllers.among(&servo.controller_names)?;
+            let model = &servo.model;
+            anyhow::Ok(ServoOnRecording { model, controllers })
+        });
+        Ok(Self {
+            linear: &file.model,
+            servo: servo.transpose()?,
+            record: Cow::Borrowed(&data.record),
+            pulses: None,
+        })
+    }
+
+    /// The same with commands at pulses every `frame_s`, where the servo model, or the linear one of a file without one, is closest.
+    ///
+    /// # Errors
+    /// The model cannot be held against any run.
+    pub(super) fn at_pulses(self, frame_s: f64) -> Result<Self> {
+        let error = |run: Run<'d>, number: usize| {
+            let record = self.record.try_with_runs(vec![run]).ok()?;
+            let found = match &self.servo {
+                Some(servo) => {
+                    let controller = servo.controllers.get(number..=number);
+                    servo
+                        .model
+                        .validate(&record, controller.unwrap_or_default())
+                }
+                None => self.linear.validate(&record),
+            };
+            found.ok().map(|found| found.rmse)
+        };
+        let (record, pulses) = at_closest_pulses(&self.record, frame_s, &error)?;
+        Ok(Self {
+            record: Cow::Owned(record),
+            pulses: Some(pulses),
+            ..self
+        })
+    }
+
+    pub(super) fn of_linear(&self) -> Result<Validation, Error> {
+        self.linear.validate(&self.record)
+    }
+
+    pub(super) fn of_servo(&self) -> Result<Option<Validation>, Error> {
+        let servo = self.servo.as_ref();
+        let found = servo.map(|servo| servo.model.validate(&self.record, &servo.controllers));
+        found.transpose()
+    }
+
+    /// What the recording has that the linear model has not.
+    pub(super) fn misfit_of_linear(&self) -> Misfit {
+        let runs = self.record.runs();
+        let simulated: Vec<_> = runs.iter().map(|run| self.linear.simulate(run)).collect();
+        Misfit::of(runs, &|_| simulated.clone(), self.record.sample_period_s())
+    }
+
+    /// The same of the servo model.
+    pub(super) fn misfit_of_servo(&self, servo: &ServoOnRecording) -> Misfit {
+        let simulate = |line: Line| {
+            servo
+                .model
+                .simulate(&line.undone(&self.record), &servo.controllers)
+        };
+        Misfit::of(self.record.runs(), &simulate, self.record.sample_period_s())
+    }
+
+    /// What was measured in each run, and what the models predict; the linear one where it `has_linear`.
+    pub(super) fn predictions(&self, has_linear: bool) -> Vec<PredictedRun> {
+        let servo = self.servo.as_ref();
+        let by_servo = servo.map(|servo| servo.model.simulate(&self.record, &servo.controllers));
+        let mut by_servo = by_servo.into_iter().flatten();
+        let of_run = |run: &Run| PredictedRun {
+            period_s: self.record.sample_period_s(),
+            measured: run.output().to_vec(),
+            by_linear: has_linear.then(|| self.linear.simulate(run)),
+            by_servo: by_servo.next(),
+        };
+        self.record.runs().iter().map(of_run).collect()
+    }
+}
