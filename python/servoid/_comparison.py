@@ -206,6 +206,24 @@ class Validation(Printed):
         return found
 
     @property
+    def error_by_octave(self) -> list[dict[str, float]]:
+        """Up to which frequency the models hold: for each octave ``from_hz``, ``to_hz``, ``motion_rms`` of what was measured there, and the errors
+        ``linear_rms`` and ``servo_rms``, as far as the file has these models (unit of the output).
+
+        Offsets are left out, and the noise of the sensor is in it. Empty where no stretch of 2 s is predicted.
+
+        Examples
+        --------
+        >>> import servoid
+        >>> first, second = (servoid.simulate("linear", seed=seed) for seed in (1, 2))
+        >>> below_1_hz = servoid.validate(servoid.identify(first), second).error_by_octave[0]
+        >>> below_1_hz["linear_rms"] < 0.05 * below_1_hz["motion_rms"]
+        True
+        """
+        found: list[dict[str, float]] = self.to_dict().get("error_by_octave", [])
+        return found
+
+    @property
     def advice(self) -> tuple[Advice, ...]:
         """That the model comes from these very samples, and what the files ask for."""
         return advice(self._fields)
