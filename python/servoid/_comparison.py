@@ -210,7 +210,7 @@ class Validation(Printed):
         """Up to which frequency the models hold: for each octave ``from_hz``, ``to_hz``, ``motion_rms`` of what was measured there, and the errors
         ``linear_rms`` and ``servo_rms``, as far as the file has these models (unit of the output).
 
-        Offsets are left out, and the noise of the sensor is in it. Empty where no stretch of 2 s is predicted.
+        Offsets are left out, and the noise of the sensor is in it. Octaves below ten periods of a run are left out, too; empty where there is none.
 
         Examples
         --------

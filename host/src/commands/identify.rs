@@ -3,31 +3,34 @@
 use super::input::TableArgs;
 use super::output::{Output, stem, wrong_usage};
 use super::servo_search::ServoSearch;
-use crate::analysis::{Identified, IdentifyRequest};
+use crate::analysis::{Identified, IdentifyRequest, text_of_file};
 use crate::data::dataset::suggested_columns::quoted;
 use crate::data::dataset::{Dataset, listed};
+use crate::data::model_file::{self, ModelFile};
 use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::plots::{self, Figure};
 use crate::presentation::summary::{self, AskedSine};
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::Args;
 use servoid_identification::{Detrend, Frequencies, NoiseOrder, Options, Prior, Settling};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Identify the servo's step and frequency response, with bounds
 ///
 /// Takes recordings of servoid, or any CSV file with its columns named. Several files are several runs of the
 /// same servo under the same condition; they are never joined end to end. Without other options the structure
-/// is chosen from the data. -o writes the model for 'servoid validate', 'compare', 'report' and 'export'.
+/// is chosen from the data. -o writes the model for 'servoid validate', 'compare', 'report' and 'export'. Of such a
+/// model alone, what it says is printed again, with --at for other sines.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   servoid identify bench.csv -o bench.json --plots plots
   servoid identify mine.csv --input u --output y --period 0.02
   servoid identify bench.csv --limits --level 95
   servoid identify bench.csv --at 8:5
+  servoid identify bench.json --at 6:3,10:3          (of a model that was written before)
   servoid identify mine.csv --input u --output y --period 0.02 --servo-model")]
 pub(super) struct Identify {
-    /// Recordings, or CSV files
+    /// Recordings, or CSV files; or one model
     #[arg(required = true, value_name = "FILE.csv")]
     files: Vec<PathBuf>,
     /// Settling time N (samples), or auto
@@ -97,6 +100,11 @@ impl Identify {
         if let Err(error) = options.check() {
             wrong_usage(error);
         }
+        if let [file] = &self.files[..]
+            && model_file::is_model(file)
+        {
+            return self.said_again(file);
+        }
         let (output, talk) = (self.output, self.output.talk);
         output.check_beside(&self.out, &self.files)?;
         let data = self.table.load(&self.files, talk)?;
@@ -130,6 +138,24 @@ impl Identify {
         }
         text += &talk.next(self.next());
         talk.result(text, &result)
+    }
+
+    /// What a model file says, and its answers to the sines that are asked for.
+    fn said_again(&self, path: &Path) -> Result<String> {
+        let (name, talk) = (path.display().to_string(), self.output.talk);
+        if self.out.is_some() || self.plots.is_some() {
+            bail!("{name} is a model, which is printed again: -o and --plots take its recording");
+        }
+        talk.say(format_args!(
+            "{name} is a model: it is printed again, and nothing is identified"
+        ));
+        let written = model_file::read_text(path)?;
+        let file = ModelFile::parse(&written, path)?;
+        let servo = file.servo_model()?;
+        let servo = servo.as_ref().map(|servo| &servo.model);
+        let sines = summary::at_frequencies(&file.model, servo, &file.metadata, &self.at)?;
+        let text = text_of_file(&file, &name)? + &sines;
+        talk.result(text, &serde_json::from_str::<serde_json::Value>(&written)?)
     }
 
     /// The command that shows all of this.

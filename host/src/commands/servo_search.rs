@@ -23,7 +23,7 @@ impl ServoSearch {
             Err(_) => "",
         };
         talk.say(format_args!(
-            "looking for {what}, which takes some seconds{ends}"
+            "looking for {what}, which takes seconds, and minutes of a long recording{ends}"
         ));
         let line = match talk.quiet {
             true => ProgressBar::hidden(),

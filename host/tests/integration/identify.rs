@@ -1,6 +1,6 @@
 //! Identification from files, on real recordings too.
 
-use crate::support::{arg, data, json, run};
+use crate::support::{SHORT_STAIRS, arg, data, json, run};
 use std::path::{Path, PathBuf};
 
 /// The data rows `range` of a file, with its header row.
@@ -294,4 +294,31 @@ fn narrow_frequencies_have_wider_bounds_and_say_so() {
         "{said}"
     );
     assert!(said.contains("which widens the bounds"), "{said}");
+}
+
+#[test]
+fn a_model_is_printed_again_and_answers_for_sines_that_are_asked_for_later() {
+    let dir = tempfile::tempdir().unwrap();
+    let [recording, model] = ["own.csv", "own.json"].map(|name| dir.path().join(name));
+    let simulate = ["simulate", "-q", "--servo", "bench", "-o", arg(&recording)];
+    run(&[&simulate[..], &SHORT_STAIRS].concat());
+    let sines = ["--at", "6:3,2"];
+    let identify = ["identify", "-q", arg(&recording), "-o", arg(&model)];
+    let of_recording = run(&[&identify[..], &sines].concat());
+    let of_model = run(&[&["identify", "-q", arg(&model)], &sines[..]].concat());
+    // But for the name, and the next command that a recording is followed by.
+    let from_first_number = |text: &str| {
+        let (_, numbers) = text.split_once("samples ").unwrap();
+        numbers.split("next:").next().unwrap().trim().to_owned()
+    };
+    assert!(of_model.contains("gain at 6 Hz"), "{of_model}");
+    assert_eq!(
+        from_first_number(&of_model),
+        from_first_number(&of_recording)
+    );
+    let document = run(&["identify", "-q", arg(&model), "--json"]);
+    assert_eq!(
+        serde_json::from_str::<serde_json::Value>(&document).unwrap(),
+        json(&model)
+    );
 }

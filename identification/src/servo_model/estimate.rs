@@ -519,6 +519,8 @@ fn fit_of(servo: &Found, record: &Record, spread: f64) -> ServoFit {
         rmse: (error / count as f64).sqrt(),
         largest_residual: Some(known().fold(0.0, |most, e| e.abs().max(most))),
         discrepancy: level.valid().map(|_| found.discrepancy),
+        lacking: (level.withdrawn() == Some(Reason::ErrorsNotNoise) && found.at_rest.is_some())
+            .then_some(found.discrepancy),
         largest_error: largest_error_of(&servo.parts, &possible[0].point, found),
         samples_used: count,
         samples_missing: record.samples() - count,

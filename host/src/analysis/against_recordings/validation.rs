@@ -37,7 +37,7 @@ pub struct Validated {
     /// The pulses that commands are taken to wait for, where their frame was stated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pulses: Option<StatedPulses>,
-    /// Motion and errors by octaves of frequency, where runs are of 2 s or more.
+    /// Motion and errors by octaves of frequency, as far as the runs are long enough to show them.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub error_by_octave: Vec<OctaveError>,
     /// What the models predict of each run, with commands at their pulses.

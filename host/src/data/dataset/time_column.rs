@@ -91,7 +91,7 @@ pub(super) fn column(columns: &[String]) -> Option<(&str, Option<TimeUnit>)> {
 
 /// The unit of a column that is called like one of time; `None` for a column that is not.
 pub(super) fn unit(column: &str) -> Option<Option<TimeUnit>> {
-    let lower = column.to_lowercase();
+    let lower = with_spaces(column).to_lowercase();
     let words: Vec<&str> = words(&lower).collect();
     let among = |list: &str, word: &str| list.split(' ').any(|known| known == word);
     let time = |word: &&str| among(WORDS, word);
@@ -105,6 +105,20 @@ pub(super) fn unit(column: &str) -> Option<Option<TimeUnit>> {
 /// The unit that a name has in it, whatever else is in it.
 pub(super) fn unit_in(column: &str) -> Option<TimeUnit> {
     words(&column.to_lowercase()).find_map(TimeUnit::of_word)
+}
+
+/// "Time US" of "TimeUS", as ArduPilot calls it.
+fn with_spaces(column: &str) -> String {
+    let mut spaced = String::new();
+    let mut before = None;
+    for letter in column.chars() {
+        if letter.is_uppercase() && before.is_some_and(char::is_lowercase) {
+            spaced.push(' ');
+        }
+        spaced.push(letter);
+        before = Some(letter);
+    }
+    spaced
 }
 
 fn words(lower: &str) -> impl Iterator<Item = &str> {
@@ -137,6 +151,8 @@ mod tests {
             ("Time [ms]", Some(Some(Milliseconds))),
             ("t (µs)", Some(Some(Microseconds))),
             ("timestamp_us", Some(Some(Microseconds))),
+            ("TimeUS", Some(Some(Microseconds))),
+            ("TimeS", Some(Some(Seconds))),
             ("millis", Some(Some(Milliseconds))),
             ("ms", Some(Some(Milliseconds))),
             // As often a pulse width as a time.
@@ -148,6 +164,7 @@ mod tests {
             ("czas_ms", Some(Some(Milliseconds))),
             ("ВРЕМЯ", Some(None)),
             ("rise time", None),
+            ("riseTime", None),
             ("temperature", None),
             ("s", None),
             ("", None),

@@ -20,7 +20,7 @@ pub(super) fn noise(evidence: &Evidence<'_>) -> Option<Advice> {
     Some(Advice::new(
         Check::CommandNoise,
         format!(
-            "The column of the command has noise within its holds, with a standard deviation of {} at the most.{effect}",
+            "The column of the command goes up and down within its holds, as noise does, with a standard deviation of {} at the most.{effect}",
             evidence.input(two_digits(found.sd))
         ),
         found.shift.unwrap_or_default(),

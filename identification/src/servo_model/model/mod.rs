@@ -170,6 +170,10 @@ pub struct ServoFit {
     /// Upper limit of the root mean square of what the equation lacks: the part of the errors that does not average out as
     /// the noise at rest does. A bound like the others: `None` where bounds are withdrawn.
     pub discrepancy: Option<f64>,
+    /// The same limit where bounds are withdrawn because the errors are not noise: how much of them the model lacks, and no bound. `None` elsewhere, and where the servo
+    /// is not seen at rest.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lacking: Option<f64>,
     /// Largest distance of the simulated angle from the command \[command\].
     pub largest_error: f64,
     /// Samples used.

@@ -73,17 +73,20 @@ impl Actuator {
         let p = &export.parameters;
         let like = (export.parameters_with(export.only_constant_load())).without_stops();
         let bias = like.resting_angle(0.0);
+        let hysteresis_width = hysteresis_width(export);
+        let [least, most] = p.range().map(|end| end - bias);
         Self {
             filter: Filter::Behind,
             centre: neutral(export.metadata.units(), export.model.commands),
-            commands: p.range().map(|end| end - bias),
+            // What is passed on falls short of the command by half of the hysteresis.
+            commands: [least - hysteresis_width / 2.0, most + hysteresis_width / 2.0],
             positions: [
                 p.stops.lower.unwrap_or(f64::NEG_INFINITY),
                 p.stops.upper.unwrap_or(f64::INFINITY),
             ],
             delay_s: p.delay_s.max(0.0),
             rates: export.top_speeds(),
-            hysteresis_width: hysteresis_width(export),
+            hysteresis_width,
             bias,
             stiffness: p.stiffness,
             damping: p.damping,

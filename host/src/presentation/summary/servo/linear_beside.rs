@@ -65,7 +65,7 @@ impl LinearBeside {
                 "Strokes between two levels do not show whether this servo is linear: a linear one describes this recording as well as a model of it as a machine."
             }
             Self::HiddenByCommand => {
-                "Noise in the column of the command hides whether this servo is linear."
+                "What looks like noise in the column of the command hides whether this servo is linear."
             }
         }
     }

@@ -24,7 +24,7 @@ impl ServoRemarks {
     pub(crate) fn of(document: &ServoModelDocument, units: Units<'_>) -> Self {
         let model = &document.model;
         let before = [
-            of_intervals(model),
+            of_intervals(model, units),
             run_offsets_in_words(model, units),
             of_stops(model, units),
             of_missed_rests(model, units),
@@ -49,10 +49,14 @@ impl ServoRemarks {
 }
 
 /// Why there are no intervals, or that they hold for other servos as well.
-fn of_intervals(model: &ServoModel) -> Option<String> {
+fn of_intervals(model: &ServoModel, units: Units<'_>) -> Option<String> {
     if let Bounds::Withdrawn(reason) = &model.covariance {
+        let lacking = model.fit.lacking.map_or_else(String::new, |lacking| {
+            let size = with_unit(digits(lacking, 2), units.output.unwrap_or_default());
+            format!(": beside noise, up to {size} rms is what the model lacks")
+        });
         return Some(format!(
-            "No intervals can be given, because {}.",
+            "No intervals can be given, because {}{lacking}.",
             reason.because()
         ));
     }
@@ -145,4 +149,28 @@ pub(crate) fn run_offsets_in_words(model: &ServoModel, units: Units<'_>) -> Opti
         model.run_offsets.len(),
         unit.unwrap_or_default()
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::presentation::summary::servo::limited_servo::limited_servo;
+
+    #[test]
+    fn an_end_at_which_the_model_is_off_is_named_with_both_rests() {
+        let mut model = limited_servo();
+        assert_eq!(of_missed_rests(&model, Units::default()), None);
+        model.missed_rests = vec![MissedRest {
+            command: 50.0,
+            measured: 41.175,
+            modelled: 45.52,
+        }];
+        let degrees = Units {
+            input: Some("deg"),
+            output: Some("deg"),
+        };
+        let said = of_missed_rests(&model, degrees).unwrap();
+        let rests = "under a command of 50.00 deg the servo rests at 41.18 deg, and the model at 45.52 deg.";
+        assert!(said.contains(rests), "{said}");
+    }
 }
