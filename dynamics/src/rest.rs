@@ -39,13 +39,32 @@ impl<S: Scalar> ServoParameters<S> {
     #[must_use]
     pub fn resting_angle(&self, command: S) -> S {
         let [upper, lower] = [End::Upper, End::Lower].map(|end| self.end(command, end));
+        (self.between_stops(upper) + self.between_stops(lower)) * 0.5
+    }
+
+    /// The least and the largest angle at which the shaft stays under `command` once it has come to rest there, by friction or within a dead band.
+    #[must_use]
+    pub fn staying_angles(&self, command: S) -> [S; 2] {
+        let drives = self.holding_drives(self.load.at(self.resting_angle(command)));
+        let width = self.dead_band.unwrap_or(S::constant(0.0));
+        let [high, low] = [(drives[0], -1.0), (drives[1], 1.0)].map(|(drive, side)| {
+            let error = match drive.value() {
+                0.0 => width * side,
+                _ => self.error_of(drive),
+            };
+            self.between_stops(command - error)
+        });
+        [low, high]
+    }
+
+    /// The angle, or the stop before it.
+    fn between_stops(&self, angle: S) -> S {
         let [low, high] = self.range();
-        let within = |angle: S| match angle.value() {
+        match angle.value() {
             angle if angle < low.value() => low,
             angle if angle > high.value() => high,
             _ => angle,
-        };
-        (within(upper) + within(lower)) * 0.5
+        }
     }
 
     /// The output at rest under `command`.
@@ -306,6 +325,31 @@ mod tests {
             assert!(left_alone(servo, command, upper + 5e-3) < upper + 1e-3);
             assert!(left_alone(servo, command, lower - 5e-3) > lower - 1e-3);
         }
+    }
+
+    /// Friction or a dead band keeps the shaft where it came to rest, between the angles and nowhere beyond them.
+    #[test]
+    fn a_shaft_stays_at_all_angles_between_two() {
+        let [_, free, loaded, ..] = servos()[..] else {
+            unreachable!("there are eight servos")
+        };
+        // Within the dead band nothing pushes it; a load pushes it to one edge.
+        assert_eq!(free.staying_angles(3.0), [2.4, 3.6]);
+        let [low, high] = loaded.staying_angles(3.0);
+        assert!(low == high && (low - loaded.resting_angle(3.0)).abs() < 1e-12);
+        let held = ServoParameters {
+            friction: friction(400.0, 0.0, 0.5),
+            ..free
+        };
+        // Friction at rest is 600 of the 2500 for each unit beyond the dead band.
+        let [low, high] = held.staying_angles(3.0);
+        assert!((low - 2.16).abs() < 1e-12 && (high - 3.84).abs() < 1e-12);
+        for inside in [low + 5e-3, high - 5e-3] {
+            assert_eq!(left_alone(&held, 3.0, inside), inside);
+        }
+        assert!(
+            left_alone(&held, 3.0, low - 5e-3) > low && left_alone(&held, 3.0, high + 5e-3) < high
+        );
     }
 
     #[test]

@@ -43,7 +43,9 @@ def step(model: Model, ax: Any, label: str) -> Any:
         label += NO_BOUNDS
     (line,) = ax.plot(time_s, response.value, label=label)
     if response.level is not None and response.lower is not None and response.upper is not None:
-        band = f"the whole curve, {100 * response.level:g} %"
+        # Another motion of a servo that is not linear may be farther off.
+        motion = "" if model.linear else ", of this motion"
+        band = f"the whole curve, {100 * response.level:g} %{motion}"
         ax.fill_between(time_s, response.lower, response.upper, alpha=0.2, color=line.get_color(), label=band)
     ax.set_xlabel("time since the edge of the command (s)")
     ax.set_ylabel(f"response to a unit step {ratio(model)}")

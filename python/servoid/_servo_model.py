@@ -326,7 +326,8 @@ class ServoModel:
         Returns
         -------
         ServoResponse
-            The band is withdrawn where the command runs further ahead of the servo than in the recording.
+            The position, ``value``, and a band about it, at each sample by itself. At first the servo is in the middle of where friction or a dead band may
+            hold it, and the band has all of that. The band is withdrawn where the command runs further ahead of the servo than in the recording.
 
         Raises
         ------

@@ -82,6 +82,7 @@ impl<'a> HeldOut<'a> {
 mod tests {
     use super::*;
     use crate::data::dataset::{About, Controllers};
+    use servoid_identification::Record;
 
     fn data(runs: usize, controllers: &[f64]) -> Dataset<'static> {
         let run = |k: usize| {

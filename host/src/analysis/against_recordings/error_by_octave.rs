@@ -95,8 +95,9 @@ impl Signals {
         let errors = |by: &Option<Vec<f64>>| Some(run.errors_of(by.as_deref()?));
         let [linear, servo] = [&run.by_linear, &run.by_servo].map(errors);
         let of_models = || linear.iter().chain(&servo);
-        let is_known =
-            |k: &usize| !run.measured[*k].is_nan() && of_models().all(|errors| !errors[*k].is_nan());
+        let is_known = |k: &usize| {
+            !run.measured[*k].is_nan() && of_models().all(|errors| !errors[*k].is_nan())
+        };
         let first = (0..run.measured.len()).find(is_known)?;
         let last = (first..run.measured.len()).rfind(is_known)?;
         let part = |values: &Vec<f64>| across_gaps(&values[first..=last]);

@@ -57,7 +57,12 @@ pub(super) fn step_panel(models: &[Named<'_>], units: Units<'_>) -> Panel {
             continue;
         };
         let whole = &bounds.simultaneous;
-        let band = format!("{name}: the whole curve, {} %", percent(bounds.level));
+        // Another motion of a servo that is not linear may be farther off.
+        let motion = if model.linear { "" } else { ", of this motion" };
+        let band = format!(
+            "{name}: the whole curve, {} %{motion}",
+            percent(bounds.level)
+        );
         panel.bands.push(Band::between(
             band,
             ink,

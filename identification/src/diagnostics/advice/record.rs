@@ -108,8 +108,9 @@ pub(super) fn scatter(evidence: &Evidence<'_>) -> Option<Advice> {
                      compare servos by several runs each."
                 }
                 false => {
-                    "This servo is not linear, so it answers another motion in another way: record runs of one kind of motion. Where they are, look for what \
-                     changes from run to run, such as the supply voltage, the temperature, or when pulses come that have a clock of their own."
+                    "This servo is not linear: it answers another motion, and levels in another order, in another way, and behind a dead band or friction its rests depend on where it comes \
+                     from. Runs of one order show what is left: look there for what changes from run to run, such as the supply voltage, the temperature, or when pulses come that have a clock of \
+                     their own."
                 }
             },
         )

@@ -25,6 +25,15 @@ impl Interval {
         }
     }
 
+    /// The value alone.
+    #[must_use]
+    pub fn without_bounds(self) -> Self {
+        Self {
+            value: self.value,
+            ..Self::default()
+        }
+    }
+
     /// From the lower bound to the upper one; `None` where it is open to a side.
     ///
     /// ```

@@ -294,8 +294,9 @@ impl ServoModel {
     }
 
     /// The response of the servo with the controller number `controller` (from 0) to `input`, from rest at the first
-    /// command. The band holds the responses of all servos that the record does not distinguish. It is withdrawn where
-    /// the command runs ahead of the servo by a quarter more than in the record: what happens there did not show.
+    /// command: in the middle of where it may rest. The band holds the responses of all servos that the record does not distinguish, from wherever friction or a dead band
+    /// may hold them at first, at each point by itself. It is withdrawn where the command runs ahead of the servo by a quarter more than in the record: what happens there
+    /// did not show.
     #[must_use]
     pub fn respond(&self, input: &[f64], controller: usize) -> ServoResponse {
         let own = self.covariance.valid();
@@ -305,17 +306,54 @@ impl ServoModel {
         let discrepancy = self.fit.discrepancy.unwrap_or(f64::NAN);
         let bound = |sd: f64| critical * sd.hypot(discrepancy);
         let mut half: Vec<f64> = spread.iter().map(|sd| bound(*sd)).collect();
+        let mut hold = |theirs: &[f64], spread: &[f64]| {
+            for (k, half) in half.iter_mut().enumerate() {
+                *half = half.max((theirs[k] - value[k]).abs() + bound(spread[k]));
+            }
+        };
         for other in self.alternatives.iter().filter(|_| own.is_some()) {
             let point = self.point_of_alternative(other);
             let (theirs, spread) = self.response_of(&point, &other.covariance, input, controller);
-            for (k, half) in half.iter_mut().enumerate() {
-                *half = half.max((theirs[k] - value[k]).abs() + bound(spread[k]));
+            hold(&theirs, &spread);
+        }
+        if own.is_some() {
+            for theirs in self.from_farthest_rests(input, controller) {
+                hold(&theirs, &spread);
             }
         }
         let half_width = self.covariance.as_ref().map(|_| half);
         ServoResponse {
             half_width: half_width.unless(self.beyond_record(input, &value, controller)),
             value,
+        }
+    }
+
+    /// The responses from the two angles that are farthest apart among those at which the shaft stays under the first command; none where it has one rest.
+    fn from_farthest_rests(&self, input: &[f64], controller: usize) -> Vec<Vec<f64>> {
+        let (physics, Some(first)) = (self.parameters(controller), input.first()) else {
+            return Vec::new();
+        };
+        let [low, high] = physics.staying_angles(*first);
+        let ends = [low, high].into_iter().filter(|_| low < high);
+        let from = |angle: f64| {
+            let start = Start {
+                output: angle * physics.gain + physics.offset,
+                rate: 0.0,
+                command_before: Some(*first),
+            };
+            let mut value = Vec::new();
+            let grid = self.grid(self.timing());
+            simulate(&physics, &grid, &start, input, |_, y| value.push(y));
+            value
+        };
+        ends.map(from).collect()
+    }
+
+    /// Sample period and phase.
+    fn timing(&self) -> Timing {
+        Timing {
+            sample_period_s: self.sample_period_s,
+            sample_phase_s: self.sample_phase_s,
         }
     }
 
@@ -343,10 +381,7 @@ impl ServoModel {
             rate: Dual::constant(0.0),
             command_before: Some(first),
         };
-        let grid = self.grid(Timing {
-            sample_period_s: self.sample_period_s,
-            sample_phase_s: self.sample_phase_s,
-        });
+        let grid = self.grid(self.timing());
         simulate(&physics, &grid, &start, input, |_, y| {
             value.push(y.value);
             spread.push(not_negative(quadratic(covariance, &y.slope)).sqrt());

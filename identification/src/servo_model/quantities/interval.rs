@@ -149,10 +149,7 @@ impl Definition {
         let bounds = interval.lower.zip(interval.upper);
         let is_wide = bounds.is_some_and(|(lower, upper)| upper > SENSELESS * lower);
         match self.domain == Domain::Positive && is_wide {
-            true => Interval {
-                value: interval.value,
-                ..Interval::default()
-            },
+            true => interval.without_bounds(),
             false => interval,
         }
     }

@@ -46,15 +46,16 @@ pub(super) fn quantities(
             .filter_map(|servo| definition.interval(servo, middle, critical))
             .reduce(hull)?;
         let hull = definition.without_senseless_bounds(hull);
+        let hull = match (level, definition.is_of_assumed_law()) {
+            (Bounds::Valid(_), true) => hull.without_bounds(),
+            _ => hull,
+        };
         let interval = definition.as_far_as_reached(hull, level.valid().is_some(), &motion.fastest);
         Some(Quantity {
             name: definition.kind.name().to_owned(),
             unit: definition.unit,
             determined: definition.is_determined(&interval, largest_of(definition.unit))
-                && match level {
-                    Bounds::Valid(_) => !definition.is_of_assumed_law(),
-                    Bounds::Withdrawn(_) => !definition.is_at_end(value),
-                },
+                && !(level.valid().is_none() && definition.is_at_end(value)),
             value,
             interval: level.as_ref().map(|_| interval),
             other_fits: level

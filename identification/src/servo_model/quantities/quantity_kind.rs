@@ -81,13 +81,8 @@ impl QuantityKind {
         Self::Offset,
     ];
 
-    /// What holds the servo off its command, whichever side it comes from.
-    pub const OF_FRICTION: &[Self] = &[
-        Self::DeadBand,
-        Self::RestingError,
-        Self::FrictionAtRest,
-        Self::FrictionOfGears,
-    ];
+    /// What holds the servo off its command, whichever side it comes from, as far as a recording shows it.
+    pub const OF_FRICTION: &[Self] = &[Self::DeadBand, Self::RestingError, Self::FrictionOfGears];
 
     /// What pulls to one side.
     pub const OF_LOAD: &[Self] = &[Self::LoadAtMiddle, Self::LoadOfLevelArm];

@@ -8,6 +8,7 @@ use super::{PERIOD_S, noisy, point, response, strokes, value, with_noise};
 use crate::data::Record;
 use crate::servo_model::descent::coordinates::{Coordinate, Terms};
 use crate::servo_model::{QuantityKind, ServoModelOptions, fit, quantities};
+use servoid_dynamics::{Grid, Start, simulate};
 
 #[test]
 fn a_limited_servo_is_found_again() {
@@ -45,6 +46,45 @@ fn a_limited_servo_is_found_again() {
             "{value} {half} {truth}"
         );
     }
+}
+
+/// A servo that friction holds 0.4 above or below the middle of its rests begins at either.
+#[test]
+fn a_band_holds_a_servo_wherever_friction_held_it_at_first() {
+    let terms = Terms {
+        limit: true,
+        friction: true,
+        ..Terms::default()
+    };
+    let held = |at: Coordinate| match at {
+        Coordinate::Friction => 0.4,
+        other => value(other),
+    };
+    let (servo, input) = (point(terms, held), strokes(4000));
+    let record = Record::of_run(PERIOD_S, &input, noisy(&servo, &input, 3)).unwrap();
+    let found = fit(&record, &ServoModelOptions::default()).unwrap();
+    let new = [vec![0.0; 20], vec![3.0; 200]].concat();
+    let predicted = found.respond(&new, 0);
+    let half_width = predicted.half_width.valid().unwrap();
+    let physics = servo.physics(0, |_, value| value);
+    let [low, high] = physics.staying_angles(0.0);
+    assert!(high - low > 0.7);
+    for angle in [low, high] {
+        let start = Start::at_rest(angle * physics.gain + physics.offset, Some(0.0));
+        let mut from_there = Vec::new();
+        let grid = Grid::new(PERIOD_S, 0.0, 1e-4);
+        simulate(&physics, &grid, &start, &new, |_, y| from_there.push(y));
+        for (k, truth) in from_there.iter().enumerate() {
+            let (value, half) = (predicted.value[k], half_width[k]);
+            assert!(
+                (value - truth).abs() <= half + 1e-6,
+                "{k}: {value} {half} {truth}"
+            );
+        }
+    }
+    // Where the first stroke has ended, the start is forgotten.
+    let (first, last) = (half_width[0], half_width[219]);
+    assert!(last < 0.3 * first, "{first} {last}");
 }
 
 /// The motor has next to no damping of its own: full drive ends in no speed.

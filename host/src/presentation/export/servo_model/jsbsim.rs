@@ -79,7 +79,10 @@ impl Actuator {
             filter: Filter::Behind,
             centre: neutral(export.metadata.units(), export.model.commands),
             // What is passed on falls short of the command by half of the hysteresis.
-            commands: [least - hysteresis_width / 2.0, most + hysteresis_width / 2.0],
+            commands: [
+                least - hysteresis_width / 2.0,
+                most + hysteresis_width / 2.0,
+            ],
             positions: [
                 p.stops.lower.unwrap_or(f64::NEG_INFINITY),
                 p.stops.upper.unwrap_or(f64::INFINITY),

@@ -1,10 +1,12 @@
 //! The response to sines of frequencies that somebody asks for: how much of one arrives, and how late.
 
 use crate::data::model_metadata::ModelMetadata;
-use crate::presentation::summary::wording::numbers::{decimals, fixed, head_of_bounds};
+use crate::presentation::summary::wording::numbers::{decimals, digits, fixed, head_of_bounds};
 use crate::presentation::summary::wording::strokes::stroke_in_words;
 use servoid_identification::Error;
-use servoid_identification::results::{Bounds, FrequencyResponse, Interval, Model, Reason};
+use servoid_identification::results::{
+    Bounds, FrequencyResponse, Interval, Model, Reason, with_unit,
+};
 use servoid_identification::servo_model::ServoModel;
 use std::f64::consts::TAU;
 
@@ -114,7 +116,33 @@ fn of_machine(servo: &ServoModel, of: &ModelMetadata, hertz: f64, amplitude: f64
         ),
         _ => String::new(),
     };
-    format!("\n  {name:22} {:>10}       {head}\n", "value") + &lines(&found, of, hertz) + &open
+    let small = small_for_its_rests(servo, of, amplitude);
+    format!("\n  {name:22} {:>10}       {head}\n", "value")
+        + &lines(&found, of, hertz)
+        + &open
+        + &small
+}
+
+/// Share of a sine by which rests that the model does not explain make it smaller to be said.
+const NOTABLE: f64 = 0.1;
+
+/// That rests under one command are apart in the recording by a part of this sine which the model has not.
+fn small_for_its_rests(servo: &ServoModel, of: &ModelMetadata, amplitude: f64) -> String {
+    let found = servo.unexplained_hysteresis();
+    let lacks = found.and_then(|found| Some((found.shown?, found.explained)));
+    let way = 2.0 * amplitude * servo.parameters(0).gain.abs();
+    match lacks.filter(|(shown, explained)| shown - explained > NOTABLE * way) {
+        Some((shown, explained)) => {
+            let unit = of.units().output.unwrap_or_default();
+            let [shown, explained] =
+                [shown, explained].map(|apart| with_unit(digits(apart, 2), unit));
+            format!(
+                "  {:22} rests are {shown} apart in the recording, of which the model has {explained}:\n  {:22} the servo follows so small a sine less, and later\n",
+                "", ""
+            )
+        }
+        None => String::new(),
+    }
 }
 
 /// By how much the times of the recording leave the phase open \[degrees\].
@@ -146,10 +174,7 @@ pub fn sine_of_machine(
     };
     match found.bounds {
         bounds if found.gain < ROUNDING * gain_at_rest.abs() => {
-            let none = Interval {
-                value: Some(0.0),
-                ..Interval::default()
-            };
+            let none = Interval::new(0.0, f64::NAN, f64::NAN);
             (with(none, Interval::default()), bounds.withdrawn())
         }
         Bounds::Valid([gain, phase]) => {

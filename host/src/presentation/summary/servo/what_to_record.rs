@@ -31,7 +31,8 @@ fn beside_what_the_model_lacks(document: &ServoModelDocument) -> Vec<&'static st
         QuantityKind::TopSpeedDownwards,
     ];
     let mut speeds = speeds.into_iter().filter_map(|kind| model.quantity(kind));
-    let shows_no_speed = speeds.any(|found| !found.determined);
+    let shows_no_speed =
+        speeds.any(|found| !found.determined && model.limit_of_strokes(found.kind()).is_none());
     // A motion that goes on shows no rests.
     let comes_to_rest = model.rests_apart.is_some() || model.hysteresis.is_some();
     let advice = [
@@ -61,8 +62,7 @@ fn holds_alike(model: &ServoModel) -> bool {
 const LARGER_STROKES: &str = "Strokes of this recording were too small to show the top speed: record larger ones, as far as the travel allows.";
 
 /// Said where a model that lacks something of the servo has no top speed.
-const SPEED_IS_OPEN: &str =
-    "The top speed is open: strokes over most of the travel show it, in a recording of their own.";
+const SPEED_IS_OPEN: &str = "The top speed is open, at least in one direction: strokes over most of the travel show it, in a recording of their own.";
 
 /// Said of a servo that a dead band or friction holds, where the record does not show which.
 const STAIRS_DO_NOT_SEPARATE: &str = "Dead band and friction rest alike, and stairs hardly distinguish them: a large slow motion that goes on does, such as \
@@ -72,7 +72,7 @@ const STAIRS_DO_NOT_SEPARATE: &str = "Dead band and friction rest alike, and sta
 /// What gives intervals in a file of another program, where more of the same does not.
 const PLAY_OR_PULSES: &str = "Another recording of this kind may have intervals where the model has all of the servo. Where pulses come on a clock of their own, commands wait for them, which neither \
     another reference nor shorter rows mend: change the command with the pulse, and write it in the row of that moment, as servoid's own board does. Where the gears have play, \
-    which the model lacks, hardly any recording has them.";
+    which the model lacks, hardly any recording has them. Runs between which the servo changed a little, as by its supply, may have them by themselves, and not together.";
 
 /// The same of a recording of servoid, whose commands change with the pulse.
 const PLAY: &str = "Another recording may have intervals where the model has all of the servo, and hardly any has where the gears have play, which it lacks.";
