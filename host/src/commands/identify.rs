@@ -102,6 +102,7 @@ impl Identify {
         }
         if let [file] = &self.files[..]
             && model_file::is_model(file)
+            && self.table.as_typed().is_empty()
         {
             return self.said_again(file);
         }

@@ -333,7 +333,8 @@ fn noise_in_the_column_of_the_command_is_no_fault_of_the_servo() {
     let said = text.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(!said.contains("servo is not linear"), "{text}");
     assert!(checks(&document).contains(&"command_noise"), "{text}");
-    let hides = "Noise in the column of the command hides whether this servo is linear";
+    let hides =
+        "What looks like noise in the column of the command hides whether this servo is linear";
     assert!(said.contains(hides), "{text}");
 }
 

@@ -94,32 +94,38 @@ impl Signals {
     fn of(run: &PredictedRun) -> Option<Self> {
         let errors = |by: &Option<Vec<f64>>| Some(run.errors_of(by.as_deref()?));
         let [linear, servo] = [&run.by_linear, &run.by_servo].map(errors);
-        let of_models = || linear.iter().chain(&servo);
-        let is_known = |k: &usize| {
-            !run.measured[*k].is_nan() && of_models().all(|errors| !errors[*k].is_nan())
-        };
-        let first = (0..run.measured.len()).find(is_known)?;
-        let last = (first..run.measured.len()).rfind(is_known)?;
-        let part = |values: &Vec<f64>| across_gaps(&values[first..=last]);
+        let mut known: Vec<bool> = run.measured.iter().map(|y| !y.is_nan()).collect();
+        for errors in linear.iter().chain(&servo) {
+            for (known, error) in known.iter_mut().zip(errors) {
+                *known &= !error.is_nan();
+            }
+        }
+        let first = known.iter().position(|known| *known)?;
+        let last = known.iter().rposition(|known| *known)?;
+        let part = |values: Vec<f64>| Some(across_gaps(values.get(first..=last)?));
         Some(Self {
-            motion: part(&run.measured),
-            linear: linear.as_ref().map(part),
-            servo: servo.as_ref().map(part),
+            motion: part(run.measured.clone())?,
+            linear: linear.and_then(part),
+            servo: servo.and_then(part),
         })
     }
 }
 
-/// The values with straight lines across those that are missing.
+/// The values, the first of which is known, with straight lines across those that are missing.
 fn across_gaps(values: &[f64]) -> Vec<f64> {
-    let mut filled = values.to_vec();
-    let known: Vec<usize> = (0..values.len()).filter(|k| !values[*k].is_nan()).collect();
-    for pair in known.windows(2) {
-        if let [from, to] = *pair {
-            let slope = (values[to] - values[from]) / (to - from) as f64;
-            for k in from + 1..to {
-                filled[k] = values[from] + slope * (k - from) as f64;
-            }
+    let mut filled: Vec<f64> = Vec::with_capacity(values.len());
+    let mut missing = 0;
+    for value in values {
+        if value.is_nan() {
+            missing += 1;
+            continue;
         }
+        if let Some(before) = filled.last().copied() {
+            let slope = (value - before) / (missing + 1) as f64;
+            filled.extend((1..=missing).map(|k| before + slope * k as f64));
+        }
+        filled.push(*value);
+        missing = 0;
     }
     filled
 }

@@ -69,7 +69,8 @@ pub(super) fn model_error(evidence: &Evidence<'_>) -> Option<Advice> {
         _ if misfit.unexcited_above_hz.is_some() => {
             "Record two seconds of rest before and after this motion, or steps that are held until the servo rests"
         }
-        _ => "Record steps that are held until the servo rests, smaller ones and fewer a second",
+        // Steps of several sizes are several answers, however long each is held.
+        _ => "Record steps of one size that are held until the servo rests",
     };
     Some(Advice::new(
         Check::ModelError,
@@ -273,7 +274,7 @@ pub(super) fn metrics(evidence: &Evidence<'_>) -> Option<Advice> {
             ),
             apart,
             DISAGREEMENT,
-            "Record steps that are held until the servo rests.",
+            "Record steps of one size that are held until the servo rests.",
         )
     })
 }

@@ -380,7 +380,7 @@ impl Split {
         let freedom = (used().count() as f64 - 1.0, self.degrees());
         let ratio = between / freedom.0 / (self.of_line / freedom.1);
         let f = FisherSnedecor::new(freedom.0, freedom.1);
-        let differ = f.is_ok_and(|f| !(f.sf(ratio) >= RESIDUAL_SIGNIFICANCE));
+        let differ = f.is_ok_and(|f| f.sf(ratio) < RESIDUAL_SIGNIFICANCE);
         let above = |run: &(f64, f64, f64)| if differ { offset(run) - common } else { 0.0 };
         Some(self.runs.iter().map(above).collect())
     }

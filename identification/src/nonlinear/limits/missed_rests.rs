@@ -2,11 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::settling;
-use super::visits::{Visit, visits};
+use super::visits::Visit;
 use crate::data::column::span;
-use crate::data::{Record, Run};
-use crate::results::Model;
 use crate::thresholds::STOP_SHORT;
 
 /// A command under which the servo rests elsewhere than a model of it: beyond it there may be a stop.
@@ -20,22 +17,9 @@ pub struct MissedRest {
     pub modelled: f64,
 }
 
-/// Of the lowest and the highest command under which the servo comes to rest, those whose rests in `simulated`, run by run, are off by more than 1 % of the way
-/// between the farthest rests, and rests under one command are [`apart`](super::rests_apart) \[output\] in the record. The linear `model` of the record gives
-/// the length of a response.
-#[must_use]
-pub fn missed_rests(
-    record: &Record,
-    simulated: &[Vec<f64>],
-    model: &Model,
-    apart: f64,
-) -> Vec<MissedRest> {
-    let pairs = record.runs().iter().zip(simulated);
-    let by_model = pairs.map(|(run, output)| run.with_output(output.clone()));
-    let by_model: Vec<Run> = by_model.collect();
-    let settling = settling(record, model);
-    let measured = visits(record.runs(), settling);
-    let modelled = visits(&by_model, settling);
+/// Of the lowest and the highest command that was visited, those whose rests in `modelled`, visit by visit, are off by more than 1 % of the way between the farthest
+/// rests, and rests under one command are `apart` \[output\].
+pub(super) fn missed(measured: &[Visit], modelled: &[Visit], apart: f64) -> Vec<MissedRest> {
     let Some(way) = span(measured.iter().map(|visit| visit.rest)) else {
         return Vec::new();
     };
@@ -49,8 +33,8 @@ pub fn missed_rests(
         };
         let rest = MissedRest {
             command,
-            measured: mean(&measured)?,
-            modelled: mean(&modelled)?,
+            measured: mean(measured)?,
+            modelled: mean(modelled)?,
         };
         ((rest.measured - rest.modelled).abs() > apart + STOP_SHORT * way).then_some(rest)
     });
@@ -60,36 +44,29 @@ pub fn missed_rests(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Options, Settling, identify};
 
-    /// A servo of first order that stops at 6.5, under levels of 100 samples.
+    /// Levels that are reached twice, each from another one, of a servo that stops at 6.5.
     #[test]
     fn a_rest_at_a_stop_is_missed_by_a_servo_without_one() {
-        let levels = [0.0, 4.0, 2.0, 8.0, -4.0, 6.0, -2.0];
-        let input: Vec<f64> = (0..4200).map(|k| levels[k / 100 % 7]).collect();
-        let moved = |stop: f64| -> Vec<f64> {
-            let follow = |y: &mut f64, u: &f64| {
-                *y = (*y + 0.2 * (u - *y)).min(stop);
-                Some(*y)
+        let visits = |stop: f64, off: f64| -> Vec<Visit> {
+            let levels = [0.0, 4.0, 8.0, -4.0, 8.0, 0.0, -4.0];
+            let visit = |pair: &[f64]| Visit {
+                command: pair[1],
+                before: pair[0],
+                rest: pair[1].min(stop) + off,
+                moved: 0.0,
             };
-            input.iter().scan(0.0, follow).collect()
+            levels.windows(2).map(visit).collect()
         };
-        let noise = |k: usize| 0.002 * ((k * 7919 % 101) as f64 - 50.0) / 50.0;
-        let output: Vec<f64> = (moved(6.5).iter().enumerate())
-            .map(|(k, y)| y + noise(k))
-            .collect();
-        let record = Record::of_run(0.002, &input, &output).unwrap();
-        let options = Options {
-            settling: Settling::Samples(61),
-            ..Options::default()
+        let (measured, modelled) = (visits(6.5, 0.0), visits(100.0, 0.1));
+        let expected = MissedRest {
+            command: 8.0,
+            measured: 6.5,
+            modelled: 8.1,
         };
-        let model = identify(&record, &options).unwrap();
-        let [missed] = missed_rests(&record, &[moved(100.0)], &model, 0.0)[..] else {
-            panic!("one end is missed");
-        };
-        assert_eq!(missed.command, 8.0);
-        // The noise is 0.002 at the most.
-        assert!((missed.measured - 6.5).abs() < 0.002 && (missed.modelled - 8.0).abs() < 0.01);
-        assert!(missed_rests(&record, &[moved(6.5)], &model, 0.0).is_empty());
+        assert_eq!(missed(&measured, &modelled, 0.0), [expected]);
+        // Rests that friction keeps as far apart show nothing.
+        assert!(missed(&measured, &modelled, 1.55).is_empty());
+        assert!(missed(&measured, &visits(6.5, 0.1), 0.0).is_empty());
     }
 }

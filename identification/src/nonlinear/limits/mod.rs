@@ -32,7 +32,7 @@ use visits::{Visit, visits};
 
 pub use hysteresis::Hysteresis;
 pub use level_table::{Cell, Side};
-pub use missed_rests::{MissedRest, missed_rests};
+pub use missed_rests::MissedRest;
 pub use range_end::RangeEnd;
 pub use rate::{Rate, RateVerdict};
 pub use speed_limits::SpeedLimits;
@@ -143,6 +143,24 @@ fn with_stops(ends: [RangeEnd; 2], stops: &[f64]) -> [RangeEnd; 2] {
 #[must_use]
 pub fn rests_apart(record: &Record, model: &Model, level: f64) -> Option<Interval> {
     Rests::of(record, model).apart(level)
+}
+
+/// Of the lowest and the highest command under which the servo comes to rest, those whose rests in `simulated`, run by run, are off by more than 1 % of the way
+/// between the farthest rests, and rests under one command are [`apart`](rests_apart) \[output\] in the record. The linear `model` of the record gives the length of a
+/// response.
+#[must_use]
+pub fn missed_rests(
+    record: &Record,
+    simulated: &[Vec<f64>],
+    model: &Model,
+    apart: f64,
+) -> Vec<MissedRest> {
+    let pairs = record.runs().iter().zip(simulated);
+    let by_model = pairs.map(|(run, output)| run.with_output(output.clone()));
+    let by_model: Vec<Run> = by_model.collect();
+    let settling = settling(record, model);
+    let [measured, modelled] = [record.runs(), &by_model].map(|runs| visits(runs, settling));
+    missed_rests::missed(&measured, &modelled, apart)
 }
 
 /// Where a servo rests in a record: what the level table and the distance of rests are made of.

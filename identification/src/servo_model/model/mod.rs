@@ -317,7 +317,7 @@ impl ServoModel {
             hold(&theirs, &spread);
         }
         if own.is_some() {
-            for theirs in self.from_farthest_rests(input, controller) {
+            for theirs in self.responses_from_farthest_rests(input, controller) {
                 hold(&theirs, &spread);
             }
         }
@@ -329,7 +329,7 @@ impl ServoModel {
     }
 
     /// The responses from the two angles that are farthest apart among those at which the shaft stays under the first command; none where it has one rest.
-    fn from_farthest_rests(&self, input: &[f64], controller: usize) -> Vec<Vec<f64>> {
+    fn responses_from_farthest_rests(&self, input: &[f64], controller: usize) -> Vec<Vec<f64>> {
         let (physics, Some(first)) = (self.parameters(controller), input.first()) else {
             return Vec::new();
         };

@@ -128,7 +128,7 @@ impl ServoModel {
         ];
         let beyond = self.beyond_record(&sine.commands, &found.outputs, controller);
         // Next to the edge of a dead band the derivatives are of no use.
-        let open = !(half[1] < PI);
+        let open = half[1].is_nan() || half[1] >= PI;
         SineResponse {
             gain,
             phase_deg,

@@ -46,9 +46,9 @@ pub(super) fn quantities(
             .filter_map(|servo| definition.interval(servo, middle, critical))
             .reduce(hull)?;
         let hull = definition.without_senseless_bounds(hull);
-        let hull = match (level, definition.is_of_assumed_law()) {
-            (Bounds::Valid(_), true) => hull.without_bounds(),
-            _ => hull,
+        let hull = match level.valid().is_some() && definition.is_of_assumed_law() {
+            true => hull.without_bounds(),
+            false => hull,
         };
         let interval = definition.as_far_as_reached(hull, level.valid().is_some(), &motion.fastest);
         Some(Quantity {

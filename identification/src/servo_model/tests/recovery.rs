@@ -6,8 +6,8 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::{PERIOD_S, noisy, point, response, strokes, value, with_noise};
 use crate::data::Record;
-use crate::servo_model::descent::coordinates::{Coordinate, Terms};
-use crate::servo_model::{QuantityKind, ServoModelOptions, fit, quantities};
+use crate::servo_model::descent::coordinates::{Coordinate, Point, Terms};
+use crate::servo_model::{QuantityKind, ServoModel, ServoModelOptions, fit, quantities};
 use servoid_dynamics::{Grid, Start, simulate};
 
 #[test]
@@ -46,45 +46,6 @@ fn a_limited_servo_is_found_again() {
             "{value} {half} {truth}"
         );
     }
-}
-
-/// A servo that friction holds 0.4 above or below the middle of its rests begins at either.
-#[test]
-fn a_band_holds_a_servo_wherever_friction_held_it_at_first() {
-    let terms = Terms {
-        limit: true,
-        friction: true,
-        ..Terms::default()
-    };
-    let held = |at: Coordinate| match at {
-        Coordinate::Friction => 0.4,
-        other => value(other),
-    };
-    let (servo, input) = (point(terms, held), strokes(4000));
-    let record = Record::of_run(PERIOD_S, &input, noisy(&servo, &input, 3)).unwrap();
-    let found = fit(&record, &ServoModelOptions::default()).unwrap();
-    let new = [vec![0.0; 20], vec![3.0; 200]].concat();
-    let predicted = found.respond(&new, 0);
-    let half_width = predicted.half_width.valid().unwrap();
-    let physics = servo.physics(0, |_, value| value);
-    let [low, high] = physics.staying_angles(0.0);
-    assert!(high - low > 0.7);
-    for angle in [low, high] {
-        let start = Start::at_rest(angle * physics.gain + physics.offset, Some(0.0));
-        let mut from_there = Vec::new();
-        let grid = Grid::new(PERIOD_S, 0.0, 1e-4);
-        simulate(&physics, &grid, &start, &new, |_, y| from_there.push(y));
-        for (k, truth) in from_there.iter().enumerate() {
-            let (value, half) = (predicted.value[k], half_width[k]);
-            assert!(
-                (value - truth).abs() <= half + 1e-6,
-                "{k}: {value} {half} {truth}"
-            );
-        }
-    }
-    // Where the first stroke has ended, the start is forgotten.
-    let (first, last) = (half_width[0], half_width[219]);
-    assert!(last < 0.3 * first, "{first} {last}");
 }
 
 /// The motor has next to no damping of its own: full drive ends in no speed.
@@ -205,7 +166,30 @@ fn a_dead_band_is_not_taken_for_friction() {
             let interval = named.next().unwrap().interval.valid().unwrap();
             assert!(interval.contains(truth), "seed {seed}: {name} {interval:?}");
         }
+        require_band_from_all_rests(&servo, &found);
     }
+}
+
+/// The band of a stroke holds the servo from either edge of where it may have rested before.
+fn require_band_from_all_rests(servo: &Point, found: &ServoModel) {
+    let stroke = [vec![0.0; 20], vec![4.0; 200]].concat();
+    let predicted = found.respond(&stroke, 0);
+    let half_width = predicted.half_width.valid().unwrap();
+    let physics = servo.physics(0, |_, value| value);
+    for angle in physics.staying_angles(0.0) {
+        let start = Start::at_rest(angle * physics.gain + physics.offset, Some(0.0));
+        let grid = Grid::new(PERIOD_S, 0.0, 1e-4);
+        simulate(&physics, &grid, &start, &stroke, |k, truth| {
+            let (value, half) = (predicted.value[k], half_width[k]);
+            assert!(
+                (value - truth).abs() <= half + 1e-6,
+                "{k}: {value} {half} {truth}"
+            );
+        });
+    }
+    // The edges are 0.4 of the unit from the middle, by the gain; where the stroke has ended, the start is forgotten.
+    let (first, last) = (half_width[0], half_width[219]);
+    assert!(first > 0.4 && last < 0.5 * first, "{first} {last}");
 }
 
 #[test]

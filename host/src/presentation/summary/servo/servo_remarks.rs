@@ -162,7 +162,7 @@ mod tests {
         assert_eq!(of_missed_rests(&model, Units::default()), None);
         model.missed_rests = vec![MissedRest {
             command: 50.0,
-            measured: 41.175,
+            measured: 41.18,
             modelled: 45.52,
         }];
         let degrees = Units {

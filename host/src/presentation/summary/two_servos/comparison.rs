@@ -42,12 +42,20 @@ pub(crate) fn table_of_comparison(a: &str, b: &str, found: &Comparison) -> Strin
         Some(_) => "with one N and n for both sides",
         None => "each with its own N and n",
     };
+    let rows = difference_rows(found, "");
+    let has_intervals = rows
+        .iter()
+        .any(|row| matches!(&row.cells[..], [.., (_, bounds)] if !bounds.is_empty()));
+    let head = match (has_intervals, found.of) {
+        (true, _) => format!("{level} % interval{}", whose_intervals(found)),
+        (false, Subject::Servos) => "no intervals: not each run by itself has these".to_owned(),
+        (false, Subject::Runs) => "no intervals".to_owned(),
+    };
     let mut text = format!(
-        "  {structure:32} {a:>10} {b:>10} {:>12}  {level} % interval{}\n",
-        "difference",
-        whose_intervals(found)
+        "  {structure:32} {a:>10} {b:>10} {:>12}  {head}\n",
+        "difference"
     );
-    for row in difference_rows(found, "") {
+    for row in rows {
         if let [(a, _), (b, _), (difference, bounds)] = &row.cells[..] {
             let label = row.label;
             text += &format!("  {label:32} {a:>10} {b:>10} {difference:>12}  {bounds}\n");
