@@ -159,15 +159,14 @@ pub(super) fn as_table(octaves: &[OctaveError], unit: Option<&str>) -> String {
         };
         let motion = octave.motion_rms;
         let of_models = models.iter().filter_map(|(of, _)| of(octave));
-        let of_models: String = of_models
-            .map(|rms| {
-                format!(
-                    "{:>12}{:>8}",
-                    digits(rms, 3),
-                    format!("{:.0} %", 100.0 * rms / motion)
-                )
-            })
-            .collect();
+        let with_share = |rms: f64| {
+            let share = match motion > 0.0 {
+                true => format!("{:.0} %", 100.0 * rms / motion),
+                false => "-".to_owned(),
+            };
+            format!("{:>12}{share:>8}", digits(rms, 3))
+        };
+        let of_models: String = of_models.map(with_share).collect();
         text += &format!("  {between:<12}{:>12}{of_models}\n", digits(motion, 3));
     }
     text
