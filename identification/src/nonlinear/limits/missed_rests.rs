@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::visits::Visit;
-use crate::data::column::span;
+use crate::data::column::{mean, span};
 use crate::thresholds::STOP_SHORT;
 
 /// A command under which the servo rests elsewhere than a model of it: beyond it there may be a stop.
@@ -26,15 +26,14 @@ pub(super) fn missed(measured: &[Visit], modelled: &[Visit], apart: f64) -> Vec<
     let commands = || measured.iter().map(|visit| visit.command);
     let ends = [commands().reduce(f64::min), commands().reduce(f64::max)];
     let missed = ends.into_iter().flatten().filter_map(|command| {
-        let mean = |visits: &[Visit]| {
+        let mean_rest = |visits: &[Visit]| {
             let at_end = visits.iter().filter(|visit| visit.command == command);
-            let rests: Vec<f64> = at_end.map(|visit| visit.rest).collect();
-            (!rests.is_empty()).then(|| rests.iter().sum::<f64>() / rests.len() as f64)
+            mean(&at_end.map(|visit| visit.rest).collect::<Vec<f64>>())
         };
         let rest = MissedRest {
             command,
-            measured: mean(measured)?,
-            modelled: mean(modelled)?,
+            measured: mean_rest(measured)?,
+            modelled: mean_rest(modelled)?,
         };
         ((rest.measured - rest.modelled).abs() > apart + STOP_SHORT * way).then_some(rest)
     });

@@ -336,11 +336,7 @@ impl ServoModel {
         let [low, high] = physics.staying_angles(*first);
         let ends = [low, high].into_iter().filter(|_| low < high);
         let from = |angle: f64| {
-            let start = Start {
-                output: angle * physics.gain + physics.offset,
-                rate: 0.0,
-                command_before: Some(*first),
-            };
+            let start = Start::at_rest(angle * physics.gain + physics.offset, Some(*first));
             let mut value = Vec::new();
             let grid = self.grid(self.timing());
             simulate(&physics, &grid, &start, input, |_, y| value.push(y));
