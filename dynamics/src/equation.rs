@@ -48,6 +48,13 @@ pub enum Load<S> {
         /// Radians for each unit of the command.
         radians: f64,
     },
+    /// A spring, or the hinge moment of a surface in the air at small angles: `constant` + `rate` θ.
+    Spring {
+        /// Acceleration at θ = 0.
+        constant: S,
+        /// Its growth (1/s²); positive turns back.
+        rate: S,
+    },
     /// The hinge moment of a surface in the air: `constant` + `stiffening` (θ - `from`)² beyond `from`. Where
     /// `stiffening` is negative, beyond means below.
     Air {
@@ -68,6 +75,7 @@ impl<S: Scalar> Load<S> {
             Self::None => [none; 3],
             Self::Constant(constant) => [constant, none, none],
             Self::Pendulum { gravity, from, .. } => [gravity, from, none],
+            Self::Spring { constant, rate } => [constant, rate, none],
             Self::Air {
                 constant,
                 stiffening,
@@ -88,6 +96,7 @@ impl<S: Scalar> Load<S> {
                 from,
                 radians,
             } => gravity * ((angle + from) * radians).sin(),
+            Self::Spring { constant, rate } => constant + rate * angle,
             Self::Air {
                 constant,
                 stiffening,
@@ -105,6 +114,12 @@ impl<S: Scalar> Load<S> {
 }
 
 impl Load<f64> {
+    /// Its growth with the angle at `angle` (1/s²).
+    #[must_use]
+    pub fn rate_at(&self, angle: f64) -> f64 {
+        self.slopes_at(angle).0
+    }
+
     /// Its derivatives at `angle`: by the angle, and by its own numbers.
     #[inline(always)]
     pub(crate) fn slopes_at(&self, angle: f64) -> (f64, [f64; 3]) {
@@ -120,6 +135,7 @@ impl Load<f64> {
                 let by_angle = gravity * radians * cos;
                 (by_angle, [sin, by_angle, 0.0])
             }
+            Self::Spring { rate, .. } => (rate, [1.0, angle, 0.0]),
             Self::Air {
                 stiffening, from, ..
             } => {
@@ -450,6 +466,10 @@ impl<S: Scalar> ServoParameters<S> {
                     gravity: load(0, gravity),
                     from: load(1, from),
                     radians,
+                },
+                Load::Spring { constant, rate } => Load::Spring {
+                    constant: load(0, constant),
+                    rate: load(1, rate),
                 },
                 Load::Air {
                     constant,

@@ -265,6 +265,10 @@ mod tests {
             stiffening: 60.0,
             from: 5.0,
         };
+        let spring = Load::Spring {
+            constant: -900.0,
+            rate: 80.0,
+        };
         let with = |dead_band, ratio, friction, load| ServoParameters {
             dead_band,
             limit: unequal(ratio),
@@ -278,6 +282,8 @@ mod tests {
             with(Some(0.6), 1.0, None, Load::Constant(2000.0)),
             with(None, 0.5, None, Load::Constant(-1800.0)),
             with(Some(0.6), 0.7, None, weight),
+            with(Some(0.6), 0.7, None, spring),
+            with(None, 1.2, friction(400.0, 0.1, 0.5), spring),
             // Full drive does not lift this: it rests where the air holds it.
             with(Some(0.3), 1.3, None, air),
             with(Some(0.6), 0.7, friction(400.0, 0.1, 0.5), weight),

@@ -41,6 +41,10 @@ fn variables(servo: &ServoParameters<f64>) -> ServoParameters<Number> {
                 from: number(14),
                 radians,
             },
+            Load::Spring { .. } => Load::Spring {
+                constant: number(13),
+                rate: number(14),
+            },
             Load::Air { .. } => Load::Air {
                 constant: number(13),
                 stiffening: number(14),
@@ -69,6 +73,10 @@ fn servos() -> Vec<ServoParameters<f64>> {
             gravity: 800.0,
             from: 20.0,
             radians: 0.03,
+        },
+        Load::Spring {
+            constant: -90.0,
+            rate: 70.0,
         },
         Load::Air {
             constant: 60.0,

@@ -1,11 +1,12 @@
 //! The models of a file with the recording that they are held against.
 
 use super::misfit::{Line, Misfit};
-use super::pulses::{StatedPulses, at_closest_pulses};
+use super::pulse_search::closest_pulses;
+use super::pulses::StatedPulses;
 use crate::data::PredictedRun;
 use crate::data::dataset::Dataset;
 use crate::data::model_file::{ModelFile, ServoModelDocument};
-use anyhow::Result;
+use anyhow::{Context, Result};
 use servoid_identification::results::{Model, Validation};
 use servoid_identification::servo_model::ServoModel;
 use servoid_identification::{Error, Record, Run};
@@ -49,25 +50,25 @@ impl<'d> ModelOnRecording<'d> {
         })
     }
 
-    /// The same with commands at pulses every `frame_s`, where the servo model, or the linear one of a file without one, is closest.
+    /// The same with commands at pulses about every `frame_s`, where the servo model, or the linear one of a file without one, is closest.
     ///
     /// # Errors
     /// The model cannot be held against any run.
     pub(super) fn at_pulses(self, frame_s: f64) -> Result<Self> {
-        let error = |run: Run<'d>, number: usize| {
-            let record = self.record.try_with_runs(vec![run]).ok()?;
-            let found = match &self.servo {
-                Some(servo) => {
-                    let controller = servo.controllers.get(number..=number);
-                    servo
-                        .model
-                        .validate(&record, controller.unwrap_or_default())
-                }
-                None => self.linear.validate(&record),
-            };
-            found.ok().map(|found| found.rmse)
+        let predict = |run: Run<'d>, number: usize| match &self.servo {
+            Some(servo) => {
+                let record = self.record.try_with_runs(vec![run]).ok()?;
+                let controller = servo.controllers.get(number..=number);
+                let runs = (servo.model).simulate(&record, controller.unwrap_or_default());
+                runs.into_iter().next()
+            }
+            None => Some(self.linear.simulate(&run)),
         };
-        let (record, pulses) = at_closest_pulses(&self.record, frame_s, &error)?;
+        let found = closest_pulses(&self.record, frame_s, &predict).with_context(|| {
+            "the model can be held against none of the runs, so that no pulses are found: a validation without --frame-ms says why"
+        })?;
+        let record = found.held(&self.record)?;
+        let pulses = StatedPulses::of(found, frame_s);
         Ok(Self {
             record: Cow::Owned(record),
             pulses: Some(pulses),

@@ -170,6 +170,10 @@ impl StepResponses {
         let because = (periods.map(PeriodsDiffer::in_words))
             .or_else(|| units.map(UnitsDiffer::in_words))
             .filter(|_| machines);
+        let remedy = match periods {
+            Some(_) => " Where rows were meant to be equally far apart in both, identify both sides with that as --period.",
+            None => "",
+        };
         let Some(because) = because else {
             return Err(error);
         };
@@ -180,7 +184,7 @@ impl StepResponses {
             margin_percent,
             bounds: (),
             withdrawn: (),
-            summary: format!("The step responses are not compared, because {because}."),
+            summary: format!("The step responses are not compared, because {because}.{remedy}"),
             advice: Vec::new(),
         }))
     }

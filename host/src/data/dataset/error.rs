@@ -133,7 +133,7 @@ pub enum DatasetFault {
     Json,
     /// Files of different periods (s).
     #[error(
-        "was sampled every {found} s and the file before it every {expected} s: record both at one rate, or identify them apart"
+        "was sampled every {found} s and the file before it every {expected} s: record both at one rate, or identify them apart; where rows were meant to be equally far apart in both, state how far for all of them with --period"
     )]
     MixedPeriods {
         /// Its own.

@@ -139,6 +139,7 @@ fn the_coordinates_are_in_the_equation_as_the_page_says() {
         }
         let loads = [
             ("constant_load", "load_constant", k),
+            ("spring", "load_rate", k),
             ("gravity", "load_gravity", k),
             ("gravity_from", "load_from", 1.0),
             ("air_stiffening", "load_stiffening", k),

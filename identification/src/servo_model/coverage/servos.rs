@@ -22,6 +22,8 @@ pub(super) enum Kind {
     UndampedMotor,
     /// Within the class too: the speed is cut off at a limit, and the acceleration has one or not.
     CutOffSpeed,
+    /// Within the class too: under the load of a spring.
+    Spring,
     Stiction,
     Backlash,
     CurrentLimit,
@@ -30,11 +32,12 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    pub(super) const ALL: [Self; 9] = [
+    pub(super) const ALL: [Self; 10] = [
         Self::InClass,
         Self::RateLimit,
         Self::UndampedMotor,
         Self::CutOffSpeed,
+        Self::Spring,
         Self::Stiction,
         Self::Backlash,
         Self::CurrentLimit,
@@ -45,9 +48,11 @@ impl Kind {
     /// What servos of this kind have beyond the class.
     fn beyond(self, top_speed: f64, between: &mut impl FnMut(f64, f64) -> f64) -> Beyond {
         match self {
-            Self::InClass | Self::RateLimit | Self::UndampedMotor | Self::CutOffSpeed => {
-                Beyond::Nothing
-            }
+            Self::InClass
+            | Self::RateLimit
+            | Self::UndampedMotor
+            | Self::CutOffSpeed
+            | Self::Spring => Beyond::Nothing,
             Self::Stiction => Beyond::Stiction {
                 excess: between(0.5, 2.0),
                 until: top_speed * between(0.002, 0.02),
@@ -74,6 +79,7 @@ impl fmt::Display for Kind {
             Self::RateLimit => "rate limit",
             Self::UndampedMotor => "undamped motor",
             Self::CutOffSpeed => "cut-off speed",
+            Self::Spring => "spring",
             Self::Stiction => "stiction",
             Self::Backlash => "backlash",
             Self::CurrentLimit => "current limit",
@@ -128,6 +134,7 @@ pub(super) fn servo(kind: Kind, seed: u64) -> Truth {
         Coordinate::Friction => between(0.05, 0.3),
         Coordinate::FrictionAtRest => between(0.0, 1.0),
         Coordinate::ConstantLoad => between(-0.5, 0.5),
+        Coordinate::Spring => between(0.02, 0.15),
         _ => 0.0,
     };
     let coordinates = terms.coordinates(1);
@@ -144,7 +151,7 @@ pub(super) fn servo(kind: Kind, seed: u64) -> Truth {
     Truth { point, beyond }
 }
 
-/// Half of the servos have two speeds, a third each dead band and friction, and a third a constant load. Stiction needs
+/// Half of the servos have two speeds, a third each dead band and friction, and a third a constant load; all of one kind that of a spring. Stiction needs
 /// friction. Friction of the gears is not drawn.
 fn terms(kind: Kind, seed: u64) -> Terms {
     let loads = [LoadKind::None, LoadKind::Constant, LoadKind::None];
@@ -155,6 +162,9 @@ fn terms(kind: Kind, seed: u64) -> Terms {
         dead_band: seed % 3 == 1,
         friction: seed % 3 == 2 || kind == Kind::Stiction,
         friction_of_gears: false,
-        load: loads[seed as usize / 3 % 3],
+        load: match kind {
+            Kind::Spring => LoadKind::Spring,
+            _ => loads[seed as usize / 3 % 3],
+        },
     }
 }

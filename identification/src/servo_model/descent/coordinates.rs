@@ -43,6 +43,8 @@ pub enum Coordinate {
     FrictionOfGears,
     /// Constant load over k \[units of the command\].
     ConstantLoad,
+    /// Growth of the load of a spring with the angle, over k.
+    Spring,
     /// Acceleration of a weight on a level arm, over k \[units of the command\].
     Gravity,
     /// Angle of that arm from the vertical at θ = 0 \[units of the command\].
@@ -58,7 +60,7 @@ pub enum Coordinate {
 use Coordinate::{
     AirFrom, AirStiffening, ConstantLoad, DeadBand, Delay, FrictionAtRest, FrictionOfGears, Gain,
     Gravity, GravityFrom, LnAcceleration, LnDamping, LnDownToUp, LnOwnStiffness, LnSpeedLimit,
-    LnStiffness, LnTopSpeed, MotorShare, Offset,
+    LnStiffness, LnTopSpeed, MotorShare, Offset, Spring,
 };
 
 /// ωs B/A+, the speed at which half of the excess of friction at rest is gone, as a share of the top speed. Records hardly show
@@ -103,9 +105,8 @@ impl Coordinate {
             FrictionOfGears => (0.0, 0.9),
             LnDownToUp | LnOwnStiffness(_) => (-4.0, 4.0),
             DeadBand | Coordinate::Friction | FrictionAtRest => (0.0, f64::INFINITY),
-            Gain | Offset | ConstantLoad | Gravity | GravityFrom | AirStiffening | AirFrom => {
-                (f64::NEG_INFINITY, f64::INFINITY)
-            }
+            Gain | Offset | ConstantLoad | Spring | Gravity | GravityFrom | AirStiffening
+            | AirFrom => (f64::NEG_INFINITY, f64::INFINITY),
         }
     }
 }
@@ -146,6 +147,8 @@ pub enum LoadKind {
     Constant,
     /// A weight on an arm that hangs at θ = 0: G sin θ.
     Pendulum,
+    /// A spring, or a surface in the air at small angles: a constant torque and one that grows with θ.
+    Spring,
     /// A weight on an arm that hangs at another angle: G sin(θ + θ0).
     TiltedPendulum,
     /// A surface in the air, whose load stiffens beyond an angle.
@@ -154,10 +157,11 @@ pub enum LoadKind {
 
 impl LoadKind {
     /// All kinds, those with fewer coordinates first.
-    pub(crate) const BY_COORDINATES: [Self; 5] = [
+    pub(crate) const BY_COORDINATES: [Self; 6] = [
         Self::None,
         Self::Constant,
         Self::Pendulum,
+        Self::Spring,
         Self::TiltedPendulum,
         Self::Air,
     ];
@@ -195,6 +199,7 @@ impl Terms {
             LoadKind::None => {}
             LoadKind::Constant => with(true, &[ConstantLoad]),
             LoadKind::Pendulum => with(true, &[Gravity]),
+            LoadKind::Spring => with(true, &[ConstantLoad, Spring]),
             LoadKind::TiltedPendulum => with(true, &[Gravity, GravityFrom]),
             LoadKind::Air => with(true, &[ConstantLoad, AirStiffening, AirFrom]),
         }
@@ -328,6 +333,10 @@ impl Point {
                     gravity: get(Gravity) * shared,
                     from: get(GravityFrom),
                     radians: self.radians,
+                },
+                LoadKind::Spring => Load::Spring {
+                    constant,
+                    rate: get(Spring) * shared,
                 },
                 LoadKind::Air => Load::Air {
                     constant,

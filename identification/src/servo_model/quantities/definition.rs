@@ -72,13 +72,16 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         QuantityKind::Bandwidth,
         Unit::Hertz,
         Domain::Positive,
-        |p, _| Some(bandwidth_hz(p)),
+        bandwidth_hz,
     ),
     define(
         QuantityKind::DampingRatio,
         Unit::One,
         Domain::Positive,
-        |p, _| Some(p.damping / (2.0 * p.stiffness.sqrt())),
+        |p, middle| {
+            let stiffness = stiffness_under_load(p, middle)?;
+            Some(p.damping / (2.0 * stiffness.sqrt()))
+        },
     ),
     Definition {
         reached: Some(|fastest| fastest.upwards),
@@ -150,6 +153,15 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         },
     ),
     define(
+        QuantityKind::SpringOfLoad,
+        Unit::One,
+        Domain::Any,
+        |p, _| match p.load {
+            Load::Spring { rate, .. } => Some(rate / p.stiffness),
+            _ => None,
+        },
+    ),
+    define(
         QuantityKind::LoadOfLevelArm,
         Unit::Command,
         Domain::Any,
@@ -160,11 +172,17 @@ pub(super) const DEFINITIONS: &[Definition] = &[
     ),
 ];
 
-/// Frequency at which the response to small commands has fallen by 3 dB \[Hz\], without load and friction.
-fn bandwidth_hz(p: &ServoParameters<f64>) -> f64 {
-    // |k/(k - ω² + jcω)|² = 1/2, a quadratic in ω².
-    let half = p.stiffness - 0.5 * p.damping * p.damping;
-    ((half + (half * half + p.stiffness * p.stiffness).sqrt()).sqrt()) / TAU
+/// The stiffness of loop and load together at the angle `middle` (1/s²); `None` where the load turns the shaft away.
+fn stiffness_under_load(p: &ServoParameters<f64>, middle: f64) -> Option<f64> {
+    Some(p.stiffness + p.load.rate_at(middle)).filter(|stiffness| *stiffness > 0.0)
+}
+
+/// Frequency at which the response to small commands has fallen by 3 dB \[Hz\], under the load about the middle and without friction.
+fn bandwidth_hz(p: &ServoParameters<f64>, middle: f64) -> Option<f64> {
+    let stiffness = stiffness_under_load(p, middle)?;
+    // |K/(K - ω² + jcω)|² = 1/2, a quadratic in ω².
+    let half = stiffness - 0.5 * p.damping * p.damping;
+    Some(((half + (half * half + stiffness * stiffness).sqrt()).sqrt()) / TAU)
 }
 
 /// Speeds upwards and downwards under the load at the middle. With it, and not without: a constant load and unequal drives make the same

@@ -33,12 +33,14 @@ pub enum QuantityKind {
     FrictionOfGears,
     /// At the middle of the commands.
     LoadAtMiddle,
+    /// Growth of the load with the angle, over the stiffness of the loop.
+    SpringOfLoad,
     /// Of an arm with a weight.
     LoadOfLevelArm,
 }
 
 /// All of them.
-const ALL: [QuantityKind; 16] = [
+const ALL: [QuantityKind; 17] = [
     QuantityKind::Delay,
     QuantityKind::Gain,
     QuantityKind::Offset,
@@ -54,6 +56,7 @@ const ALL: [QuantityKind; 16] = [
     QuantityKind::FrictionAtRest,
     QuantityKind::FrictionOfGears,
     QuantityKind::LoadAtMiddle,
+    QuantityKind::SpringOfLoad,
     QuantityKind::LoadOfLevelArm,
 ];
 
@@ -76,6 +79,7 @@ impl QuantityKind {
         Self::RestingError,
         Self::FrictionOfGears,
         Self::LoadAtMiddle,
+        Self::SpringOfLoad,
         Self::LoadOfLevelArm,
         Self::Gain,
         Self::Offset,
@@ -85,7 +89,7 @@ impl QuantityKind {
     pub const OF_FRICTION: &[Self] = &[Self::DeadBand, Self::RestingError, Self::FrictionOfGears];
 
     /// What pulls to one side.
-    pub const OF_LOAD: &[Self] = &[Self::LoadAtMiddle, Self::LoadOfLevelArm];
+    pub const OF_LOAD: &[Self] = &[Self::LoadAtMiddle, Self::SpringOfLoad, Self::LoadOfLevelArm];
 
     /// The name that documents have.
     #[must_use]
@@ -106,6 +110,7 @@ impl QuantityKind {
             Self::FrictionAtRest => "friction at rest to that in motion",
             Self::FrictionOfGears => "friction of the gears",
             Self::LoadAtMiddle => "load at the middle",
+            Self::SpringOfLoad => "spring of the load to that of the loop",
             Self::LoadOfLevelArm => "load of a level arm",
         }
     }

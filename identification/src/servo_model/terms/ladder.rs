@@ -186,6 +186,10 @@ impl Ladder<'_> {
                 ..limited
             },
             Terms {
+                load: LoadKind::Spring,
+                ..limited
+            },
+            Terms {
                 load: LoadKind::TiltedPendulum,
                 ..limited
             },
@@ -406,7 +410,9 @@ impl Ladder<'_> {
             return vec![plain];
         }
         match terms.load {
-            LoadKind::None | LoadKind::Constant | LoadKind::Pendulum => vec![plain],
+            LoadKind::None | LoadKind::Constant | LoadKind::Pendulum | LoadKind::Spring => {
+                vec![plain]
+            }
             LoadKind::TiltedPendulum => {
                 let level = std::f64::consts::FRAC_PI_2 / self.radians;
                 vec![varied(Coordinate::GravityFrom, level), plain]

@@ -45,7 +45,7 @@ fn half_the_step_has_a_quarter_of_the_error() {
 
 #[test]
 fn derivatives_of_the_motion_are_those_of_differences() {
-    for load in [LoadKind::TiltedPendulum, LoadKind::Air] {
+    for load in [LoadKind::Spring, LoadKind::TiltedPendulum, LoadKind::Air] {
         let terms = Terms {
             limit: true,
             two_speeds: true,

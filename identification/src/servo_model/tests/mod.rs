@@ -52,6 +52,7 @@ fn value(at: Coordinate) -> f64 {
         Coordinate::FrictionAtRest => 0.7,
         Coordinate::FrictionOfGears => 0.1,
         Coordinate::ConstantLoad => 0.2,
+        Coordinate::Spring => 0.05,
         Coordinate::Gravity => 0.4,
         Coordinate::GravityFrom => 40.0,
         Coordinate::AirStiffening => 0.02,

@@ -36,7 +36,7 @@ const HIGHEST_CUTOFF: f64 = 0.45;
 const LIMIT_THE_COMMAND: &str = "limit the command to the stops, by the limits of its channel (SERVOn_MIN, SERVOn_MAX) or before it";
 
 /// What SITL has not.
-const LEFT_OUT: [Term; 12] = [
+const LEFT_OUT: [Term; 13] = [
     Term::FullDrive,
     Term::SpeedInLoop,
     Term::TwoSpeeds,
@@ -47,6 +47,7 @@ const LEFT_OUT: [Term; 12] = [
     Term::FrictionAtRest,
     Term::ConstantLoad,
     Term::Weight,
+    Term::Spring,
     Term::StiffeningLoad,
     Term::Stops,
 ];
@@ -131,13 +132,14 @@ fn speed(full: f64) -> f64 {
 pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportError> {
     let servo = &export.parameters;
     let command = FullCommand::of(export)?;
-    let full_speed = Parameters::of(export, command.full, 0.0)?;
+    let in_loop = &export.with_spring_in_loop();
+    let full_speed = Parameters::of(in_loop, command.full, 0.0)?;
     let trial = Trial::of(export, 1.0 / full_speed.rate_hz, command.possible());
     let outputs = |commands: Vec<f64>| -> Vec<f64> {
         commands.into_iter().map(|u| command.output(u)).collect()
     };
     // What the header says of what is done with the output.
-    let each = servo.gain * command.full;
+    let each = in_loop.parameters.gain * command.full;
     let positions = |outputs: &[f64], servo: &ServoParameters| -> Vec<f64> {
         let at_zero = servo.resting_output(command.zero);
         outputs
@@ -155,10 +157,14 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         positions(&parameters.respond(&outputs(commands.to_vec())), servo)
     });
     // The trial has its commands at pulses, and no wait.
-    let written = Parameters::of(export, command.full, export.frame_s() / 2.0)?.slower(share);
+    let written = Parameters::of(in_loop, command.full, export.frame_s() / 2.0)?.slower(share);
     let smooth = SmoothCommand::of(export, &trial, written.top(command.full));
     let found = parameters.respond(&outputs(trial.command()));
-    let unloaded = export.parameters_with(Load::None).without_stops();
+    let of_loop = match servo.load {
+        spring @ Load::Spring { .. } => spring,
+        _ => Load::None,
+    };
+    let unloaded = export.parameters_with(of_loop).without_stops();
     let found = |servo: &ServoParameters| positions(&found, servo);
     let difference = Difference::of(export, trial, found, &unloaded);
     let rate = format!("{:.0}", parameters.rate_hz);
@@ -224,7 +230,7 @@ fn one_speed(export: &ServoExport<'_>, speed: Option<f64>) -> Option<String> {
     let of_position = |speed: f64| four_digits(export.parameters.gain.abs() * speed);
     let unit = export.output_unit();
     let load = export.parameters.load;
-    let without = match load == export.only_constant_load() {
+    let without = match load == export.load_of_loop() {
         true => "",
         false => ", without the load that is left out,",
     };

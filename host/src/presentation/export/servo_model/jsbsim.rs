@@ -31,12 +31,13 @@ const STEP_S: f64 = 0.002;
 const DELAYS: usize = 8;
 
 /// What an actuator has not.
-const LEFT_OUT: [Term; 6] = [
+const LEFT_OUT: [Term; 7] = [
     Term::FullDrive,
     Term::SpeedInLoop,
     Term::FrictionOfGears,
     Term::FrictionAtRest,
     Term::Weight,
+    Term::Spring,
     Term::ChangeOfLoadOfAir,
 ];
 
@@ -70,6 +71,7 @@ struct Actuator {
 
 impl Actuator {
     fn of(export: &ServoExport<'_>) -> Self {
+        let export = &export.with_spring_in_loop();
         let p = &export.parameters;
         let like = (export.parameters_with(export.only_constant_load())).without_stops();
         let bias = like.resting_angle(0.0);
@@ -293,7 +295,7 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     let positions = actuator.respond(&trial.command(), step_s);
     let slowest = actuator.rates.map(|(up, down)| up.min(down));
     let smooth = SmoothCommand::of(export, &trial, slowest);
-    let like = export.parameters_with(export.only_constant_load());
+    let like = export.parameters_with(export.load_of_loop());
     let difference = Difference::of(export, trial, |_| positions.clone(), &like);
     let id = identifier(export.name);
     let [limits, tops] = [&actuator, &any].map(|of| of.rates.map(<[f64; 2]>::from));

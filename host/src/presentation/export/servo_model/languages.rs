@@ -204,6 +204,7 @@ impl ServoExport<'_> {
 
 const LOAD_CONSTANT: &str = "load_constant";
 const LOAD_GRAVITY: &str = "load_gravity";
+const LOAD_RATE: &str = "load_rate";
 const LOAD_FROM: &str = "load_from";
 const LOAD_RADIANS: &str = "load_radians";
 const LOAD_STIFFENING: &str = "load_stiffening";
@@ -221,6 +222,10 @@ fn load_parameters(load: &Load<f64>) -> Vec<(&'static str, f64, &'static str)> {
             (LOAD_GRAVITY, gravity, "of a level arm"),
             (LOAD_FROM, from, "the arm hangs at theta = -this"),
             (LOAD_RADIANS, radians, "radians for each unit of theta"),
+        ],
+        Load::Spring { constant, rate } => vec![
+            (LOAD_CONSTANT, constant, "at theta = 0"),
+            (LOAD_RATE, rate, "its growth with theta, 1/s^2"),
         ],
         Load::Air {
             constant,
@@ -244,6 +249,9 @@ fn load(load: &Load<f64>, language: &Language, id: &str, name: impl Fn(&str) -> 
         Load::None => return "0.0".to_owned(),
         Load::Constant(_) => return name(LOAD_CONSTANT),
         Load::Pendulum { .. } => language.weight,
+        Load::Spring { .. } => {
+            return format!("{} + {} * angle", name(LOAD_CONSTANT), name(LOAD_RATE));
+        }
         Load::Air { .. } => language.air,
     };
     let from = name(LOAD_FROM);

@@ -63,6 +63,10 @@ struct Joint {
     delay_steps: usize,
     step_s: f64,
     weight: Weight,
+    /// Torque of a spring for each rad of theta that the joint has turned.
+    spring: f64,
+    /// The joint's angle at theta = 0.
+    at_zero: f64,
 }
 
 impl Joint {
@@ -87,7 +91,16 @@ impl Joint {
             }),
             damping,
             frictionloss: p.friction.map_or(0.0, |friction| size * friction.coulomb),
-            load: turn.each * export.constant_load(),
+            load: turn.each
+                * match p.load {
+                    Load::Spring { constant, .. } => constant,
+                    _ => export.constant_load(),
+                },
+            spring: match p.load {
+                Load::Spring { rate, .. } => rate,
+                _ => 0.0,
+            },
+            at_zero: turn.at_zero,
             stops: [
                 radians * p.stops.lower.unwrap_or(f64::NEG_INFINITY),
                 radians * p.stops.upper.unwrap_or(f64::INFINITY),
@@ -118,7 +131,8 @@ impl Joint {
                 Some((up, down)) => wanted.clamp(-down, up),
                 None => wanted,
             };
-            let free = drive - self.damping * speed - self.load - self.weight.at(angle);
+            let load = self.load + self.spring * (angle - self.at_zero) + self.weight.at(angle);
+            let free = drive - self.damping * speed - load;
             let rubbed = self.with_friction(free, speed);
             let acceleration = rubbed + self.by_stop(angle, speed, rubbed);
             // A drive at its limit does not depend on the speed.
@@ -151,8 +165,13 @@ impl Joint {
                 number(TIME_CONSTANT * self.step_s)
             )
         });
-        let load = (self.load != 0.0).then(|| {
-            let values = [("id", id.to_owned()), ("load", number(-self.load))];
+        let load = (self.load != 0.0 || self.spring != 0.0).then(|| {
+            let at_angle_0 = self.spring * self.at_zero - self.load;
+            let values = [
+                ("id", id.to_owned()),
+                ("load", number(at_angle_0)),
+                ("spring", number(-self.spring)),
+            ];
             fill(include_str!("../templates/servo_model/load.mjcf"), &values)
         });
         let (actuator, law) = self.law();
@@ -253,7 +272,7 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     let smooth = SmoothCommand::of(export, &trial, None);
     let found = positions(trial.command());
     let load = match servo.load {
-        Load::Pendulum { .. } => servo.load,
+        Load::Pendulum { .. } | Load::Spring { .. } => servo.load,
         _ => export.only_constant_load(),
     };
     let like = export.parameters_with(load);

@@ -6,7 +6,9 @@ use crate::data::model_metadata::ModelMetadata;
 use crate::data::unitless_command::UnitlessCommand;
 use crate::presentation::export::error::ExportError;
 use servoid_identification::results::Model;
-use servoid_identification::servo_model::{Coordinate, Load, ServoModel, ServoParameters};
+use servoid_identification::servo_model::{
+    AtRest, Coordinate, DriveLimit, Friction, Load, ServoModel, ServoParameters, SpeedLimit,
+};
 
 /// Longest delay that a servo may have \[s\]: files keep the commands of that time.
 const LONGEST_DELAY_S: f64 = 10.0;
@@ -150,12 +152,15 @@ impl<'a> ServoExport<'a> {
         }
     }
 
-    /// The load of a program whose load is the same at all angles \[acceleration\]: of one of the air, its mean over the recorded range. Its
-    /// constant part alone may be many times as large, where the load stiffens from an angle far outside of that range.
+    /// The load of a program whose load is the same at all angles \[acceleration\]: of a spring and of one of the air, its mean over the recorded range. The
+    /// constant part alone may be many times as large, where θ = 0, or the angle from which it stiffens, is far outside of that range.
     pub(super) fn constant_load(&self) -> f64 {
         match self.parameters.load {
             Load::None | Load::Pendulum { .. } => 0.0,
             Load::Constant(constant) => constant,
+            Load::Spring { constant, rate } => {
+                constant + rate * recorded(self.model, &self.parameters).0
+            }
             Load::Air {
                 constant,
                 stiffening,
@@ -177,6 +182,54 @@ impl<'a> ServoExport<'a> {
         match self.constant_load() {
             0.0 => Load::None,
             constant => Load::Constant(constant),
+        }
+    }
+
+    /// The same servo in terms of which a spring is part of the loop, which is softer or stiffer by it: so it is at small signals. Full drive works against
+    /// the spring's mean over the recorded range.
+    pub(super) fn with_spring_in_loop(&self) -> Self {
+        let p = self.parameters;
+        let Load::Spring { rate, .. } = p.load else {
+            return self.clone();
+        };
+        let stiffness = p.stiffness + rate;
+        let share = p.stiffness / stiffness;
+        let middle = recorded(self.model, &p).0;
+        // About the middle θ'' counts share times as much, under the same command.
+        let parameters = ServoParameters {
+            stiffness,
+            gain: p.gain * share,
+            offset: p.offset + p.gain * middle * (1.0 - share),
+            limit: p.limit.map(|limit| DriveLimit {
+                up: limit.up / share,
+                ..limit
+            }),
+            speed_limit: p.speed_limit.map(|limit| SpeedLimit {
+                up: limit.up / share,
+                ..limit
+            }),
+            friction: p.friction.map(|friction| Friction {
+                coulomb: friction.coulomb / share,
+                at_rest: friction.at_rest.map(|at_rest| AtRest {
+                    speed: at_rest.speed / share,
+                    ..at_rest
+                }),
+                ..friction
+            }),
+            load: Load::Constant(self.constant_load() / share),
+            ..p
+        };
+        Self {
+            parameters,
+            ..self.clone()
+        }
+    }
+
+    /// The load of a program that has a constant one, and a loop that may have the spring in it.
+    pub(super) fn load_of_loop(&self) -> Load<f64> {
+        match self.parameters.load {
+            spring @ Load::Spring { .. } => spring,
+            _ => self.only_constant_load(),
         }
     }
 

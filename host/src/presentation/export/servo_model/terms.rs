@@ -25,6 +25,8 @@ pub(super) enum Term {
     FrictionAtRest,
     ConstantLoad,
     Weight,
+    /// Beside full drive: the loop has it.
+    Spring,
     StiffeningLoad,
     /// The same where its mean is kept.
     ChangeOfLoadOfAir,
@@ -48,6 +50,7 @@ impl Term {
             Self::FrictionAtRest => "the excess of friction at rest",
             Self::ConstantLoad => "the constant load",
             Self::Weight => "the weight",
+            Self::Spring => "the spring at full drive",
             Self::StiffeningLoad => "the load of the air",
             Self::ChangeOfLoadOfAir => "the load of the air, but for its mean",
             Self::Stops => "the stops",
@@ -117,7 +120,9 @@ impl ServoExport<'_> {
                     format!("the excess of friction at rest, which is {factor} times that in motion and falls around {speed} {command}/s")
                 })
             }
-            Term::ConstantLoad | Term::Weight | Term::StiffeningLoad => self.load(term),
+            Term::ConstantLoad | Term::Weight | Term::Spring | Term::StiffeningLoad => {
+                self.load(term)
+            }
             Term::ChangeOfLoadOfAir => self.load(Term::StiffeningLoad).map(|stiffening| {
                 let mean = self.acceleration(self.constant_load());
                 format!("{stiffening}: here it is the same at all angles, its mean over the recorded range together with its constant part, {mean}")
@@ -230,6 +235,11 @@ impl ServoExport<'_> {
                 "the weight on the arm, which takes {} with a level arm, and hangs at theta = {} {command}",
                 self.acceleration(gravity),
                 four_digits(-from)
+            )),
+            (Term::Spring, Load::Spring { rate, .. }) => Some(format!(
+                "the load of a spring at full drive, which grows by {} {command}/s^2 for each {command}, {} % of the stiffness of the loop: here gain and stiffness have it, and full drive is that against its mean",
+                four_digits(rate),
+                four_digits(100.0 * rate / self.parameters.stiffness)
             )),
             (
                 Term::StiffeningLoad,

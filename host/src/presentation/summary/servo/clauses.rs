@@ -144,6 +144,9 @@ pub(super) fn load(model: &ServoModel) -> Option<String> {
         LoadKind::Constant => {
             format!("works as if against a constant load ({LOOKS_LIKE_A_LOAD})")
         }
+        LoadKind::Spring => {
+            "works against a load that grows with the angle, as a spring or the air makes".to_owned()
+        }
         LoadKind::Pendulum | LoadKind::TiltedPendulum => {
             "works against a load that changes with the angle, as a weight on its arm or the air makes".to_owned()
         }
@@ -160,11 +163,15 @@ pub(crate) fn shows_load(model: &ServoModel) -> bool {
     let kind = match model.terms.load {
         LoadKind::None => return false,
         LoadKind::Constant | LoadKind::Air => QuantityKind::LoadAtMiddle,
+        LoadKind::Spring => QuantityKind::SpringOfLoad,
         LoadKind::Pendulum | LoadKind::TiltedPendulum => QuantityKind::LoadOfLevelArm,
     };
-    determined(model, kind).is_some_and(|load| {
-        is_one_sided(load) && load.value.abs() * model.radians_per_command < LARGEST_LOAD
-    })
+    let radians = match kind {
+        QuantityKind::SpringOfLoad => 1.0,
+        _ => model.radians_per_command,
+    };
+    determined(model, kind)
+        .is_some_and(|load| is_one_sided(load) && load.value.abs() * radians < LARGEST_LOAD)
 }
 
 /// A load that holds a servo further off its command is none \[rad\]: in small strokes a weight is much like a softer drive behind a larger gain.

@@ -141,6 +141,7 @@ fn load_in_words(load: LoadKind) -> &'static str {
         LoadKind::None => "",
         LoadKind::Constant => "constant load",
         LoadKind::Pendulum => "load as of a weight on a hanging arm",
+        LoadKind::Spring => "load as of a spring",
         LoadKind::TiltedPendulum => "load as of a weight on a tilted arm",
         LoadKind::Air => "load of the air",
     }

@@ -60,11 +60,18 @@ fn of_intervals(model: &ServoModel, units: Units<'_>) -> Option<String> {
             reason.because()
         ));
     }
-    let others = model.alternatives.len();
-    (others > 0).then(|| {
-        format!("{others} other sets of terms predict as well: the intervals hold for all of them.")
-    })
+    let of_others = match model.alternatives.len() {
+        0 => String::new(),
+        others => format!(
+            "{others} other sets of terms predict as well: the intervals hold for all of them. "
+        ),
+    };
+    Some(format!("{of_others}{AS_RECORDED}"))
 }
+
+/// What intervals of a servo model are of: nothing in them is estimated from how far runs lie apart.
+const AS_RECORDED: &str = "Intervals are of the servo as it was recorded: where supply, temperature or the zero of the sensor change from run to run, the next run, and the mean of \
+    many, may lie outside.";
 
 /// What stands in the place of intervals where none hold.
 const OTHER_FITS: &str = "Other fits, to parts of the recording and with other terms, come to figures that far apart. That is no interval: what the model lacks is \

@@ -50,7 +50,7 @@ pub struct Servo {
 const ALL_TERMS: &[&str] = &["limit", "two_speeds", "dead_band", "friction", "gears"];
 
 /// One with each term and each load, one without any, one that runs into its stops, and those whose speed is cut off.
-pub const SERVOS: [Servo; 13] = [
+pub const SERVOS: [Servo; 14] = [
     servo("linear", &[], "none"),
     servo("limited", &["limit"], "none"),
     servo(
@@ -76,6 +76,7 @@ pub const SERVOS: [Servo; 13] = [
         &["limit", "speed_limit", "two_speeds", "friction"],
         "constant",
     ),
+    servo("sprung", ALL_TERMS, "spring"),
 ];
 
 const fn servo(name: &'static str, terms: &'static [&'static str], load: &'static str) -> Servo {
@@ -344,6 +345,10 @@ impl Servo {
         with(
             self.load == "tilted_pendulum",
             &[("gravity", 1.0), ("gravity_from", 20.0)],
+        );
+        with(
+            self.load == "spring",
+            &[("constant_load", -0.3), ("spring", 0.08)],
         );
         with(
             self.load == "air",

@@ -1,0 +1,349 @@
+//! The length of the frame and the moments of pulses with which a model is closest to a recording.
+//!
+//! A length that is wrong by 0.1 % walks through a whole frame within a thousand frames: a search from length to length on a whole recording meets no slope
+//! until it is next to the right one. Within half a second lengths do not differ, and errors depend on the moment of the pulse alone. So the recording is predicted
+//! with pulses of the stated length at moments all over the frame; along any other length the errors are looked up, block by block, at the moments that
+//! it has come to. From the best one on, steps of length and moments are halved, with predictions of the whole recording.
+
+use crate::analysis::command_times::commands_at_pulses::at_pulses;
+use servoid_identification::{Error, Record, Run};
+
+/// Moments of pulses in a frame that are tried, evenly spaced.
+const MOMENTS: usize = 24;
+
+/// Times that the steps are halved.
+const HALVED: i32 = 4;
+
+/// How far a length may be from the stated one, as a share of it: the ceramic resonator of an Arduino keeps within half a percent.
+pub(super) const OF_LENGTH: f64 = 0.005;
+
+/// Frames of a block: with each length within [`OF_LENGTH`], pulses walk by less than a seventh of a frame in it.
+const FRAMES_OF_BLOCK: f64 = 25.0;
+
+/// What a model predicts of a run, which has this number; `None` where it cannot.
+pub(super) type Predict<'a, 'r> = &'a dyn Fn(Run<'r>, usize) -> Option<Vec<f64>>;
+
+/// The pulses with which a model is closest.
+#[derive(Clone, Debug)]
+pub(super) struct ClosestPulses {
+    /// From one pulse to the next \[s\].
+    pub(super) frame_s: f64,
+    /// The last step of the search for it \[s\].
+    pub(super) frame_step_s: f64,
+    /// Of each run, the first pulse after its first row \[s\]; `None` of a run that cannot be predicted.
+    pub(super) first_pulse_s: Vec<Option<f64>>,
+    /// The error of the model (rms) with these pulses \[output\].
+    pub(super) rmse: f64,
+    /// The least with frames of the stated length.
+    pub(super) rmse_as_stated: f64,
+    /// The largest with frames of the stated length.
+    pub(super) largest_rmse: f64,
+}
+
+impl ClosestPulses {
+    /// The record with its commands at these pulses; runs that cannot be predicted stay as they are.
+    ///
+    /// # Errors
+    /// As of [`Record::try_with_runs`].
+    pub(super) fn held<'r>(&self, record: &Record<'r>) -> Result<Record<'r>, Error> {
+        let held = |(run, first_s): (&Run<'r>, &Option<f64>)| {
+            let pulses = first_s.map(|first_s| [self.frame_s, first_s]);
+            let pulses =
+                pulses.map(|pulses| pulses.map(|time_s| time_s / record.sample_period_s()));
+            let held = pulses.and_then(|pulses| with_pulses(run, pulses));
+            held.unwrap_or_else(|| run.clone())
+        };
+        let runs = record.runs().iter().zip(&self.first_pulse_s).map(held);
+        record.try_with_runs(runs.collect())
+    }
+}
+
+/// Pulses of a length in all runs.
+#[derive(Clone)]
+struct Pulses {
+    frame_s: f64,
+    /// Of each run, a pulse near its middle \[s\]: with another length, pulses of both halves of the run move the least.
+    middle_s: Vec<f64>,
+    /// The sum of the squared errors.
+    squares: f64,
+}
+
+/// The closest pulses to the runs of a record, in frames of about `stated_s`. `None` where no run can be predicted.
+pub(super) fn closest_pulses<'r>(
+    record: &Record<'r>,
+    stated_s: f64,
+    predict: Predict<'_, 'r>,
+) -> Option<ClosestPulses> {
+    let period_s = record.sample_period_s();
+    let table = |(number, run)| ErrorTable::of(run, number, [stated_s, period_s], predict);
+    let tables: Vec<_> = (0..).zip(record.runs()).map(table).collect();
+    let known: Vec<&ErrorTable> = tables.iter().flatten().collect();
+    let longest_s = known.iter().map(|table| table.seconds()).reduce(f64::max)?;
+    // With lengths next to each other, pulses end the longest run at moments next to each other.
+    let step_s = stated_s * stated_s / (MOMENTS as f64 * longest_s);
+    let steps = (OF_LENGTH * stated_s / step_s).ceil() as i32;
+    let lengths = (-steps..=steps).map(|k| stated_s + f64::from(k) * step_s);
+    let closest = |frame_s: f64| {
+        let of_runs: Vec<_> = known.iter().map(|table| table.closest(frame_s)).collect();
+        Pulses {
+            frame_s,
+            middle_s: of_runs.iter().map(|(middle_s, _)| *middle_s).collect(),
+            squares: of_runs.iter().map(|(_, squares)| squares).sum(),
+        }
+    };
+    let found = (lengths.map(closest)).min_by(|a, b| a.squares.total_cmp(&b.squares))?;
+    let error = |run: usize, pulses: [f64; 2]| {
+        let table = known.get(run)?;
+        let moved = with_pulses(table.run, pulses.map(|time_s| time_s / period_s))?;
+        Some(table.squares(&predict(moved, table.number)?))
+    };
+    let as_stated = closest(stated_s).refined(0.0, &error)?;
+    // The stated length, where no other is closer.
+    let found = found.refined(step_s, &error);
+    let found = found.filter(|found| found.squares < as_stated.squares);
+    let found = found.unwrap_or_else(|| as_stated.clone());
+    let samples: f64 = known.iter().map(|table| table.samples).sum();
+    let rms = |squares: f64| (squares / samples).sqrt();
+    let mut middle_s = found.middle_s.iter();
+    let first = tables.iter().map(|table| {
+        let middle_s = table.as_ref().and_then(|_| middle_s.next())?;
+        Some(middle_s.rem_euclid(found.frame_s))
+    });
+    Some(ClosestPulses {
+        frame_s: found.frame_s,
+        frame_step_s: step_s / 2f64.powi(HALVED),
+        first_pulse_s: first.collect(),
+        rmse: rms(found.squares),
+        rmse_as_stated: rms(as_stated.squares),
+        largest_rmse: rms(known.iter().map(|table| table.largest()).sum()),
+    })
+}
+
+impl Pulses {
+    /// With steps of length and moments that are halved. `error` is the sum of the squared errors of a run, by its place, with pulses of a length and
+    /// at a moment.
+    fn refined(
+        self,
+        frame_step_s: f64,
+        error: &dyn Fn(usize, [f64; 2]) -> Option<f64>,
+    ) -> Option<Self> {
+        let of_runs = |frame_s: f64, middle_s: &[f64]| -> Option<Vec<f64>> {
+            (middle_s.iter().enumerate())
+                .map(|(run, middle_s)| error(run, [frame_s, *middle_s]))
+                .collect()
+        };
+        let Self {
+            mut frame_s,
+            mut middle_s,
+            ..
+        } = self;
+        let mut errors = of_runs(frame_s, &middle_s)?;
+        let mut frame_step_s = frame_step_s;
+        let mut step_s = frame_s / MOMENTS as f64;
+        for _ in 0..HALVED {
+            frame_step_s /= 2.0;
+            step_s /= 2.0;
+            for (run, (middle_s, error_of_run)) in middle_s.iter_mut().zip(&mut errors).enumerate()
+            {
+                let about_s = *middle_s;
+                for tried_s in [about_s - step_s, about_s + step_s] {
+                    let tried = error(run, [frame_s, tried_s]);
+                    if let Some(tried) = tried.filter(|tried| tried < error_of_run) {
+                        (*middle_s, *error_of_run) = (tried_s, tried);
+                    }
+                }
+            }
+            let about_s = frame_s;
+            for tried_s in [about_s - frame_step_s, about_s + frame_step_s] {
+                let tried = of_runs(tried_s, &middle_s).filter(|_| tried_s != frame_s);
+                let sum = |errors: &[f64]| errors.iter().sum::<f64>();
+                if let Some(tried) = tried.filter(|tried| sum(tried) < sum(&errors)) {
+                    (frame_s, errors) = (tried_s, tried);
+                }
+            }
+        }
+        Some(Self {
+            frame_s,
+            middle_s,
+            squares: errors.iter().sum(),
+        })
+    }
+}
+
+/// The run with each command in force from the next pulse on. Frame and one of the pulses are counted in rows.
+fn with_pulses<'r>(run: &Run<'r>, [frame, pulse]: [f64; 2]) -> Option<Run<'r>> {
+    at_pulses(run, |row| (pulse - row as f64).rem_euclid(frame))
+}
+
+/// Squared errors of a run with pulses of the stated length, at moments all over a frame.
+struct ErrorTable<'a, 'r> {
+    run: &'a Run<'r>,
+    number: usize,
+    period_s: f64,
+    stated_s: f64,
+    rows_of_block: usize,
+    /// Their sums in each block, one of each moment.
+    blocks: Vec<[f64; MOMENTS]>,
+    /// Samples that are predicted.
+    samples: f64,
+}
+
+impl<'a, 'r> ErrorTable<'a, 'r> {
+    /// `None` where the run cannot be predicted.
+    fn of(
+        run: &'a Run<'r>,
+        number: usize,
+        [stated_s, period_s]: [f64; 2],
+        predict: Predict<'_, 'r>,
+    ) -> Option<Self> {
+        let rows_of_block = (FRAMES_OF_BLOCK * stated_s / period_s).ceil() as usize;
+        let mut table = Self {
+            run,
+            number,
+            period_s,
+            stated_s,
+            rows_of_block,
+            blocks: vec![[0.0; MOMENTS]; run.len().div_ceil(rows_of_block)],
+            samples: 0.0,
+        };
+        for moment in 0..MOMENTS {
+            let moved = with_pulses(
+                run,
+                [stated_s, table.moment_s(moment)].map(|time_s| time_s / period_s),
+            )?;
+            let errors = table.errors(&predict(moved, number)?);
+            table.samples = errors.iter().flatten().count() as f64;
+            for (block, errors) in table.blocks.iter_mut().zip(errors.chunks(rows_of_block)) {
+                if let Some(sum) = block.get_mut(moment) {
+                    *sum = errors.iter().flatten().sum();
+                }
+            }
+        }
+        (table.samples > 0.0).then_some(table)
+    }
+
+    fn moment_s(&self, moment: usize) -> f64 {
+        (moment as f64 + 0.5) * self.stated_s / MOMENTS as f64
+    }
+
+    fn seconds(&self) -> f64 {
+        self.run.len() as f64 * self.period_s
+    }
+
+    /// The squared error of each sample, where there is one.
+    fn errors(&self, predicted: &[f64]) -> Vec<Option<f64>> {
+        let errors = self.run.output().iter().zip(predicted);
+        errors
+            .map(|(measured, predicted)| {
+                Some((measured - predicted).powi(2)).filter(|square| square.is_finite())
+            })
+            .collect()
+    }
+
+    fn squares(&self, predicted: &[f64]) -> f64 {
+        self.errors(predicted).iter().flatten().sum()
+    }
+
+    /// A pulse near the middle of the run with which frames of this length have the least squared errors, and their sum.
+    fn closest(&self, frame_s: f64) -> (f64, f64) {
+        let half = 0.5 * self.seconds();
+        let block_s = self.rows_of_block as f64 * self.period_s;
+        let walk = (frame_s - self.stated_s) / frame_s;
+        let along = |moment: usize| {
+            let middle_s = (half / self.stated_s).floor() * self.stated_s + self.moment_s(moment);
+            let of_block = |(number, sums): (usize, &[f64; MOMENTS])| {
+                let at_s = (number as f64 + 0.5) * block_s;
+                let moment_s = (middle_s + walk * (at_s - middle_s)).rem_euclid(self.stated_s);
+                let index = (moment_s / self.stated_s * MOMENTS as f64) as usize;
+                sums.get(index.min(MOMENTS - 1)).copied().unwrap_or(0.0)
+            };
+            let sum: f64 = self.blocks.iter().enumerate().map(of_block).sum();
+            (middle_s, sum)
+        };
+        let tried = (0..MOMENTS).map(along);
+        tried
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .unwrap_or((half, f64::INFINITY))
+    }
+
+    /// The largest sum of squared errors with one moment.
+    fn largest(&self) -> f64 {
+        let of_moment = |moment: usize| {
+            self.blocks
+                .iter()
+                .filter_map(|block| block.get(moment))
+                .sum()
+        };
+        (0..MOMENTS).map(of_moment).fold(0.0, f64::max)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_command_waits_for_the_next_pulse() {
+        let input = vec![0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
+        let run = Run::new(input, vec![0.0; 7]).unwrap();
+        // Pulses at 0.5, 2.5 and 4.5 rows: each has the command of the row before it until the next.
+        let held = with_pulses(&run, [2.0, 0.5]).unwrap();
+        assert_eq!(held.input(), [0.0, 0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
+    }
+    /// A lag of 30 ms in rows of 10 ms.
+    fn lagged(input: &[f64]) -> Vec<f64> {
+        let mut state = 0.0;
+        let step = |input: &f64| {
+            let before = state;
+            state += (input - state) / 3.0;
+            before
+        };
+        input.iter().map(step).collect()
+    }
+
+    /// A run of `rows` whose commands change in every second row, as no sine does.
+    fn commanded<'r>(rows: usize) -> Run<'r> {
+        let command = |row: usize| ((row / 2 * 7919) % 101) as f64;
+        let input: Vec<f64> = (0..rows).map(command).collect();
+        Run::new(input, vec![0.0; rows]).unwrap()
+    }
+
+    /// Pulses walk through a frame every 11 s, and each run begins at another moment of it.
+    #[test]
+    fn length_and_moments_are_found_to_a_part_of_a_step() {
+        let (stated_s, frame_s, first_s) = (0.02, 0.020_037, [0.0031, 0.0174]);
+        let runs = first_s.iter().zip([6000, 3000]).map(|(first_s, rows)| {
+            let run = commanded(rows);
+            let held = with_pulses(&run, [frame_s, *first_s].map(|time_s| 100.0 * time_s)).unwrap();
+            Run::new(run.input().to_vec(), lagged(held.input())).unwrap()
+        });
+        let record = Record::new(0.01, runs.collect()).unwrap();
+        let predict = |run: Run<'_>, _| Some(lagged(run.input()));
+        let found = closest_pulses(&record, stated_s, &predict).unwrap();
+        // A sixteenth of a step, which walks by a twenty-fourth of a frame until the end of the longest run; and as much of the moment.
+        let step_s = stated_s / 24.0 / 16.0;
+        assert!(
+            (found.frame_s - frame_s).abs() < 2.0 * step_s * stated_s / 60.0,
+            "{found:?}"
+        );
+        for (found_s, first_s) in found.first_pulse_s.iter().zip(first_s) {
+            assert!(
+                (found_s.unwrap() - first_s).abs() < 2.0 * step_s,
+                "{found_s:?} {first_s}"
+            );
+        }
+        // What is left of a step is a share of what a whole frame makes.
+        assert!(found.rmse < 0.2 * found.rmse_as_stated, "{found:?}");
+        assert!(found.rmse_as_stated < found.largest_rmse, "{found:?}");
+    }
+
+    #[test]
+    fn the_stated_length_is_kept_where_no_other_is_closer() {
+        let run = commanded(500);
+        let run = Run::new(run.input().to_vec(), lagged(run.input())).unwrap();
+        let record = Record::new(0.01, vec![run]).unwrap();
+        let found = closest_pulses(&record, 0.02, &|run, _| Some(vec![1.0; run.len()])).unwrap();
+        assert_eq!(found.frame_s, 0.02);
+        assert!(closest_pulses(&record, 0.02, &|_, _| None).is_none());
+    }
+}
