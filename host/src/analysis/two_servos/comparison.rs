@@ -171,7 +171,9 @@ impl StepResponses {
             .or_else(|| units.map(UnitsDiffer::in_words))
             .filter(|_| machines);
         let remedy = match periods {
-            Some(_) => " Where rows were meant to be equally far apart in both, identify both sides with that as --period.",
+            Some(_) => {
+                " Where rows were meant to be equally far apart in both, identify both sides with that as --period."
+            }
             None => "",
         };
         let Some(because) = because else {

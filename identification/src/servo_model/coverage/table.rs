@@ -1,6 +1,7 @@
 //! The table of docs/servo-model.md.
 
 use super::trial::{Band, Claim, Judged, Trial};
+use crate::results::Bounds;
 use std::collections::BTreeMap;
 
 /// Its head, and the line below it.
@@ -90,7 +91,10 @@ pub(super) fn line(trial: &Trial) -> String {
         false => "not among them",
     };
     let claim = match &trial.claim {
-        None => "withdrawn".to_owned(),
+        None => match &found.covariance {
+            Bounds::Valid(_) => "withdrawn".to_owned(),
+            Bounds::Withdrawn(reason) => format!("withdrawn: {}", reason.because()),
+        },
         Some(claim) => {
             let missed = claim.intervals.iter().filter(|judged| !judged.holds());
             let missed: Vec<&Judged> = missed.collect();

@@ -15,11 +15,12 @@ use servoid_dynamics::{
 pub enum Coordinate {
     /// d \[s\].
     Delay,
-    /// ln k (k in 1/s²).
+    /// ln k (k in 1/s²); of a servo under a spring ln(k + κ), the stiffness of both together, which small motion shows. What is said to be over k
+    /// is over that then.
     LnStiffness,
     /// ln c (c in 1/s).
     LnDamping,
-    /// Output for each unit of the command.
+    /// Output for each unit of the command at rest: under a spring k/(k + κ) times that for each unit of θ.
     Gain,
     /// Output at command 0.
     Offset,
@@ -43,7 +44,8 @@ pub enum Coordinate {
     FrictionOfGears,
     /// Constant load over k \[units of the command\].
     ConstantLoad,
-    /// Growth of the load of a spring with the angle, over k.
+    /// κ/(k + κ), the share of a spring in the stiffness. Beside it stiffness and gain stay what small motion shows, so that the fit does not have to follow
+    /// all three along a valley.
     Spring,
     /// Acceleration of a weight on a level arm, over k \[units of the command\].
     Gravity,
@@ -103,10 +105,12 @@ impl Coordinate {
             LnAcceleration => (-12.0, 30.0),
             MotorShare => (1e-5, 1.0),
             FrictionOfGears => (0.0, 0.9),
+            Spring => (-4.0, 0.9),
             LnDownToUp | LnOwnStiffness(_) => (-4.0, 4.0),
             DeadBand | Coordinate::Friction | FrictionAtRest => (0.0, f64::INFINITY),
-            Gain | Offset | ConstantLoad | Spring | Gravity | GravityFrom | AirStiffening
-            | AirFrom => (f64::NEG_INFINITY, f64::INFINITY),
+            Gain | Offset | ConstantLoad | Gravity | GravityFrom | AirStiffening | AirFrom => {
+                (f64::NEG_INFINITY, f64::INFINITY)
+            }
         }
     }
 }
@@ -284,9 +288,10 @@ impl Point {
         };
         let get = |wanted| find(wanted).unwrap_or(S::constant(0.0));
         let shared = get(LnStiffness).exp();
+        let of_loop = S::constant(1.0) - get(Spring);
         let stiffness = match find(LnOwnStiffness(controller)) {
-            Some(own) => shared * own.exp(),
-            None => shared,
+            Some(own) => shared * of_loop * own.exp(),
+            None => shared * of_loop,
         };
         let damping = get(LnDamping).exp();
         let of_motor = find(LnTopSpeed).map(|top_speed| {
@@ -316,7 +321,7 @@ impl Point {
             delay_s: get(Delay),
             stiffness,
             damping,
-            gain: get(Gain),
+            gain: get(Gain) / of_loop,
             offset: get(Offset),
             limit: of_motor.or_else(|| find(LnAcceleration).map(alike)),
             speed_limit,

@@ -99,7 +99,7 @@ impl Shown {
             Coordinate::LnTopSpeed | Coordinate::LnSpeedLimit => self.top_speed.ln(),
             Coordinate::LnAcceleration => (self.top_speed / SPEED_AFTER_S).ln(),
             Coordinate::MotorShare => 0.5,
-            Coordinate::Spring => 0.01,
+            Coordinate::Spring => 0.05,
             Coordinate::Gravity => 0.01 * self.spread / (self.spread * radians).min(1.0).sin(),
             Coordinate::AirStiffening => 0.01 / self.spread,
             Coordinate::AirFrom => self.middle - 0.5 * self.spread,

@@ -189,6 +189,12 @@ impl Ladder<'_> {
                 load: LoadKind::Spring,
                 ..limited
             },
+            // A spring decides at which edge of a dead band the shaft rests: neither helps by itself.
+            Terms {
+                dead_band: true,
+                load: LoadKind::Spring,
+                ..limited
+            },
             Terms {
                 load: LoadKind::TiltedPendulum,
                 ..limited
@@ -410,8 +416,12 @@ impl Ladder<'_> {
             return vec![plain];
         }
         match terms.load {
-            LoadKind::None | LoadKind::Constant | LoadKind::Pendulum | LoadKind::Spring => {
-                vec![plain]
+            LoadKind::None | LoadKind::Constant | LoadKind::Pendulum => vec![plain],
+            LoadKind::Spring => {
+                // The middle of the motion keeps its load.
+                let before = plain.get(Coordinate::ConstantLoad).unwrap_or(0.0);
+                let of_spring = fresh(Coordinate::Spring) * self.shown.middle;
+                vec![varied(Coordinate::ConstantLoad, before - of_spring)]
             }
             LoadKind::TiltedPendulum => {
                 let level = std::f64::consts::FRAC_PI_2 / self.radians;
