@@ -35,6 +35,8 @@ from ._withdrawn import Withdrawn, withdrawn
 if TYPE_CHECKING:
     from ._comparison import Validation
 
+NOT_LINEAR = "the servo is not linear: these are responses to motion as it was recorded, and other motion has others"
+
 
 @dataclass(frozen=True)
 class Metrics:
@@ -487,7 +489,7 @@ class Model(Document):
         """
         rows = normal(self.theta, self.covariance, count, seed, self.withdrawn)
         if not self.linear:
-            warnings.warn("the servo is not linear: these are responses to motion as it was recorded, and other motion has others", stacklevel=2)
+            warnings.warn(NOT_LINEAR, stacklevel=2)
         taps = len(self.step.value)
         harmonics = np.arange(1, (rows.shape[1] + 1) // 2)
         turned = 2.0 * np.pi * np.outer(harmonics, np.arange(taps)) / taps
@@ -575,6 +577,8 @@ class Model(Document):
         withdrawn = self.withdrawn if bounds is None else None
         if withdrawn is not None:
             withdrawn.warn()
+        elif not self.linear:
+            warnings.warn(f"{NOT_LINEAR}: servo_model.at(hertz, amplitude) has those of an amplitude", stacklevel=2)
         return sine(hertz, None, found, bounds, withdrawn)
 
     def predict(self, u: Any, y: Any = None, *, at_rest: float | None = None) -> Any:

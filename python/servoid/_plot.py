@@ -43,14 +43,17 @@ def step(model: Model, ax: Any, label: str) -> Any:
         label += NO_BOUNDS
     (line,) = ax.plot(time_s, response.value, label=label)
     if response.level is not None and response.lower is not None and response.upper is not None:
-        # Another motion of a servo that is not linear may be farther off.
-        motion = "" if model.linear else ", of this motion"
-        band = f"the whole curve, {100 * response.level:g} %{motion}"
+        band = f"the whole curve, {100 * response.level:g} %{of_motion(model)}"
         ax.fill_between(time_s, response.lower, response.upper, alpha=0.2, color=line.get_color(), label=band)
     ax.set_xlabel("time since the edge of the command (s)")
     ax.set_ylabel(f"response to a unit step {ratio(model)}")
     ax.legend()
     return ax
+
+
+def of_motion(model: Model) -> str:
+    """What a band is of: another motion of a servo that is not linear may be farther off."""
+    return "" if model.linear else ", of this motion"
 
 
 # How far below the lowest magnitude a bound is drawn (dB): where zero is possible, minus infinity would flatten everything else.
@@ -77,7 +80,7 @@ def bode(model: Model, response: FrequencyResponse, shown: slice, axes: Any, lab
         lower = lower[shown]
         if ax is magnitude:
             lower = np.maximum(lower, min(0.0, value[shown].min()) - FLOOR_DB)
-        band = f"{100 * response.level:g} %"
+        band = f"{100 * response.level:g} %{of_motion(model)}"
         ax.fill_between(hertz, lower, upper[shown], alpha=0.2, color=line.get_color(), label=band)
     # Two lines: one is longer than half a figure is high.
     magnitude.set_ylabel(f"magnitude\n(dB of {ratio(model)[1:-1]})")

@@ -8,8 +8,8 @@ use super::task::Task;
 use crate::data::{Run, Timing};
 use crate::diagnostics::{
     AllowedEnd, Bank, CommandNoise, Explanation, InexactCommands, PriorOutcome, Resolution,
-    RunComparison, ServoStopped, SlowServo, TimeFault, TravelEnd, Validity, ValidityEvidence,
-    contradicted_rest, gain_drift, noise_of_commands,
+    RunComparison, RunOffsets, ServoStopped, SlowServo, TimeFault, TravelEnd, Validity,
+    ValidityEvidence, contradicted_rest, gain_drift, noise_of_commands,
 };
 use crate::estimation::{Excitation, Noise};
 use crate::numerics::matrix_rows::to_rows;
@@ -74,10 +74,15 @@ fn travel_ends(task: &Task<'_>, fitted: &Fitted) -> [Option<TravelEnd>; 2] {
     let Some(recorded) = task.recorded else {
         return [None; 2];
     };
-    let no_errors = task.disturbances.that_are_no_errors();
+    let is_linear = is_linear(task, fitted);
+    let mut no_errors = task.disturbances.that_are_no_errors();
+    if !is_linear {
+        // The mean error of a run in which the model is lost is no zero of a sensor: rests show that by themselves.
+        no_errors.offsets = RunOffsets::default();
+    }
     let record = no_errors.removed_from(recorded);
     let fit = (&estimate.information.moments, &estimate.fit);
-    TravelEnd::both(&record, is_linear(task, fitted), fit)
+    TravelEnd::both(&record, is_linear, fit)
 }
 
 /// Whether a linear servo describes the record.

@@ -476,6 +476,7 @@ fn describe(
         linear_models: None,
     };
     model.leave_extrapolated_speeds_open();
+    model.leave_slower_fits_out();
     model
 }
 

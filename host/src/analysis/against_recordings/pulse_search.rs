@@ -11,8 +11,14 @@ use servoid_identification::{Error, Record, Run};
 /// Moments of pulses in a frame that are tried, evenly spaced.
 const MOMENTS: usize = 24;
 
-/// Times that the steps are halved.
+/// Lengths from which on steps are halved.
+const STARTS: usize = 6;
+
+/// Times that they are.
 const HALVED: i32 = 4;
+
+/// Steps of one size at the most.
+const STEPS: usize = 8;
 
 /// How far a length may be from the stated one, as a share of it: the ceramic resonator of an Arduino keeps within half a percent.
 pub(super) const OF_LENGTH: f64 = 0.005;
@@ -28,7 +34,7 @@ pub(super) type Predict<'a, 'r> = &'a dyn Fn(Run<'r>, usize) -> Option<Vec<f64>>
 pub(super) struct ClosestPulses {
     /// From one pulse to the next \[s\].
     pub(super) frame_s: f64,
-    /// The last step of the search for it \[s\].
+    /// A change of it that moves the pulse at the end of the longest run by a part of a frame \[s\].
     pub(super) frame_step_s: f64,
     /// Of each run, the first pulse after its first row \[s\]; `None` of a run that cannot be predicted.
     pub(super) first_pulse_s: Vec<Option<f64>>,
@@ -91,17 +97,18 @@ pub(super) fn closest_pulses<'r>(
             squares: of_runs.iter().map(|(_, squares)| squares).sum(),
         }
     };
-    let found = (lengths.map(closest)).min_by(|a, b| a.squares.total_cmp(&b.squares))?;
+    let tried: Vec<Pulses> = lengths.map(closest).collect();
     let error = |run: usize, pulses: [f64; 2]| {
         let table = known.get(run)?;
         let moved = with_pulses(table.run, pulses.map(|time_s| time_s / period_s))?;
         Some(table.squares(&predict(moved, table.number)?))
     };
     let as_stated = closest(stated_s).refined(0.0, &error)?;
-    // The stated length, where no other is closer.
-    let found = found.refined(step_s, &error);
-    let found = found.filter(|found| found.squares < as_stated.squares);
-    let found = found.unwrap_or_else(|| as_stated.clone());
+    let starts = best_of(tried, step_s)
+        .into_iter()
+        .chain([as_stated.clone()]);
+    let refined = starts.filter_map(|start| start.refined(step_s, &error));
+    let found = refined.min_by(|a, b| a.squares.total_cmp(&b.squares))?;
     let samples: f64 = known.iter().map(|table| table.samples).sum();
     let rms = |squares: f64| (squares / samples).sqrt();
     let mut middle_s = found.middle_s.iter();
@@ -111,7 +118,7 @@ pub(super) fn closest_pulses<'r>(
     });
     Some(ClosestPulses {
         frame_s: found.frame_s,
-        frame_step_s: step_s / 2f64.powi(HALVED),
+        frame_step_s: step_s,
         first_pulse_s: first.collect(),
         rmse: rms(found.squares),
         rmse_as_stated: rms(as_stated.squares),
@@ -119,8 +126,22 @@ pub(super) fn closest_pulses<'r>(
     })
 }
 
+/// The best of those that were `tried`, no two of them next to each other: from block to block errors are looked up to a part of a frame, and the smallest sum
+/// may belong to a length beside the best one.
+fn best_of(mut tried: Vec<Pulses>, step_s: f64) -> Vec<Pulses> {
+    tried.sort_by(|a, b| a.squares.total_cmp(&b.squares));
+    let mut best: Vec<Pulses> = Vec::new();
+    for pulses in tried {
+        let is_apart = |other: &Pulses| (pulses.frame_s - other.frame_s).abs() > 1.5 * step_s;
+        if best.len() < STARTS && best.iter().all(is_apart) {
+            best.push(pulses);
+        }
+    }
+    best
+}
+
 impl Pulses {
-    /// With steps of length and moments that are halved. `error` is the sum of the squared errors of a run, by its place, with pulses of a length and
+    /// With steps of length and moments that are taken as long as they help, and then halved. `error` is the sum of the squared errors of a run, by its place, with pulses of a length and
     /// at a moment.
     fn refined(
         self,
@@ -137,28 +158,32 @@ impl Pulses {
             mut middle_s,
             ..
         } = self;
+        let sum = |errors: &[f64]| errors.iter().sum::<f64>();
         let mut errors = of_runs(frame_s, &middle_s)?;
-        let mut frame_step_s = frame_step_s;
-        let mut step_s = frame_s / MOMENTS as f64;
+        let [mut frame_step_s, mut moment_step_s] = [frame_step_s, frame_s / MOMENTS as f64];
         for _ in 0..HALVED {
-            frame_step_s /= 2.0;
-            step_s /= 2.0;
-            for (run, (middle_s, error_of_run)) in middle_s.iter_mut().zip(&mut errors).enumerate()
-            {
-                let about_s = *middle_s;
-                for tried_s in [about_s - step_s, about_s + step_s] {
-                    let tried = error(run, [frame_s, tried_s]);
-                    if let Some(tried) = tried.filter(|tried| tried < error_of_run) {
-                        (*middle_s, *error_of_run) = (tried_s, tried);
+            frame_step_s *= 0.5;
+            moment_step_s *= 0.5;
+            for _ in 0..STEPS {
+                let before = sum(&errors);
+                for (run, (middle_s, least)) in middle_s.iter_mut().zip(&mut errors).enumerate() {
+                    let about_s = *middle_s;
+                    for tried_s in [about_s - moment_step_s, about_s + moment_step_s] {
+                        let tried = error(run, [frame_s, tried_s]);
+                        if let Some(tried) = tried.filter(|tried| tried < least) {
+                            (*middle_s, *least) = (tried_s, tried);
+                        }
                     }
                 }
-            }
-            let about_s = frame_s;
-            for tried_s in [about_s - frame_step_s, about_s + frame_step_s] {
-                let tried = of_runs(tried_s, &middle_s).filter(|_| tried_s != frame_s);
-                let sum = |errors: &[f64]| errors.iter().sum::<f64>();
-                if let Some(tried) = tried.filter(|tried| sum(tried) < sum(&errors)) {
-                    (frame_s, errors) = (tried_s, tried);
+                let about_s = frame_s;
+                for tried_s in [about_s - frame_step_s, about_s + frame_step_s] {
+                    let tried = of_runs(tried_s, &middle_s).filter(|_| tried_s != frame_s);
+                    if let Some(tried) = tried.filter(|tried| sum(tried) < sum(&errors)) {
+                        (frame_s, errors) = (tried_s, tried);
+                    }
+                }
+                if sum(&errors) >= before {
+                    break;
                 }
             }
         }

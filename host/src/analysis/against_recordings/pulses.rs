@@ -26,7 +26,7 @@ pub struct StatedPulses {
     pub rmse: [f64; 2],
     /// The least with pulses of the stated length \[output\].
     pub rmse_as_stated: f64,
-    /// The last step of the search for the length \[s\].
+    /// A change of the length that matters \[s\].
     #[serde(skip)]
     frame_step_s: f64,
 }

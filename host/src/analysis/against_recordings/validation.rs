@@ -16,7 +16,7 @@ use crate::data::units::Units;
 use crate::presentation::summary::{self, four_digits};
 use anyhow::{Context, Result, anyhow};
 use serde::Serialize;
-use servoid_identification::results::{Advice, Check, Validation};
+use servoid_identification::results::{Advice, Check, Validation, six_digits};
 use servoid_identification::servo_model::CommandRange;
 use servoid_identification::{Error, Record, Run};
 
@@ -271,9 +271,9 @@ fn of_its_own_period(error: Error) -> anyhow::Error {
             "the model has samples every {} ms and the recording has them every {} ms: a response is known at its own samples alone, so \
              record or resample every {} ms, or identify this recording by itself; a servo model is continuous in time, and a model file with one \
              (identify --servo-model) is validated in any rows",
-            1e3 * expected,
-            1e3 * found,
-            1e3 * expected
+            six_digits(1e3 * expected),
+            six_digits(1e3 * found),
+            six_digits(1e3 * expected)
         ),
         other => other.into(),
     }

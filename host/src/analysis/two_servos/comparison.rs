@@ -17,7 +17,7 @@ use servoid_identification::comparison::{
     Comparison, ComparisonOptions, SCHEMA, SIDES, ServoModelComparison, Subject, Verdict, compare,
     compare_models,
 };
-use servoid_identification::results::{Advice, Model, Reason};
+use servoid_identification::results::{Advice, Model, Reason, six_digits};
 use servoid_identification::servo_model::Watch;
 use servoid_identification::{Error, Options};
 
@@ -121,7 +121,7 @@ struct PeriodsDiffer(f64, f64);
 
 impl PeriodsDiffer {
     fn in_words(&self) -> String {
-        let [a, b] = [self.0, self.1].map(|period_s| 1e3 * period_s);
+        let [a, b] = [self.0, self.1].map(|period_s| six_digits(1e3 * period_s));
         format!("one side has samples every {a} ms and the other every {b} ms")
     }
 }

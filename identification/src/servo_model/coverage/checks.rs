@@ -51,7 +51,7 @@ fn within_the_class_the_truth_is_the_equation() {
 fn a_long_stroke_reaches_the_top_speed_of_the_equation() {
     for seed in 0..6 {
         let truth = servo(Kind::InClass, seed);
-        let formula = quantities::values(&truth.point);
+        let formula = quantities::values(&truth.point, 0.0);
         for (name, speed) in formula {
             if let Some(upwards) = match name {
                 "top speed upwards" => Some(true),

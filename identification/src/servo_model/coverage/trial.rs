@@ -162,12 +162,16 @@ fn intervals(truth: &Truth, found: &ServoModel) -> Vec<Judged> {
             interval: *quantity.interval.valid()?,
         })
     };
-    truths(truth).into_iter().filter_map(judged).collect()
+    truths(truth, found)
+        .into_iter()
+        .filter_map(judged)
+        .collect()
 }
 
 /// The true quantities by name: outside of the class only those whose meaning does not depend on it.
-fn truths(truth: &Truth) -> Vec<(&'static str, f64)> {
-    let mut all = quantities::values(&truth.point);
+fn truths(truth: &Truth, found: &ServoModel) -> Vec<(&'static str, f64)> {
+    let middle = found.commands.map_or(0.0, |commands| commands.middle());
+    let mut all = quantities::values(&truth.point, middle);
     all.retain(|(name, _)| truth.is_in_class() || matches!(*name, "delay" | "gain" | "offset"));
     if !truth.is_in_class() {
         all.push(("top speed upwards", truth.top_speed(true)));

@@ -63,6 +63,21 @@ impl ServoModel {
             quantity.determined &= !extrapolated;
         }
     }
+
+    /// Leaves out of other fits what is slower than the servo surely was: a top speed is not below a speed.
+    pub(crate) fn leave_slower_fits_out(&mut self) {
+        let Some(reached) = self.reached else { return };
+        for quantity in &mut self.quantities {
+            let surely = match quantity.kind() {
+                Some(QuantityKind::TopSpeedUpwards) => reached.upwards,
+                Some(QuantityKind::TopSpeedDownwards) => reached.downwards,
+                _ => continue,
+            };
+            if let Some(fits) = &mut quantity.other_fits {
+                fits.least = fits.least.max(surely.min(fits.most));
+            }
+        }
+    }
 }
 
 #[cfg(test)]
@@ -71,7 +86,7 @@ mod tests {
     use crate::data::Record;
     use crate::nonlinear::SpeedLimits;
     use crate::results::Bounds;
-    use crate::servo_model::{ServoModelOptions, fit};
+    use crate::servo_model::{ServoModelOptions, Spread, fit};
 
     #[test]
     fn a_top_speed_without_an_interval_is_open_where_the_servo_stayed_below_it() {
@@ -100,5 +115,16 @@ mod tests {
         };
         assert!(!is_open(1.05));
         assert!(is_open(1.2));
+        let mut model = model.clone();
+        let reached = model.reached.unwrap().upwards;
+        let mut quantities = model.quantities.iter_mut();
+        let speed = quantities.find(|of| of.kind() == Some(kind)).unwrap();
+        speed.other_fits = Some(Spread {
+            least: 0.5 * reached,
+            most: 1.1 * reached,
+        });
+        model.leave_slower_fits_out();
+        let fits = model.quantity(kind).and_then(|speed| speed.other_fits);
+        assert_eq!(fits.unwrap().least, reached);
     }
 }

@@ -78,11 +78,11 @@ pub(super) fn names() -> impl Iterator<Item = &'static str> {
     DEFINITIONS.iter().map(|definition| definition.kind.name())
 }
 
-/// The quantities of a servo under commands about zero by name, without intervals.
+/// The quantities of a servo under commands about `middle` by name, without intervals.
 #[cfg(test)]
-pub(super) fn values(point: &Point) -> Vec<(&'static str, f64)> {
+pub(super) fn values(point: &Point, middle: f64) -> Vec<(&'static str, f64)> {
     let of = |definition: &Definition| {
-        let value = definition.value(point, 0.0)?;
+        let value = definition.value(point, middle)?;
         Some((definition.kind.name(), value))
     };
     DEFINITIONS.iter().filter_map(of).collect()

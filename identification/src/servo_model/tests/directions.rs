@@ -29,7 +29,7 @@ fn upwards_is_where_the_output_grows() {
             .map(|pair| sign * (pair[1] - pair[0]) / PERIOD_S);
         speeds.fold(0.0, f64::max)
     };
-    let stated = quantities::values(&servo);
+    let stated = quantities::values(&servo, 0.0);
     let of = |name: &str| stated.iter().find(|(found, _)| *found == name).unwrap().1;
     for (name, sign) in [("upwards", 1.0), ("downwards", -1.0)] {
         let reached = fastest(sign) / of(&format!("top speed {name}"));

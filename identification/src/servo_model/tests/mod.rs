@@ -107,7 +107,7 @@ fn require_intervals(servo: &Point, names: &[&str], seed: u64) {
     let input = strokes(3000);
     let record = Record::of_run(PERIOD_S, &input, noisy(servo, &input, seed)).unwrap();
     let found = fit(&record, &ServoModelOptions::default()).unwrap();
-    for (name, truth) in quantities::values(servo) {
+    for (name, truth) in quantities::values(servo, 0.0) {
         let mut named = found.quantities.iter().filter(|found| found.name == name);
         if !names.contains(&name) {
             continue;

@@ -72,7 +72,7 @@ fn the_zero_of_the_sensor_may_move_between_runs() {
     }
     let common = servo.get(Coordinate::Offset).unwrap();
     servo.set(Coordinate::Offset, common + mean);
-    for (name, truth) in quantities::values(&servo) {
+    for (name, truth) in quantities::values(&servo, 0.0) {
         let mut named = found.quantities.iter().filter(|found| found.name == name);
         let quantity = named.next().unwrap();
         let interval = quantity.interval.valid().unwrap();

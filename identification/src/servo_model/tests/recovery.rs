@@ -22,7 +22,7 @@ fn a_limited_servo_is_found_again() {
     let found = fit(&record, &ServoModelOptions::default()).unwrap();
     assert_eq!(found.terms, terms);
     assert!(found.fit.held_out_percent > 98.5, "{:?}", found.fit);
-    for (name, truth) in quantities::values(&servo) {
+    for (name, truth) in quantities::values(&servo, 0.0) {
         let quantity = found
             .quantities
             .iter()
@@ -78,7 +78,7 @@ fn a_servo_whose_acceleration_alone_is_limited_is_found_again() {
         QuantityKind::AccelerationUpwards,
         QuantityKind::TopSpeedUpwards,
     ] {
-        let mut all = quantities::values(&servo).into_iter();
+        let mut all = quantities::values(&servo, 0.0).into_iter();
         let (_, truth) = all.find(|(name, _)| *name == kind.name()).unwrap();
         let interval = found.quantity(kind).unwrap().interval;
         assert!(

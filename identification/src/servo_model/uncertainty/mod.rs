@@ -3,6 +3,7 @@
 pub(super) mod covariance;
 pub(super) mod current_limit;
 pub(super) mod discrepancy;
+mod drive_lag;
 pub(super) mod hidden_parts;
 pub(super) mod lack_of_fit;
 pub(super) mod noise_at_rest;

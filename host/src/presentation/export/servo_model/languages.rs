@@ -42,7 +42,7 @@ pub(super) fn c(export: &ServoExport<'_>) -> Result<ExportedServo, ExportError> 
         name: |id, name| format!("{id}_{name}"),
         weight: "{{gravity}} * ({{id}}_real)sin((double)((angle + {{from}}) * {{radians}}))",
         air: "{{constant}} + ({{beyond}} ? {{stiffening}} * (angle - {{from}}) * (angle - {{from}}) : 0)",
-        sine: "#include <math.h>\n",
+        sine: "#include <math.h> /* sin: link with -lm */\n",
         // A question mark could begin a trigraph.
         quoted_name: |name| quoted(name, &['"', '?']),
     })
