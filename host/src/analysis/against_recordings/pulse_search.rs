@@ -11,8 +11,11 @@ use servoid_identification::{Error, Record, Run};
 /// Moments of pulses in a frame that are tried, evenly spaced.
 const MOMENTS: usize = 24;
 
-/// Lengths from which on steps are halved.
-const STARTS: usize = 6;
+/// Of the lengths that are looked up, so many are predicted.
+const PREDICTED: usize = 100;
+
+/// From so many of these on steps are halved.
+const STARTS: usize = 20;
 
 /// Times that they are.
 const HALVED: i32 = 4;
@@ -85,7 +88,7 @@ pub(super) fn closest_pulses<'r>(
     let tables: Vec<_> = (0..).zip(record.runs()).map(table).collect();
     let known: Vec<&ErrorTable> = tables.iter().flatten().collect();
     let longest_s = known.iter().map(|table| table.seconds()).reduce(f64::max)?;
-    // With lengths next to each other, pulses end the longest run at moments next to each other.
+    // From one length to the next, pulses at the ends of the longest run come by half of the way from one moment to the next.
     let step_s = stated_s * stated_s / (MOMENTS as f64 * longest_s);
     let steps = (OF_LENGTH * stated_s / step_s).ceil() as i32;
     let lengths = (-steps..=steps).map(|k| stated_s + f64::from(k) * step_s);
@@ -104,9 +107,11 @@ pub(super) fn closest_pulses<'r>(
         Some(table.squares(&predict(moved, table.number)?))
     };
     let as_stated = closest(stated_s).refined(0.0, &error)?;
-    let starts = best_of(tried, step_s)
-        .into_iter()
-        .chain([as_stated.clone()]);
+    // Looked up errors are those of moments beside the right ones: which of the best is the best, predictions say.
+    let predicted = |pulses: Pulses| pulses.predicted(&error);
+    let best = best_of(tried, PREDICTED).into_iter().filter_map(predicted);
+    let starts = best_of(best.collect(), STARTS);
+    let starts = starts.into_iter().chain([as_stated.clone()]);
     let refined = starts.filter_map(|start| start.refined(step_s, &error));
     let found = refined.min_by(|a, b| a.squares.total_cmp(&b.squares))?;
     let samples: f64 = known.iter().map(|table| table.samples).sum();
@@ -126,21 +131,22 @@ pub(super) fn closest_pulses<'r>(
     })
 }
 
-/// The best of those that were `tried`, no two of them next to each other: from block to block errors are looked up to a part of a frame, and the smallest sum
-/// may belong to a length beside the best one.
-fn best_of(mut tried: Vec<Pulses>, step_s: f64) -> Vec<Pulses> {
-    tried.sort_by(|a, b| a.squares.total_cmp(&b.squares));
-    let mut best: Vec<Pulses> = Vec::new();
-    for pulses in tried {
-        let is_apart = |other: &Pulses| (pulses.frame_s - other.frame_s).abs() > 1.5 * step_s;
-        if best.len() < STARTS && best.iter().all(is_apart) {
-            best.push(pulses);
-        }
-    }
-    best
+/// So many with the smallest errors.
+fn best_of(mut all: Vec<Pulses>, count: usize) -> Vec<Pulses> {
+    all.sort_by(|a, b| a.squares.total_cmp(&b.squares));
+    all.truncate(count);
+    all
 }
 
 impl Pulses {
+    /// With the errors of predictions in place of those that were looked up.
+    fn predicted(self, error: &dyn Fn(usize, [f64; 2]) -> Option<f64>) -> Option<Self> {
+        let squares = (self.middle_s.iter().enumerate())
+            .map(|(run, middle_s)| error(run, [self.frame_s, *middle_s]))
+            .sum::<Option<f64>>()?;
+        Some(Self { squares, ..self })
+    }
+
     /// With steps of length and moments that are taken as long as they help, and then halved. `error` is the sum of the squared errors of a run, by its place, with pulses of a length and
     /// at a moment.
     fn refined(

@@ -8,6 +8,7 @@ use crate::data::model_metadata::{PULSE_FRAMES_S, SHORTEST_FRAME_S};
 use crate::presentation::summary::{four_digits, with_unit};
 use anyhow::{Result, bail};
 use serde::Serialize;
+use servoid_identification::results::six_digits;
 
 /// How far the length of a frame may be from the stated one \[%\].
 const WITHIN_PERCENT: f64 = 100.0 * super::pulse_search::OF_LENGTH;
@@ -49,16 +50,16 @@ impl StatedPulses {
             .rmse
             .map(|error| with_unit(four_digits(error), unit.unwrap_or("")));
         let as_stated = with_unit(four_digits(self.rmse_as_stated), unit.unwrap_or(""));
-        let stated_ms = 1e3 * self.stated_frame_s;
+        let stated_ms = six_digits(1e3 * self.stated_frame_s);
         let decimals = (-(1e3 * self.frame_step_s).log10()).ceil().clamp(0.0, 6.0) as usize;
         let closest = match self.frame_s == self.stated_frame_s {
             true => format!(
                 "Commands wait for pulses every {stated_ms} ms. With the moments of these, which were looked for, the model is closest: error {least} rms, and up to {largest} \
-                 with others. No other length within {WITHIN_PERCENT} % of that is closer."
+                 with others. No other length that was tried, within {WITHIN_PERCENT} % of that, is closer."
             ),
             false => format!(
                 "Commands wait for pulses every {:.decimals$} ms, by the clock of this recording. With this length and the moments of the pulses, which were looked for, \
-                 the model is closest: error {least} rms. With {stated_ms} ms it is {as_stated}, and up to {largest} with other moments.",
+                 the model is closest of all that were tried: error {least} rms. With {stated_ms} ms it is {as_stated}, and up to {largest} with other moments.",
                 1e3 * self.frame_s
             ),
         };
