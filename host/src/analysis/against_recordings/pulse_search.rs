@@ -111,7 +111,8 @@ pub(super) fn closest_pulses<'r>(
     let predicted = |pulses: Pulses| pulses.predicted(&error);
     let best = best_of(tried, PREDICTED).into_iter().filter_map(predicted);
     let starts = best_of(best.collect(), STARTS);
-    let starts = starts.into_iter().chain([as_stated.clone()]);
+    // The stated length first: no other is preferred that is no closer.
+    let starts = std::iter::once(as_stated.clone()).chain(starts);
     let refined = starts.filter_map(|start| start.refined(step_s, &error));
     let found = refined.min_by(|a, b| a.squares.total_cmp(&b.squares))?;
     let samples: f64 = known.iter().map(|table| table.samples).sum();

@@ -120,6 +120,11 @@ fn are_comparable([a, b]: [&ModelMetadata; 2]) -> bool {
 struct PeriodsDiffer(f64, f64);
 
 impl PeriodsDiffer {
+    /// Whether clocks may make the difference: half a percent is what a ceramic resonator may be off, on either side.
+    fn may_be_of_clocks(&self) -> bool {
+        (self.0 / self.1).ln().abs() < 0.01
+    }
+
     fn in_words(&self) -> String {
         let [a, b] = [self.0, self.1].map(|period_s| six_digits(1e3 * period_s));
         format!("one side has samples every {a} ms and the other every {b} ms")
@@ -171,10 +176,10 @@ impl StepResponses {
             .or_else(|| units.map(UnitsDiffer::in_words))
             .filter(|_| machines);
         let remedy = match periods {
-            Some(_) => {
+            Some(periods) if periods.may_be_of_clocks() => {
                 " Where rows were meant to be equally far apart in both, identify both sides with that as --period."
             }
-            None => "",
+            _ => "",
         };
         let Some(because) = because else {
             return Err(error);

@@ -108,13 +108,14 @@ fn the_coordinates_are_in_the_equation_as_the_page_says() {
         let own = names.iter().position(|name| name.is_object());
         let own = own.map_or(0.0, |place| values[place].as_f64().unwrap());
         let (k, c) = (of("ln_stiffness").exp(), of("ln_damping").exp());
+        let of_loop = 1.0 - of("spring");
         let b = of("motor_share") * c;
         let header = servo.export("c", folder.path(), &[]).text;
         let mut expected = vec![
-            ("stiffness", k * own.exp()),
+            ("stiffness", k * of_loop * own.exp()),
             ("damping", c),
             ("motor_damping", b),
-            ("gain", of("gain")),
+            ("gain", of("gain") / of_loop),
             ("offset", of("offset")),
             ("dead_band", of("dead_band")),
             ("friction", of("friction") * k),

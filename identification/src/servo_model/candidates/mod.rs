@@ -60,7 +60,10 @@ impl Candidates {
             candidates.possible.extend(quick);
         }
         let of = |point: Point| uncertainty(&problem, &point, fold_of.len()).servo_at(point);
-        candidates.possible.extend(others.into_iter().map(of));
+        let others = others.into_iter().map(of);
+        candidates
+            .possible
+            .extend(others.filter(PossibleServo::shows_its_spring));
         if candidates.level.withdrawn().is_some() {
             let members = candidates.possible[1..].iter();
             let members = members.map(|servo| servo.point.clone());

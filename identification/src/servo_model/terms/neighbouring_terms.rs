@@ -100,5 +100,11 @@ fn with_loads(
     let possible = |(possible, terms): (bool, Terms)| possible.then_some(terms);
     let with_load = |load| Terms { load, ..terms };
     let others = terms_if_possible.into_iter().filter_map(possible);
-    others.chain(loads.map(with_load)).collect()
+    let all = others.chain(loads.map(with_load));
+    all.filter(|terms| shows_its_load(*terms)).collect()
+}
+
+/// Whether the motion can show the load: a spring around a linear loop is another gain of a stiffer one.
+fn shows_its_load(terms: Terms) -> bool {
+    terms.load != LoadKind::Spring || terms.is_limited() || terms.dead_band || terms.friction
 }

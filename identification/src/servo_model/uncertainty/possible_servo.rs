@@ -4,7 +4,7 @@
 //! to hold for all of them: intervals and bands are those of every servo together. Without those whose further terms are not
 //! shown by the record, intervals of 99 % held 92 to 98 % of the truths instead of 97 to 100 %.
 
-use crate::servo_model::descent::coordinates::Point;
+use crate::servo_model::descent::coordinates::{Coordinate, Point};
 use faer::Mat;
 
 /// A servo that the record may come from.
@@ -15,4 +15,22 @@ pub(crate) struct PossibleServo {
     pub(crate) covariance: Mat<f64>,
     /// Changes of all coordinates that change no output of the record.
     pub(crate) unseen: Vec<Vec<f64>>,
+}
+
+/// The standard deviation of a spring's share in the stiffness from which on nothing is known of it: a share is less than one.
+const UNKNOWN_SHARE: f64 = 1.0;
+
+impl PossibleServo {
+    /// Whether the record knows the spring, where there is one. Behind a drive that is never full a spring is no other servo: stiffness and gain are those of
+    /// small motion with it and without.
+    pub(crate) fn shows_its_spring(&self) -> bool {
+        let mut coordinates = self.point.coordinates.iter();
+        coordinates
+            .position(|at| *at == Coordinate::Spring)
+            .is_none_or(|share| {
+                let variance = self.covariance[(share, share)];
+                let is_unseen = |change: &Vec<f64>| change[share].abs() > f64::EPSILON.sqrt();
+                variance < UNKNOWN_SHARE * UNKNOWN_SHARE && !self.unseen.iter().any(is_unseen)
+            })
+    }
 }

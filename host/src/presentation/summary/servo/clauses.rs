@@ -148,7 +148,7 @@ pub(super) fn load(model: &ServoModel) -> Option<String> {
             "works against a load that grows with the angle, as a spring or the air makes".to_owned()
         }
         LoadKind::Pendulum | LoadKind::TiltedPendulum => {
-            "works against a load that changes with the angle, as a spring, a weight on its arm or the air makes".to_owned()
+            "works against a load that changes with the angle, as a spring, a weight or the air makes".to_owned()
         }
         LoadKind::Air => {
             "works against a load that stiffens to one side, as an end of its travel does"
