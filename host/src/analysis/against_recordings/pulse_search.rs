@@ -3,7 +3,7 @@
 //! A length that is wrong by 0.1 % walks through a whole frame within a thousand frames: a search from length to length on a whole recording meets no slope
 //! until it is next to the right one. Within half a second lengths do not differ, and errors depend on the moment of the pulse alone. So the recording is predicted
 //! with pulses of the stated length at moments all over the frame; along any other length the errors are looked up, block by block, at the moments that
-//! it has come to. From the best one on, steps of length and moments are halved, with predictions of the whole recording.
+//! it has come to. The best of these are predicted, and from the closest on steps of length and moments are halved, with predictions of the whole recording.
 
 use crate::analysis::command_times::commands_at_pulses::at_pulses;
 use servoid_identification::{Error, Record, Run};
@@ -139,12 +139,21 @@ fn best_of(mut all: Vec<Pulses>, count: usize) -> Vec<Pulses> {
     all
 }
 
+/// The `error` of each run, with pulses of a length and near its middle.
+fn of_runs(
+    error: &dyn Fn(usize, [f64; 2]) -> Option<f64>,
+    frame_s: f64,
+    middle_s: &[f64],
+) -> Option<Vec<f64>> {
+    (middle_s.iter().enumerate())
+        .map(|(run, middle_s)| error(run, [frame_s, *middle_s]))
+        .collect()
+}
+
 impl Pulses {
     /// With the errors of predictions in place of those that were looked up.
     fn predicted(self, error: &dyn Fn(usize, [f64; 2]) -> Option<f64>) -> Option<Self> {
-        let squares = (self.middle_s.iter().enumerate())
-            .map(|(run, middle_s)| error(run, [self.frame_s, *middle_s]))
-            .sum::<Option<f64>>()?;
+        let squares = of_runs(error, self.frame_s, &self.middle_s)?.iter().sum();
         Some(Self { squares, ..self })
     }
 
@@ -155,18 +164,13 @@ impl Pulses {
         frame_step_s: f64,
         error: &dyn Fn(usize, [f64; 2]) -> Option<f64>,
     ) -> Option<Self> {
-        let of_runs = |frame_s: f64, middle_s: &[f64]| -> Option<Vec<f64>> {
-            (middle_s.iter().enumerate())
-                .map(|(run, middle_s)| error(run, [frame_s, *middle_s]))
-                .collect()
-        };
         let Self {
             mut frame_s,
             mut middle_s,
             ..
         } = self;
         let sum = |errors: &[f64]| errors.iter().sum::<f64>();
-        let mut errors = of_runs(frame_s, &middle_s)?;
+        let mut errors = of_runs(error, frame_s, &middle_s)?;
         let [mut frame_step_s, mut moment_step_s] = [frame_step_s, frame_s / MOMENTS as f64];
         for _ in 0..HALVED {
             frame_step_s *= 0.5;
@@ -184,7 +188,7 @@ impl Pulses {
                 }
                 let about_s = frame_s;
                 for tried_s in [about_s - frame_step_s, about_s + frame_step_s] {
-                    let tried = of_runs(tried_s, &middle_s).filter(|_| tried_s != frame_s);
+                    let tried = of_runs(error, tried_s, &middle_s).filter(|_| tried_s != frame_s);
                     if let Some(tried) = tried.filter(|tried| sum(tried) < sum(&errors)) {
                         (frame_s, errors) = (tried_s, tried);
                     }
