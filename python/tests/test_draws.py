@@ -88,10 +88,12 @@ def test_a_drawn_servo_is_exported_and_simulated_with_its_own_constants(model):
     values = dict(zip(draw.servo_model.coordinates, draw.servo_model.values))
     module: dict = {}
     exec(draw.export("python", servo_model=True).text, module)
+    # Beside a spring, stiffness and gain among the coordinates are those of drive and spring together.
+    share = values.get("spring", 0.0)
     constants = {
-        "STIFFNESS": np.exp(values["ln_stiffness"]),
+        "STIFFNESS": np.exp(values["ln_stiffness"]) * (1.0 - share),
         "DAMPING": np.exp(values["ln_damping"]),
-        "GAIN": values["gain"],
+        "GAIN": values["gain"] / (1.0 - share),
         "OFFSET": values["offset"],
     }
     for name, expected in constants.items():
