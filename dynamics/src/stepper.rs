@@ -157,6 +157,12 @@ impl<S: Scalar> Stepper<S> {
     /// One step under the command `command`.
     #[inline(always)]
     pub fn advance(&self, state: &mut State<S>, command: S) {
+        self.advance_by(state, command, |moved, _| moved);
+    }
+
+    /// The same where `motor` gives the speed at the end of the step, without friction, from that which the equation gives, and from that under the load alone.
+    #[inline(always)]
+    pub fn advance_by(&self, state: &mut State<S>, command: S, motor: impl FnOnce(S, S) -> S) {
         let half_s = self.step_s * 0.5;
         let middle = state.angle + state.speed * half_s;
         let error = self.beyond_dead_band(command - middle);
@@ -172,7 +178,7 @@ impl<S: Scalar> Stepper<S> {
             drive,
             ..
         } = self.drive(error, state.speed, loaded);
-        let free = (loaded + push) * damped;
+        let free = motor((loaded + push) * damped, state.speed - load);
         let speed = match self.friction {
             None => free,
             Some(friction) => {

@@ -87,6 +87,11 @@ def flag(name: str, value: Any) -> bool:
     return bool(value)
 
 
+def flag_or_none(name: str, value: Any) -> bool | None:
+    """The same, and ``None`` where nothing is asked for."""
+    return None if value is None else flag(name, value)
+
+
 def word(name: str, value: Any, what: str = "a text") -> str:
     """A text of an argument."""
     if not isinstance(value, str):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from . import _servoid
-from ._arrays import flag, number, number_or_none, unexpected
+from ._arrays import flag_or_none, number, number_or_none, unexpected
 from ._difference import (
     Asymmetry,
     DifferenceCurve,
@@ -252,7 +252,7 @@ def compare(
     margin: float = 5.0,
     level: float = 0.99,
     zero_sd: float = 0.0,
-    servo_model: bool = False,
+    servo_model: bool | None = None,
     **reading: Any,
 ) -> Comparison:
     """Compare two servos, or one servo under two conditions.
@@ -269,8 +269,9 @@ def compare(
         Confidence level of every bound.
     zero_sd : float
         Standard deviation of the sensor's zero between the two sides (unit of the output).
-    servo_model : bool
-        Also compare the servos as machines. That is done by itself where the step responses have no bounds.
+    servo_model : bool, optional
+        Also compare the servos as machines. Without it that is done where the step responses leave the verdict open; ``False``
+        leaves it out.
     **reading
         Options of :func:`read`, where the sides name files.
 
@@ -294,7 +295,7 @@ def compare(
         "margin": number("margin", margin, "a number of percent of the step"),
         "level": number("level", level, "a level such as 0.99"),
         "zero_sd": number("zero_sd", zero_sd),
-        "servo_model": flag("servo_model", servo_model),
+        "servo_model": flag_or_none("servo_model", servo_model),
     }
     unknown = reading.keys() - set(READ_OPTIONS)
     if unknown:

@@ -9,7 +9,7 @@ import numpy as np
 
 from . import _servoid
 from ._model import Model
-from ._arrays import flag, number, number_or_word, one_of, unexpected
+from ._arrays import flag, flag_or_none, number, number_or_word, one_of, unexpected
 from ._recording import ARRAYS, READ_OPTIONS, array_runs, as_recording
 
 
@@ -33,7 +33,7 @@ def identify(
     prior: str = "none",
     explain: bool = False,
     flight_model: bool = False,
-    servo_model: bool = False,
+    servo_model: bool | None = None,
     limits: bool = False,
     **reading: Any,
 ) -> Model:
@@ -46,8 +46,8 @@ def identify(
         next sample, as a servo holds its pulse: of a command that moves between samples, delays are wrong by up to half a period. Several
         runs of the same servo are lists of arrays; runs are never joined end to end. A moving command in even steps may have been
         rounded, and the bounds allow for that: give it with all its digits. The values of a pandas Series are taken in their order,
-        whatever its index. Without ``y``, ``u`` is a :class:`Recording`, or what :func:`read`
-        takes: a path, a list of paths, or a table of pandas.
+        whatever its index. Without ``y``, ``u`` is a :class:`Recording`, the path of a file, a
+        list of paths, which are its runs, or a table of pandas.
     period : float
         Time between samples (s).
     phase : float
@@ -77,10 +77,12 @@ def identify(
     prior : {"none", "stable"}
         What is known of the response before the data: that it is over after N, or that it dies out and is smooth. In white
         noise bounds are then 1.5 to 4 times narrower, and they hold for such responses.
-    explain, flight_model, servo_model, limits : bool
-        Also: why this structure, a low-order model, the servo as a machine, and motion that is not linear. The servo model is
-        looked for by itself where the linear model has no bounds, which takes some seconds, and so is the low-order model
-        where bounds hold in a band of frequencies alone.
+    explain, flight_model, limits : bool
+        Also: why this structure, a low-order model, and motion that is not linear. A low-order model is found by itself where
+        bounds hold in a band of frequencies alone.
+    servo_model : bool, optional
+        Also the servo as a machine. Without it that is looked for where the servo is not linear or the linear model has no
+        bounds, which takes some seconds, and minutes of long recordings; ``False`` leaves it out.
     **reading
         Options of :func:`read`, where ``u`` names files.
 
@@ -115,7 +117,7 @@ def identify(
         "level": number("level", level, "a level such as 0.99"),
         "explain": flag("explain", explain),
         "flight_model": flag("flight_model", flight_model),
-        "servo_model": flag("servo_model", servo_model),
+        "servo_model": flag_or_none("servo_model", servo_model),
         "limits": flag("limits", limits),
     }
     polled, exact_command = flag("polled", polled), flag("exact_command", exact_command)

@@ -6,7 +6,7 @@ use crate::data::Data;
 use crate::error::raised;
 use crate::model::Model;
 use pyo3::prelude::*;
-use servoid::analysis::{Identified, IdentifyRequest, to_json};
+use servoid::analysis::{Identified, IdentifyRequest, ServoModelSearch, to_json};
 use servoid::data::dataset::{self, Dataset, DatasetOptions};
 use servoid_identification::Options;
 
@@ -22,7 +22,7 @@ pub(crate) struct IdentifyOptions {
     level: f64,
     explain: bool,
     flight_model: bool,
-    servo_model: bool,
+    servo_model: Option<bool>,
     limits: bool,
 }
 
@@ -42,7 +42,7 @@ impl IdentifyOptions {
             options,
             explain: self.explain,
             flight_model: self.flight_model,
-            servo_model: self.servo_model,
+            servo_model: ServoModelSearch::asked(self.servo_model),
             limits: self.limits,
             held_out: false,
         })

@@ -5,7 +5,7 @@ use crate::data::Data;
 use crate::error::raised;
 use crate::model::Model;
 use pyo3::prelude::*;
-use servoid::analysis::{Compared, Validated, to_json};
+use servoid::analysis::{Compared, ServoModelSearch, Validated, to_json};
 use servoid_identification::Options;
 use servoid_identification::comparison::ComparisonOptions;
 
@@ -16,7 +16,7 @@ pub(crate) struct CompareOptions {
     margin: f64,
     level: f64,
     zero_sd: f64,
-    servo_model: bool,
+    servo_model: Option<bool>,
 }
 
 impl CompareOptions {
@@ -51,10 +51,11 @@ pub(crate) fn compare(
     options: CompareOptions,
 ) -> PyResult<(String, String)> {
     let [a, b] = [a, b].map(|side| side.get().0.clone());
-    let (parsed, servo_model) = (options.parsed()?, options.servo_model);
+    let search = ServoModelSearch::asked(options.servo_model);
+    let parsed = options.parsed()?;
     compute(py, move |interrupted| {
         let (sides, names) = ([&a.dataset, &b.dataset], [a.name.as_str(), b.name.as_str()]);
-        let found = Compared::recordings(sides, names, parsed, servo_model, || interrupted)?;
+        let found = Compared::recordings(sides, names, parsed, search, || interrupted)?;
         Ok((to_json(&found)?, found.as_text(names)))
     })
 }
@@ -68,7 +69,8 @@ pub(crate) fn compare_models(
 ) -> PyResult<(String, String)> {
     let (files, names) = ([&a.file, &b.file], [a.name.as_str(), b.name.as_str()]);
     let options_of_all = options.parsed()?;
-    let found = Compared::models(files, names, &options_of_all, options.servo_model);
+    let search = ServoModelSearch::asked(options.servo_model);
+    let found = Compared::models(files, names, &options_of_all, search);
     let found = found.map_err(raised)?;
     Ok((to_json(&found).map_err(raised)?, found.as_text(names)))
 }

@@ -25,7 +25,7 @@ pub use one_servo::identification::{Identified, IdentifiedDocument, IdentifyRequ
 pub use one_servo::identified::identified;
 pub use one_servo::low_order::low_order;
 pub use one_servo::model_text::text_of_file;
-pub use one_servo::servo_fit;
+pub use one_servo::servo_fit::{self, ServoModelSearch};
 pub use simulation::SimulatedServo;
 pub use two_servos::comparison::{Compared, compared, compared_models};
 pub use two_servos::servo_comparison::compared_servos;

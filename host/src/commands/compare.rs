@@ -2,7 +2,7 @@
 
 use super::input::{SecondSideArgs, TableArgs};
 use super::output::{Output, Talk, sides_are_open, wrong_usage};
-use super::servo_search::ServoSearch;
+use super::servo_search::{NoServoModel, ServoSearch};
 use crate::analysis::Compared;
 use crate::data::dataset::listed;
 use crate::data::dataset::suggested_columns::quoted;
@@ -47,6 +47,8 @@ pub(super) struct Compare {
     /// the step responses leave the verdict open
     #[arg(long)]
     servo_model: bool,
+    #[command(flatten)]
+    no_servo_model: NoServoModel,
     /// The result to write, as JSON
     #[arg(long, short, value_name = "FILE.json")]
     out: Option<PathBuf>,
@@ -84,10 +86,11 @@ impl Compare {
         };
         let names = [listed(a), listed(b)];
         let names = names.each_ref().map(String::as_str);
+        let search = self.no_servo_model.or(self.servo_model);
         let compared = match (a, b) {
             ([a], [b]) if is_model(a) && is_model(b) => {
                 let [a, b] = [ModelFile::read(a)?, ModelFile::read(b)?];
-                Compared::models([&a, &b], names, &options, self.servo_model)?
+                Compared::models([&a, &b], names, &options, search)?
             }
             _ => {
                 if let Some(model) = a.iter().chain(b).find(|file| is_model(file)) {
@@ -99,7 +102,7 @@ impl Compare {
                 let talk = self.output.talk;
                 let [a, b] = self.table.load_sides([a, b], &self.second, talk)?;
                 let watch = || ServoSearch::begin("both servos as machines", talk);
-                Compared::recordings([&a, &b], names, options, self.servo_model, watch)?
+                Compared::recordings([&a, &b], names, options, search, watch)?
             }
         };
         self.output.write_json(self.out.as_ref(), &compared)?;

@@ -2,7 +2,7 @@
 
 use super::input::TableArgs;
 use super::output::{Output, stem, wrong_usage};
-use super::servo_search::ServoSearch;
+use super::servo_search::{NoServoModel, ServoSearch};
 use crate::analysis::{Identified, IdentifyRequest, text_of_file};
 use crate::data::dataset::suggested_columns::quoted;
 use crate::data::dataset::{Dataset, listed};
@@ -66,6 +66,8 @@ pub(super) struct Identify {
     /// far as prediction needs them. It is found by itself where the servo is not linear
     #[arg(long)]
     servo_model: bool,
+    #[command(flatten)]
+    no_servo_model: NoServoModel,
     /// Also test for motion that is not linear: up and down strokes that differ, rate limits, hysteresis of the
     /// rest position, ends of the travel
     #[arg(long)]
@@ -114,7 +116,9 @@ impl Identify {
             options,
             explain: self.explain,
             flight_model: self.flight_model,
-            servo_model: self.servo_model || self.at.iter().any(|sine| sine.amplitude.is_some()),
+            servo_model: self
+                .no_servo_model
+                .or(self.servo_model || self.at.iter().any(|sine| sine.amplitude.is_some())),
             limits: self.limits,
             held_out: self.plots.is_some(),
         };

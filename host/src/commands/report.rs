@@ -3,7 +3,7 @@
 use super::compare::warn_of_small_margin;
 use super::input::{SecondSideArgs, TableArgs, name_of};
 use super::output::{Output, Talk, sides_are_open, stem, wrong_usage};
-use super::servo_search::ServoSearch;
+use super::servo_search::{NoServoModel, ServoSearch};
 use crate::analysis::{
     compared, compared_models, compared_servos, identified, low_order, servo_fit,
 };
@@ -47,6 +47,8 @@ pub(super) struct Report {
     /// Also find the servo as a machine in every recording. It is found by itself where the servo is not linear
     #[arg(long)]
     servo_model: bool,
+    #[command(flatten)]
+    no_servo_model: NoServoModel,
     #[command(flatten)]
     output: Output,
     #[command(flatten)]
@@ -121,7 +123,8 @@ impl Report {
         let (options, talk) = (Options::default(), self.output.talk);
         let mut found = identified(&data, &listed(files), &options)?;
         let low_order = low_order(false, &data, &found).and_then(Result::ok);
-        let machine = servo_fit::is_wanted(self.servo_model, &found.model).then(|| {
+        let search = self.no_servo_model.or(self.servo_model);
+        let machine = servo_fit::is_wanted(search, &found.model).then(|| {
             let search = ServoSearch::begin("the servo as a machine", talk);
             servo_fit::find(&data, &mut found, &options, true, &search)
         });

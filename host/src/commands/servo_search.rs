@@ -2,12 +2,33 @@
 
 use super::ctrl_c;
 use super::output::Talk;
+use crate::analysis::ServoModelSearch;
+use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use servoid_identification::servo_model::Watch;
 use std::time::Duration;
 
 /// Time between two turns of the sign that the search goes on.
 const TURN: Duration = Duration::from_millis(120);
+
+/// The option that leaves the search out.
+#[derive(Args, Clone, Copy, Debug)]
+pub(super) struct NoServoModel {
+    /// Do not look for the servo as a machine, which takes minutes of a long recording
+    #[arg(long, conflicts_with = "servo_model")]
+    no_servo_model: bool,
+}
+
+impl NoServoModel {
+    /// When the servo is looked for as a machine, where that may be `asked` for, too.
+    pub(super) fn or(self, asked: bool) -> ServoModelSearch {
+        match (self.no_servo_model, asked) {
+            (true, _) => ServoModelSearch::Never,
+            (false, true) => ServoModelSearch::Always,
+            (false, false) => ServoModelSearch::WhereNeeded,
+        }
+    }
+}
 
 /// A search that a person watches. Ctrl-C ends it, and what was found before it is still shown.
 pub(super) struct ServoSearch {

@@ -66,6 +66,8 @@ const LOOK_AT: &str = "Look at the zero of the sensor, at the horn on its spline
 pub(super) fn advice(record: &Record, units: Units<'_>) -> Option<Advice> {
     let is_known = match [units.input, units.output].map(|unit| unit.and_then(unit_meant)) {
         [Some(input), Some(output)] if input != output => return None,
+        // A position without a unit is in counts of the sensor, or in degrees.
+        [Some(input), None] if input == "us" => return None,
         [input, output] => input.is_some() && output.is_some(),
     };
     let travel = span(record.outputs())?;
@@ -109,7 +111,8 @@ pub(super) fn advice(record: &Record, units: Units<'_>) -> Option<Advice> {
                     all.len()
                 ),
                 false => format!(
-                    "The servo rests {off:+.2}{unit} from its command (mean of {} rests).",
+                    "{}he servo rests {off:+.2}{unit} from its command (mean of {} rests).",
+                    if is_known { "T" } else { "If command and position have one unit, t" },
                     all.len()
                 ),
             },

@@ -48,15 +48,16 @@ pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Co
     let level = options.identification.level;
     let both = a.split.as_ref().zip(b.split.as_ref());
     let split = both.filter(|_| a.asymmetric() || b.asymmetric());
-    let points = a.model.structure.settling_samples;
+    let samples = |side: &Identified<'_>| side.model.structure.settling_samples;
+    let points = samples(&a).max(samples(&b));
     let curves = match split {
-        Some((a, b)) => [Curves::of_split(a), Curves::of_split(b)],
+        Some((a, b)) => [Curves::of_split(a, points), Curves::of_split(b, points)],
         None => [
             Curves::of_model(&a.model, points)?,
             Curves::of_model(&b.model, points)?,
         ],
     };
-    let runs = RunMeans::of([&a, &b], split.is_some(), level);
+    let runs = RunMeans::of([&a, &b], split.is_some(), points, level);
     if let Some([gain_a, gain_b]) = split.map(|(a, b)| [a.gain(), b.gain()]) {
         // The errors of a plain model hide a slow end of such a servo.
         [a.model.metrics.dc_gain, b.model.metrics.dc_gain] = [gain_a, gain_b];
@@ -73,6 +74,7 @@ pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Co
     comparison.turns_the_other_way = other_way::turns(&comparison, [&a, &b]);
     comparison.runs = [a.record.runs().len(), b.record.runs().len()];
     comparison.split = split.is_some();
+    comparison.one_structure = a.options == b.options;
     // Where the servo rests and how its strokes differ is read off the same fits as the bounds.
     if let Bounds::Valid((sd_at_rest, _)) = a.sd_at_rest().zip(comparison.bounds) {
         let wait = (points as f64 / MARGIN).ceil() as usize;
@@ -105,10 +107,6 @@ pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Co
         false => None,
     };
     comparison.summary = words::summary(&comparison, turned.as_ref(), options);
-    let by_themselves = [&a.alone, &b.alone].map(|alone| alone.bounds.valid());
-    if comparison.bounds.valid().is_none() && by_themselves.iter().all(Option::is_some) {
-        comparison.summary += words::LOST_TOGETHER;
-    }
     comparison.advice = advice::gather(
         &comparison,
         [&a.alone, &b.alone],
@@ -244,6 +242,7 @@ fn of_curves(
         delay_shift_s: shift.value,
         delay_shift_definition: shift::DEFINITION.to_owned(),
         split: false,
+        one_structure: false,
         motions: None,
         descriptions_of_different_motions: false,
         turns_the_other_way: false,

@@ -35,8 +35,7 @@ impl Curves {
     /// The step response of a plain model, held at its final value up to `points` samples.
     pub(crate) fn of_model(model: &Model, points: usize) -> Result<Self, Error> {
         let map = model.basis()?.step_map();
-        let last = map.nrows() - 1;
-        let map = Mat::from_fn(points, map.ncols(), |m, k| map[(m.min(last), k)]);
+        let map = held(&map, map.nrows(), points);
         let parameters = model.structure.frequencies + 1 + model.structure.noise_order;
         let degrees = (model.fit.samples_used as f64 - parameters as f64).max(1.0);
         let known = model.bounds.as_ref().zip(model.step.bounds.as_ref());
@@ -50,13 +49,14 @@ impl Curves {
         })
     }
 
-    /// Up and down response of a direction-split model.
-    pub(crate) fn of_split(model: &DirectionModel) -> Self {
+    /// Up and down response of a direction-split model, held at their final values up to `points` samples.
+    pub(crate) fn of_split(model: &DirectionModel, points: usize) -> Self {
         let fit = &model.fit;
         let map = fit.curves_map();
+        let map = held(&map, map.nrows() / 2, points);
         Self {
             value: times(&map, &fit.parameters),
-            points: map.nrows() / 2,
+            points,
             spread: model
                 .level
                 .map(|_| DifferenceSpread::new(&map, &fit.covariance, fit.degrees_of_freedom, 0.0)),
@@ -79,6 +79,15 @@ impl Curves {
     pub(crate) fn gain(&self) -> f64 {
         self.value[self.points - 1]
     }
+}
+
+/// The rows of curves of `length` samples each, held at the last up to `points` samples.
+fn held(map: &Mat<f64>, length: usize, points: usize) -> Mat<f64> {
+    let curves = map.nrows() / length;
+    Mat::from_fn(curves * points, map.ncols(), |row, column| {
+        let (curve, sample) = (row / points, row % points);
+        map[(curve * length + sample.min(length - 1), column)]
+    })
 }
 
 impl DifferenceSpread {

@@ -174,6 +174,8 @@ pub struct Comparison {
     pub delay_shift_definition: String,
     /// Whether up and down strokes are compared apart.
     pub split: bool,
+    /// Whether both sides have one settling time and number of frequencies. Not where a side has bounds with its own alone, nor of models.
+    pub one_structure: bool,
     /// The reference of each side; `None` without records.
     #[serde(default)]
     pub motions: Option<Sides<Motion>>,

@@ -37,16 +37,38 @@ impl<'a> Identified<'a> {
         options: &Options,
     ) -> Result<Self, Error> {
         let may_go_on = alone.explanation.may_go_on();
-        let by_direction = alone.explanation.may_go_on_by_direction();
-        let Identification {
-            mut model,
-            explanation,
-        } = identify_runs(record, options, may_go_on)?;
-        let alone = alone.model;
-        let lost = model.level().withdrawn().and(of_other);
-        if let Some(reason) = alone.level().withdrawn().or(lost) {
-            model.withdraw(reason);
+        let mut found = identify_runs(record, options, may_go_on)?;
+        let lost = found.model.level().withdrawn().and(of_other);
+        if let Some(reason) = alone.model.level().withdrawn().or(lost) {
+            found.model.withdraw(reason);
         }
+        Self::of(record, found, alone, options)
+    }
+
+    /// With the structure that was found for this side alone.
+    fn with_its_own_structure(
+        record: &'a Record<'a>,
+        alone: Identification,
+        options: &Options,
+    ) -> Result<Self, Error> {
+        let own = Options {
+            settling: Settling::Samples(alone.model.structure.settling_samples),
+            frequencies: Frequencies::Count(alone.model.structure.frequencies),
+            ..*options
+        };
+        Self::of(record, alone.clone(), alone, &own)
+    }
+
+    /// A side that was `found` with these options, and `alone` with a structure of its own.
+    fn of(
+        record: &'a Record<'a>,
+        found: Identification,
+        alone: Identification,
+        options: &Options,
+    ) -> Result<Self, Error> {
+        let Identification { model, explanation } = found;
+        let may_go_on = alone.explanation.may_go_on();
+        let by_direction = alone.explanation.may_go_on_by_direction();
         // A record without an answer, such as one with strokes in one direction only, is no error here.
         let basis = model.basis()?;
         let without_outliers = TakenOut::without(&explanation.taken_out, record);
@@ -65,7 +87,7 @@ impl<'a> Identified<'a> {
             split,
             options: *options,
             may_go_on,
-            alone,
+            alone: alone.model,
         })
     }
 
@@ -170,7 +192,8 @@ impl<'a> Identified<'a> {
 }
 
 /// Both sides with one structure: the longer settling time of the two, as far as the references of
-/// both distinguish lags. Neither has bounds where they are `withheld`.
+/// both distinguish lags. Where a side that has bounds by itself loses them with that, as a servo that is not linear may, each keeps its own structure.
+/// Neither has bounds where they are `withheld`.
 pub(super) fn identified<'a>(
     a: &'a Record<'a>,
     b: &'a Record<'a>,
@@ -212,10 +235,20 @@ pub(super) fn identified<'a>(
         alone_b.model.withdraw(reason);
     }
     let [of_a, of_b] = [&alone_a, &alone_b].map(|alone| alone.model.level().withdrawn());
-    Ok((
-        Identified::new(a, alone_a, of_b, &common)?,
-        Identified::new(b, alone_b, of_a, &common)?,
-    ))
+    let together = [
+        Identified::new(a, alone_a.clone(), of_b, &common)?,
+        Identified::new(b, alone_b.clone(), of_a, &common)?,
+    ];
+    let is_lost = |side: &Identified<'_>| side.model.level().withdrawn().is_some();
+    let [side_a, side_b] = if of_a.or(of_b).is_none() && together.iter().any(is_lost) {
+        [
+            Identified::with_its_own_structure(a, alone_a, options)?,
+            Identified::with_its_own_structure(b, alone_b, options)?,
+        ]
+    } else {
+        together
+    };
+    Ok((side_a, side_b))
 }
 
 /// Periods that differ by this part of them are one: two crystals of 50 ppm differ by as much, a response moves by as little of its time, and

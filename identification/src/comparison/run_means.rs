@@ -27,11 +27,16 @@ pub(super) struct RunMeans {
 
 impl RunMeans {
     /// `None` where a side has fewer than three runs, or one that is too short for curves of its own. `split` for up and down
-    /// strokes apart.
-    pub(super) fn of(sides: [&Identified<'_>; 2], split: bool, level: f64) -> Option<Self> {
+    /// strokes apart; curves of so many `points`.
+    pub(super) fn of(
+        sides: [&Identified<'_>; 2],
+        split: bool,
+        points: usize,
+        level: f64,
+    ) -> Option<Self> {
         let [a, b] = sides.map(|side| {
             let enough = side.record.runs().len() >= RUNS_FOR_MEAN;
-            enough.then(|| of_runs(side, split).ok())?
+            enough.then(|| of_runs(side, split, points).ok())?
         });
         let ((curves_a, metrics_a), (curves_b, metrics_b)) = a.zip(b)?;
         Some(Self {
@@ -99,16 +104,22 @@ fn mean(values: &[f64]) -> f64 {
 }
 
 /// The curves and the metrics of each run alone, by the structure of the comparison.
-fn of_runs(side: &Identified<'_>, split: bool) -> Result<(Vec<Curves>, Vec<Metrics>), Error> {
+fn of_runs(
+    side: &Identified<'_>,
+    split: bool,
+    points: usize,
+) -> Result<(Vec<Curves>, Vec<Metrics>), Error> {
     let models = side
         .run_records()
         .map(|run| Ok(identify_runs(&run?, &side.options, side.may_go_on)?.model))
         .collect::<Result<Vec<_>, Error>>()?;
-    let points = side.model.structure.settling_samples;
     let curves = match split {
         true => {
             let models = side.splits_of_runs(side.model.basis()?)?;
-            models.iter().map(Curves::of_split).collect()
+            models
+                .iter()
+                .map(|model| Curves::of_split(model, points))
+                .collect()
         }
         false => models
             .iter()

@@ -49,9 +49,6 @@ fn play(found: &Comparison, unit: &str) -> String {
     sentence.map_or_else(String::new, |sentence| format!(" {sentence}"))
 }
 
-/// Where each side has bounds by itself, and a comparison none.
-pub(super) const LOST_TOGETHER: &str = " Each side has bounds by itself, and loses them with the settling time that both are given here.";
-
 /// What the comparison says once the outputs of the second side have the sign of those of the first; `None` where that is nothing.
 fn with_its_sign_changed(turned: &Comparison) -> Option<String> {
     let answer = answer(turned, turned.bounds.valid()?);

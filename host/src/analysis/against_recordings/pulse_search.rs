@@ -5,11 +5,8 @@
 //! with pulses of the stated length at moments all over the frame; along any other length the errors are looked up, block by block, at the moments that
 //! it has come to. The best of these are predicted, and from the closest on steps of length and moments are halved, with predictions of the whole recording.
 
-use crate::analysis::command_times::commands_at_pulses::at_pulses;
+use super::pulse_errors::{ErrorTable, MOMENTS, OF_LENGTH, Predict, with_pulses};
 use servoid_identification::{Error, Record, Run};
-
-/// Moments of pulses in a frame that are tried, evenly spaced.
-const MOMENTS: usize = 24;
 
 /// Of the lengths that are looked up, so many are predicted.
 const PREDICTED: usize = 100;
@@ -22,15 +19,6 @@ const HALVED: i32 = 4;
 
 /// Steps of one size at the most.
 const STEPS: usize = 8;
-
-/// How far a length may be from the stated one, as a share of it: the ceramic resonator of an Arduino keeps within half a percent.
-pub(super) const OF_LENGTH: f64 = 0.005;
-
-/// Frames of a block: with each length within [`OF_LENGTH`], pulses walk by less than a seventh of a frame in it.
-const FRAMES_OF_BLOCK: f64 = 25.0;
-
-/// What a model predicts of a run, which has this number; `None` where it cannot.
-pub(super) type Predict<'a, 'r> = &'a dyn Fn(Run<'r>, usize) -> Option<Vec<f64>>;
 
 /// The pulses with which a model is closest.
 #[derive(Clone, Debug)]
@@ -67,14 +55,17 @@ impl ClosestPulses {
     }
 }
 
+/// The sum of the squared errors of a run, by its place, with pulses of a length and at a moment \[s\].
+type ErrorOfRun<'a> = &'a dyn Fn(usize, [f64; 2]) -> Option<f64>;
+
 /// Pulses of a length in all runs.
 #[derive(Clone)]
 struct Pulses {
     frame_s: f64,
     /// Of each run, a pulse near its middle \[s\]: with another length, pulses of both halves of the run move the least.
     middle_s: Vec<f64>,
-    /// The sum of the squared errors.
-    squares: f64,
+    /// Of each run, the sum of the squared errors.
+    squares: Vec<f64>,
 }
 
 /// The closest pulses to the runs of a record, in frames of about `stated_s`. `None` where no run can be predicted.
@@ -97,7 +88,7 @@ pub(super) fn closest_pulses<'r>(
         Pulses {
             frame_s,
             middle_s: of_runs.iter().map(|(middle_s, _)| *middle_s).collect(),
-            squares: of_runs.iter().map(|(_, squares)| squares).sum(),
+            squares: of_runs.iter().map(|(_, squares)| *squares).collect(),
         }
     };
     let tried: Vec<Pulses> = lengths.map(closest).collect();
@@ -108,13 +99,13 @@ pub(super) fn closest_pulses<'r>(
     };
     let as_stated = closest(stated_s).refined(0.0, &error)?;
     // Looked up errors are those of moments beside the right ones: which of the best is the best, predictions say.
-    let predicted = |pulses: Pulses| pulses.predicted(&error);
+    let predicted = |pulses: Pulses| pulses.predicted(pulses.frame_s, &error);
     let best = best_of(tried, PREDICTED).into_iter().filter_map(predicted);
     let starts = best_of(best.collect(), STARTS);
     // The stated length first: no other is preferred that is no closer.
     let starts = std::iter::once(as_stated.clone()).chain(starts);
     let refined = starts.filter_map(|start| start.refined(step_s, &error));
-    let found = refined.min_by(|a, b| a.squares.total_cmp(&b.squares))?;
+    let found = refined.min_by(|a, b| a.sum().total_cmp(&b.sum()))?;
     let samples: f64 = known.iter().map(|table| table.samples).sum();
     let rms = |squares: f64| (squares / samples).sqrt();
     let mut middle_s = found.middle_s.iter();
@@ -126,191 +117,71 @@ pub(super) fn closest_pulses<'r>(
         frame_s: found.frame_s,
         frame_step_s: step_s,
         first_pulse_s: first.collect(),
-        rmse: rms(found.squares),
-        rmse_as_stated: rms(as_stated.squares),
+        rmse: rms(found.sum()),
+        rmse_as_stated: rms(as_stated.sum()),
         largest_rmse: rms(known.iter().map(|table| table.largest()).sum()),
     })
 }
 
 /// So many with the smallest errors.
 fn best_of(mut all: Vec<Pulses>, count: usize) -> Vec<Pulses> {
-    all.sort_by(|a, b| a.squares.total_cmp(&b.squares));
+    all.sort_by(|a, b| a.sum().total_cmp(&b.sum()));
     all.truncate(count);
     all
 }
 
-/// The `error` of each run, with pulses of a length and near its middle.
-fn of_runs(
-    error: &dyn Fn(usize, [f64; 2]) -> Option<f64>,
-    frame_s: f64,
-    middle_s: &[f64],
-) -> Option<Vec<f64>> {
-    (middle_s.iter().enumerate())
-        .map(|(run, middle_s)| error(run, [frame_s, *middle_s]))
-        .collect()
-}
-
 impl Pulses {
-    /// With the errors of predictions in place of those that were looked up.
-    fn predicted(self, error: &dyn Fn(usize, [f64; 2]) -> Option<f64>) -> Option<Self> {
-        let squares = of_runs(error, self.frame_s, &self.middle_s)?.iter().sum();
-        Some(Self { squares, ..self })
+    fn sum(&self) -> f64 {
+        self.squares.iter().sum()
     }
 
-    /// With steps of length and moments that are taken as long as they help, and then halved. `error` is the sum of the squared errors of a run, by its place, with pulses of a length and
-    /// at a moment.
-    fn refined(
-        self,
-        frame_step_s: f64,
-        error: &dyn Fn(usize, [f64; 2]) -> Option<f64>,
-    ) -> Option<Self> {
-        let Self {
-            mut frame_s,
-            mut middle_s,
-            ..
-        } = self;
-        let sum = |errors: &[f64]| errors.iter().sum::<f64>();
-        let mut errors = of_runs(error, frame_s, &middle_s)?;
-        let [mut frame_step_s, mut moment_step_s] = [frame_step_s, frame_s / MOMENTS as f64];
-        for _ in 0..HALVED {
-            frame_step_s *= 0.5;
-            moment_step_s *= 0.5;
+    /// With another length, and errors of predictions.
+    fn predicted(&self, frame_s: f64, error: ErrorOfRun) -> Option<Self> {
+        let moments = self.middle_s.iter().enumerate();
+        let squares = moments.map(|(run, middle_s)| error(run, [frame_s, *middle_s]));
+        Some(Self {
+            frame_s,
+            middle_s: self.middle_s.clone(),
+            squares: squares.collect::<Option<_>>()?,
+        })
+    }
+
+    /// With steps of length and moments that are taken as long as they help, and then halved.
+    fn refined(&self, frame_step_s: f64, error: ErrorOfRun) -> Option<Self> {
+        let mut closest = self.predicted(self.frame_s, error)?;
+        let steps_s = [frame_step_s, self.frame_s / MOMENTS as f64];
+        for halved in 1..=HALVED {
+            let steps_s = steps_s.map(|step_s| step_s * 0.5_f64.powi(halved));
             for _ in 0..STEPS {
-                let before = sum(&errors);
-                for (run, (middle_s, least)) in middle_s.iter_mut().zip(&mut errors).enumerate() {
-                    let about_s = *middle_s;
-                    for tried_s in [about_s - moment_step_s, about_s + moment_step_s] {
-                        let tried = error(run, [frame_s, tried_s]);
-                        if let Some(tried) = tried.filter(|tried| tried < least) {
-                            (*middle_s, *least) = (tried_s, tried);
-                        }
-                    }
-                }
-                let about_s = frame_s;
-                for tried_s in [about_s - frame_step_s, about_s + frame_step_s] {
-                    let tried = of_runs(error, tried_s, &middle_s).filter(|_| tried_s != frame_s);
-                    if let Some(tried) = tried.filter(|tried| sum(tried) < sum(&errors)) {
-                        (frame_s, errors) = (tried_s, tried);
-                    }
-                }
-                if sum(&errors) >= before {
+                let before = closest.sum();
+                closest.step(steps_s, error);
+                if closest.sum() >= before {
                     break;
                 }
             }
         }
-        Some(Self {
-            frame_s,
-            middle_s,
-            squares: errors.iter().sum(),
-        })
+        Some(closest)
     }
-}
 
-/// The run with each command in force from the next pulse on. Frame and one of the pulses are counted in rows.
-fn with_pulses<'r>(run: &Run<'r>, [frame, pulse]: [f64; 2]) -> Option<Run<'r>> {
-    at_pulses(run, |row| (pulse - row as f64).rem_euclid(frame))
-}
-
-/// Squared errors of a run with pulses of the stated length, at moments all over a frame.
-struct ErrorTable<'a, 'r> {
-    run: &'a Run<'r>,
-    number: usize,
-    period_s: f64,
-    stated_s: f64,
-    rows_of_block: usize,
-    /// Their sums in each block, one of each moment.
-    blocks: Vec<[f64; MOMENTS]>,
-    /// Samples that are predicted.
-    samples: f64,
-}
-
-impl<'a, 'r> ErrorTable<'a, 'r> {
-    /// `None` where the run cannot be predicted.
-    fn of(
-        run: &'a Run<'r>,
-        number: usize,
-        [stated_s, period_s]: [f64; 2],
-        predict: Predict<'_, 'r>,
-    ) -> Option<Self> {
-        let rows_of_block = (FRAMES_OF_BLOCK * stated_s / period_s).ceil() as usize;
-        let mut table = Self {
-            run,
-            number,
-            period_s,
-            stated_s,
-            rows_of_block,
-            blocks: vec![[0.0; MOMENTS]; run.len().div_ceil(rows_of_block)],
-            samples: 0.0,
-        };
-        for moment in 0..MOMENTS {
-            let moved = with_pulses(
-                run,
-                [stated_s, table.moment_s(moment)].map(|time_s| time_s / period_s),
-            )?;
-            let errors = table.errors(&predict(moved, number)?);
-            table.samples = errors.iter().flatten().count() as f64;
-            for (block, errors) in table.blocks.iter_mut().zip(errors.chunks(rows_of_block)) {
-                if let Some(sum) = block.get_mut(moment) {
-                    *sum = errors.iter().flatten().sum();
+    /// A step of each moment and then one of the length, where it helps.
+    fn step(&mut self, [frame_step_s, moment_step_s]: [f64; 2], error: ErrorOfRun) {
+        let moments = self.middle_s.iter_mut().zip(&mut self.squares);
+        for (run, (middle_s, least)) in moments.enumerate() {
+            for tried_s in [*middle_s - moment_step_s, *middle_s + moment_step_s] {
+                let tried = error(run, [self.frame_s, tried_s]);
+                if let Some(tried) = tried.filter(|tried| tried < least) {
+                    (*middle_s, *least) = (tried_s, tried);
                 }
             }
         }
-        (table.samples > 0.0).then_some(table)
-    }
-
-    fn moment_s(&self, moment: usize) -> f64 {
-        (moment as f64 + 0.5) * self.stated_s / MOMENTS as f64
-    }
-
-    fn seconds(&self) -> f64 {
-        self.run.len() as f64 * self.period_s
-    }
-
-    /// The squared error of each sample, where there is one.
-    fn errors(&self, predicted: &[f64]) -> Vec<Option<f64>> {
-        let errors = self.run.output().iter().zip(predicted);
-        errors
-            .map(|(measured, predicted)| {
-                Some((measured - predicted).powi(2)).filter(|square| square.is_finite())
-            })
-            .collect()
-    }
-
-    fn squares(&self, predicted: &[f64]) -> f64 {
-        self.errors(predicted).iter().flatten().sum()
-    }
-
-    /// A pulse near the middle of the run with which frames of this length have the least squared errors, and their sum.
-    fn closest(&self, frame_s: f64) -> (f64, f64) {
-        let half = 0.5 * self.seconds();
-        let block_s = self.rows_of_block as f64 * self.period_s;
-        let walk = (frame_s - self.stated_s) / frame_s;
-        let along = |moment: usize| {
-            let middle_s = (half / self.stated_s).floor() * self.stated_s + self.moment_s(moment);
-            let of_block = |(number, sums): (usize, &[f64; MOMENTS])| {
-                let at_s = (number as f64 + 0.5) * block_s;
-                let moment_s = (middle_s + walk * (at_s - middle_s)).rem_euclid(self.stated_s);
-                let index = (moment_s / self.stated_s * MOMENTS as f64) as usize;
-                sums.get(index.min(MOMENTS - 1)).copied().unwrap_or(0.0)
-            };
-            let sum: f64 = self.blocks.iter().enumerate().map(of_block).sum();
-            (middle_s, sum)
-        };
-        let tried = (0..MOMENTS).map(along);
-        tried
-            .min_by(|a, b| a.1.total_cmp(&b.1))
-            .unwrap_or((half, f64::INFINITY))
-    }
-
-    /// The largest sum of squared errors with one moment.
-    fn largest(&self) -> f64 {
-        let of_moment = |moment: usize| {
-            self.blocks
-                .iter()
-                .filter_map(|block| block.get(moment))
-                .sum()
-        };
-        (0..MOMENTS).map(of_moment).fold(0.0, f64::max)
+        if frame_step_s > 0.0 {
+            for tried_s in [self.frame_s - frame_step_s, self.frame_s + frame_step_s] {
+                let tried = self.predicted(tried_s, error);
+                if let Some(tried) = tried.filter(|tried| tried.sum() < self.sum()) {
+                    *self = tried;
+                }
+            }
+        }
     }
 }
 
@@ -318,14 +189,6 @@ impl<'a, 'r> ErrorTable<'a, 'r> {
 mod tests {
     use super::*;
 
-    #[test]
-    fn a_command_waits_for_the_next_pulse() {
-        let input = vec![0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
-        let run = Run::new(input, vec![0.0; 7]).unwrap();
-        // Pulses at 0.5, 2.5 and 4.5 rows: each has the command of the row before it until the next.
-        let held = with_pulses(&run, [2.0, 0.5]).unwrap();
-        assert_eq!(held.input(), [0.0, 0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
-    }
     /// A lag of 30 ms in rows of 10 ms.
     fn lagged(input: &[f64]) -> Vec<f64> {
         let mut state = 0.0;

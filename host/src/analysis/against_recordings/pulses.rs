@@ -11,7 +11,7 @@ use serde::Serialize;
 use servoid_identification::results::six_digits;
 
 /// How far the length of a frame may be from the stated one \[%\].
-const WITHIN_PERCENT: f64 = 100.0 * super::pulse_search::OF_LENGTH;
+const WITHIN_PERCENT: f64 = 100.0 * super::pulse_errors::OF_LENGTH;
 
 /// Pulses that commands of a recording wait for.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -4,7 +4,7 @@ use super::identified::identified;
 use super::load_at_rest;
 use super::low_order::low_order;
 use super::model_text::ModelText;
-use super::servo_fit;
+use super::servo_fit::{self, ServoModelSearch};
 use crate::data::HeldOutPrediction;
 use crate::data::dataset::{Dataset, DatasetOptions};
 use crate::data::model_file::{ModelDocument, ServoModelDocument};
@@ -28,8 +28,8 @@ pub struct IdentifyRequest {
     pub explain: bool,
     /// Whether a low-order model is fitted where the linear model has bounds of more than a band, or none, too.
     pub flight_model: bool,
-    /// Whether a servo model is looked for where the linear model has bounds, too.
-    pub servo_model: bool,
+    /// When a servo model is looked for.
+    pub servo_model: ServoModelSearch,
     /// Whether motion that is not linear is looked for.
     pub limits: bool,
     /// Whether a servo model shows how it predicts a stretch that it has not seen.

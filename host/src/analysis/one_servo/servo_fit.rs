@@ -14,23 +14,51 @@ use servoid_identification::servo_model::{
 };
 use servoid_identification::{Identification, Options, Run, identify};
 
+/// When a servo is looked for as a machine, which may take minutes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ServoModelSearch {
+    /// In each recording.
+    Always,
+    /// Where a linear model does not suffice.
+    #[default]
+    WhereNeeded,
+    /// In none.
+    Never,
+}
+
+impl ServoModelSearch {
+    /// `Some` of what was asked for.
+    #[must_use]
+    pub fn asked(asked: Option<bool>) -> Self {
+        match asked {
+            Some(true) => Self::Always,
+            Some(false) => Self::Never,
+            None => Self::WhereNeeded,
+        }
+    }
+}
+
 /// Whether a servo model is looked for: on request, and where the servo is not linear or the result has no bounds, which leaves its
 /// user with little. Where the input follows the output the motion is that of a loop, and where the output leads times count from nothing:
 /// a model of such a recording would be none of the servo.
-pub fn is_wanted(asked: bool, linear: &Model) -> bool {
+pub fn is_wanted(asked: ServoModelSearch, linear: &Model) -> bool {
     let withdrawn = linear.level().withdrawn();
     help(asked, linear.linear && withdrawn.is_none(), withdrawn)
 }
 
 /// Whether servo models of both sides are compared: on request, and where the step responses decide nothing.
-pub fn are_compared(asked: bool, found: &Comparison) -> bool {
+pub fn are_compared(asked: ServoModelSearch, found: &Comparison) -> bool {
     let decided = found.verdict != Verdict::Undecided;
     help(asked, decided, found.bounds.withdrawn())
 }
 
 /// Whether servo models help: on request, and where a linear model does not suffice, but not where the command is not what moved the servo.
-fn help(asked: bool, suffices: bool, withdrawn: Option<Reason>) -> bool {
-    asked || !suffices && withdrawn.is_none_or(Reason::leaves_a_servo)
+fn help(asked: ServoModelSearch, suffices: bool, withdrawn: Option<Reason>) -> bool {
+    match asked {
+        ServoModelSearch::Always => true,
+        ServoModelSearch::WhereNeeded => !suffices && withdrawn.is_none_or(Reason::leaves_a_servo),
+        ServoModelSearch::Never => false,
+    }
 }
 
 /// What was found of the servo as a machine.
@@ -226,11 +254,16 @@ mod tests {
 
     #[test]
     fn a_servo_is_looked_for_where_it_helps_and_not_behind_a_closed_loop() {
-        assert!(!help(false, true, None));
-        assert!(help(false, false, None));
-        assert!(help(false, false, Some(Reason::ErrorsNotNoise)));
-        assert!(!help(false, false, Some(Reason::InputFollowsOutput)));
-        assert!(help(true, false, Some(Reason::InputFollowsOutput)));
-        assert!(!help(false, false, Some(Reason::EarlyMotion)));
+        let help = |suffices, withdrawn| {
+            [None, Some(true), Some(false)]
+                .map(|asked| help(ServoModelSearch::asked(asked), suffices, withdrawn))
+        };
+        assert_eq!(help(true, None), [false, true, false]);
+        assert_eq!(help(false, None), [true, true, false]);
+        let open = Some(Reason::ErrorsNotNoise);
+        assert_eq!(help(false, open), [true, true, false]);
+        for loop_or_lead in [Reason::InputFollowsOutput, Reason::EarlyMotion] {
+            assert_eq!(help(false, Some(loop_or_lead)), [false, true, false]);
+        }
     }
 }

@@ -4,7 +4,7 @@ use super::delay_errors;
 use super::scale_errors;
 use super::servo_comparison::compared_servos;
 use crate::analysis::one_servo::identified::identified;
-use crate::analysis::one_servo::servo_fit;
+use crate::analysis::one_servo::servo_fit::{self, ServoModelSearch};
 use crate::data::dataset::Dataset;
 use crate::data::fingerprint;
 use crate::data::mixed_units::advice_on_units;
@@ -262,8 +262,8 @@ pub struct Compared {
 }
 
 impl Compared {
-    /// Compares recordings. Servo models are compared if `servo_model` asks for it, and where the step responses have no
-    /// bounds; `watch` begins the search for them. Where it asks for them, the sides may have different times between samples.
+    /// Compares recordings, and servo models as `search` says; `watch` begins the search for them. Where it asks for them always, the sides may have different
+    /// times between samples.
     ///
     /// # Errors
     /// As [`compared`].
@@ -271,7 +271,7 @@ impl Compared {
         [a, b]: [&Dataset; 2],
         names: [&str; 2],
         options: ComparisonOptions,
-        servo_model: bool,
+        search: ServoModelSearch,
         watch: impl FnOnce() -> W,
     ) -> Result<Self> {
         let identification = options.identification;
@@ -279,10 +279,10 @@ impl Compared {
         let found = compared([a, b], names, options);
         let metadata = [a, b].map(|side| ModelMetadata::from(&side.about));
         let sides = [&metadata[0], &metadata[1]];
-        let machines = servo_model && are_comparable(sides);
+        let machines = search == ServoModelSearch::Always && are_comparable(sides);
         let mut found = StepResponses::of(found, machines, margin_percent)?;
-        let wanted = |found| servo_fit::are_compared(servo_model, found);
-        let servos = (found.compared().is_none_or(wanted))
+        let wanted = |found| servo_fit::are_compared(search, found);
+        let servos = (found.compared().map_or(machines, wanted))
             .then(|| servo_fit::find_both([a, b], names, &identification, &watch()));
         let (servo_model, no_servo_model) = match servos {
             Some(Ok([a, b])) => (Some(compared_servos([&a.model, &b.model], sides)), None),
@@ -301,7 +301,7 @@ impl Compared {
         })
     }
 
-    /// Compares models; `servo_model` demands that both have one.
+    /// Compares models; a search for servo models always demands that both have one, and one that is never leaves them out.
     ///
     /// # Errors
     /// Different units, linear models alone that are not of one sample period, and a servo model that is missing.
@@ -309,18 +309,18 @@ impl Compared {
         [a, b]: [&ModelFile; 2],
         names: [&str; 2],
         options: &ComparisonOptions,
-        servo_model: bool,
+        search: ServoModelSearch,
     ) -> Result<Self> {
         let metadata = [&a.metadata, &b.metadata];
         let found = compared_models([&a.model, &b.model], metadata, names, options.clone());
         let servos = [a.servo_model()?, b.servo_model()?];
         for (name, servo) in names.iter().zip(&servos) {
-            if servo_model && servo.is_none() {
+            if search == ServoModelSearch::Always && servo.is_none() {
                 bail!("{name} has no servo model: identify its recording with --servo-model");
             }
         }
         let [of_a, of_b] = servos;
-        let both = of_a.zip(of_b);
+        let both = of_a.zip(of_b).filter(|_| search != ServoModelSearch::Never);
         let machines = both.is_some() && are_comparable(metadata);
         let mut found = StepResponses::of(found, machines, options.margin_percent)?;
         if let StepResponses::Compared(found) = &mut found {

@@ -134,8 +134,8 @@ fn reason_in_words(misfit: &Misfit, has_noise: bool, settling: usize) -> (String
             let percent = 100.0 * share;
             let words = format!(
                 "the response to a step comes to rest, and moves again by {percent:.1} % of its end when the reference is changed next: the \
-                 servo's answer depends on the change before, as with play, friction or a dead band, and equal holds make that look like \
-                 a late part of the response"
+                 servo's answer depends on the size of the step, as with a limit of its speed, or on the step before, as with play, friction or a dead band, and equal \
+                 holds make that look like a late part of the response"
             );
             (words, percent, MATERIAL_MISFIT_PERCENT)
         }

@@ -1,8 +1,8 @@
 //! Findings on the response: whether it is over, and which part of it was left out.
 
-use crate::data::usual_hold;
+use crate::data::{Record, usual_hold};
 use crate::diagnostics::advice::evidence::{Evidence, two_digits};
-use crate::diagnostics::{Misfit, rise_at_end};
+use crate::diagnostics::{Misfit, rests_within, rise_at_end};
 use crate::numerics::four_digits;
 use crate::options::Frequencies;
 use crate::results::{Advice, Bounds, Check, Reason, SelectedBy, Withheld};
@@ -261,6 +261,11 @@ pub(super) fn still_rising(evidence: &Evidence<'_>) -> Option<Advice> {
     // A step response that the reference does not determine has no end to speak of.
     let is_determined = evidence.validity.withheld != Some(Withheld::InputUnexcited);
     let rise = rise_at_end(&evidence.model.step.value).filter(|_| is_determined)?;
+    // Where the servo is seen to rest, what goes on is the description of a servo that is not linear.
+    let rests = |record: &Record| rests_within(record, usual_hold(record));
+    if evidence.recorded.is_some_and(rests) {
+        return None;
+    }
     let seconds = evidence.model.step.value.len() as f64 * evidence.model.sample_period_s;
     Some(Advice::new(
         Check::StillRising,

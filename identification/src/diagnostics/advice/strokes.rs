@@ -21,15 +21,11 @@ pub(super) fn other_strokes(evidence: &Evidence<'_>) -> Option<Advice> {
     let size = (hold.level - hold.before?).abs();
     let samples: usize = found.iter().map(|found| found.samples).sum();
     let usual = evidence.input(two_digits(usual));
-    let consequence = match evidence.has_bounds() {
-        true => format!("The bounds hold for steps of {usual}."),
-        false => format!("The response is that to steps of {usual}."),
-    };
     Some(Advice::new(
         Check::Linearity,
         format!(
             "The servo is not linear: a step of {} at {:.3} s is not answered as the steps of {usual}, which are most of this recording, by more than \
-             noise explains. {consequence} {samples} samples after steps of other sizes were left out.",
+             noise explains. The response, and bounds where there are any, are those of steps of {usual}. {samples} samples after steps of other sizes were left out.",
             evidence.input(two_digits(size)),
             hold.samples.start as f64 * evidence.model.sample_period_s
         ),

@@ -27,12 +27,13 @@ pub(super) enum Kind {
     Stiction,
     Backlash,
     CurrentLimit,
+    DriveLag,
     QuantisedDrive,
     UnequalSides,
 }
 
 impl Kind {
-    pub(super) const ALL: [Self; 10] = [
+    pub(super) const ALL: [Self; 11] = [
         Self::InClass,
         Self::RateLimit,
         Self::UndampedMotor,
@@ -41,6 +42,7 @@ impl Kind {
         Self::Stiction,
         Self::Backlash,
         Self::CurrentLimit,
+        Self::DriveLag,
         Self::QuantisedDrive,
         Self::UnequalSides,
     ];
@@ -63,6 +65,9 @@ impl Kind {
             Self::CurrentLimit => Beyond::CurrentLimit {
                 share: between(0.4, 0.8),
             },
+            Self::DriveLag => Beyond::DriveLag {
+                lag_s: between(0.0003, 0.0015),
+            },
             Self::QuantisedDrive => Beyond::QuantisedDrive { step: 0.01 },
             Self::UnequalSides => Beyond::UnequalSides {
                 limit: between(-0.3, 0.3).exp(),
@@ -83,6 +88,7 @@ impl fmt::Display for Kind {
             Self::Stiction => "stiction",
             Self::Backlash => "backlash",
             Self::CurrentLimit => "current limit",
+            Self::DriveLag => "drive lag",
             Self::QuantisedDrive => "quantised drive",
             Self::UnequalSides => "unequal sides",
         })

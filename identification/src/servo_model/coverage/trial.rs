@@ -2,7 +2,7 @@
 
 use super::references::{NoiseKind, PERIOD_S, Reference};
 use super::servos::{Kind, servo};
-use super::truth::Truth;
+use super::truth::{Beyond, Truth};
 use crate::data::{Record, Run};
 use crate::results::Interval;
 use crate::servo_model::{ServoModel, ServoModelOptions, fit, quantities};
@@ -168,10 +168,18 @@ fn intervals(truth: &Truth, found: &ServoModel) -> Vec<Judged> {
         .collect()
 }
 
-/// The true quantities by name: outside of the class only those whose meaning does not depend on it.
+/// The true quantities by name: outside of the class only those whose meaning does not depend on it. A lag of the drive is in the delay.
 fn truths(truth: &Truth, found: &ServoModel) -> Vec<(&'static str, f64)> {
     let middle = found.commands.map_or(0.0, |commands| commands.middle());
     let mut all = quantities::values(&truth.point, middle);
+    if let Beyond::DriveLag { lag_s } = truth.beyond {
+        for (name, value) in &mut all {
+            if *name == "delay" {
+                *value += lag_s;
+            }
+        }
+        return all;
+    }
     all.retain(|(name, _)| truth.is_in_class() || matches!(*name, "delay" | "gain" | "offset"));
     if !truth.is_in_class() {
         all.push(("top speed upwards", truth.top_speed(true)));

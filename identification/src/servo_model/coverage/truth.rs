@@ -42,6 +42,11 @@ pub(super) enum Beyond {
         /// Of the motor's damping.
         motor: f64,
     },
+    /// The current of the motor, and its torque with it, lags by the time that its coil takes.
+    DriveLag {
+        /// \[s\].
+        lag_s: f64,
+    },
     /// The drive has steps.
     QuantisedDrive {
         /// One step, as a share of full drive upwards.
@@ -65,9 +70,11 @@ impl Truth {
         let p = &machine.p;
         let steps = (period_s / STEP_S).round() as usize;
         let delay_steps = (p.delay_s / STEP_S).round() as usize;
+        let angle = p.resting_angle(input[0]);
         let mut state = Moving {
-            angle: p.resting_angle(input[0]),
+            angle,
             speed: 0.0,
+            torque: machine.wanted(angle, 0.0, input[0]),
         };
         let mut measured = state.angle;
         let mut output = Vec::with_capacity(input.len());
@@ -94,6 +101,7 @@ impl Truth {
         let mut state = Moving {
             angle: 0.0,
             speed: 0.0,
+            torque: 0.0,
         };
         for _ in 0..(LONG_STROKE_S / STEP_S) as usize {
             machine.advance(&mut state, command);
@@ -112,6 +120,8 @@ impl Truth {
 struct Moving {
     angle: f64,
     speed: f64,
+    /// Of the motor, for each unit of inertia.
+    torque: f64,
 }
 
 /// A servo as its integration needs it.
@@ -134,10 +144,12 @@ impl Machine {
         let half = Moving {
             angle: state.angle + 0.5 * STEP_S * state.speed,
             speed: self.cut_off(state.speed + 0.5 * STEP_S * self.acceleration(*state, command)),
+            torque: state.torque + 0.5 * STEP_S * self.rise(*state, command),
         };
         let before = state.speed;
         state.angle += STEP_S * half.speed;
         state.speed = self.cut_off(state.speed + STEP_S * self.acceleration(half, command));
+        state.torque += STEP_S * self.rise(half, command);
         if self.p.friction.is_some() && before * state.speed < 0.0 {
             state.speed = 0.0;
         }
@@ -158,7 +170,11 @@ impl Machine {
         let p = &self.p;
         let drive = self.drive(command - state.angle, state.speed);
         let load = p.load.at(state.angle);
-        let free = self.torque(drive - self.motor_damping(state.speed) * state.speed) - load;
+        let torque = match self.beyond {
+            Beyond::DriveLag { .. } => state.torque,
+            _ => self.wanted(state.angle, state.speed, command),
+        };
+        let free = torque - load;
         let friction = self.friction(state.speed, drive + load);
         if state.speed != 0.0 {
             free - friction * state.speed.signum()
@@ -166,6 +182,22 @@ impl Machine {
             free - friction * free.signum()
         } else {
             0.0
+        }
+    }
+
+    /// The torque without a lag.
+    fn wanted(&self, angle: f64, speed: f64, command: f64) -> f64 {
+        let drive = self.drive(command - angle, speed);
+        self.torque(drive - self.motor_damping(speed) * speed)
+    }
+
+    /// The rate of a torque that lags.
+    fn rise(&self, state: Moving, command: f64) -> f64 {
+        match self.beyond {
+            Beyond::DriveLag { lag_s } => {
+                (self.wanted(state.angle, state.speed, command) - state.torque) / lag_s
+            }
+            _ => 0.0,
         }
     }
 

@@ -1,8 +1,7 @@
 //! Parts that the equation does not have, and whose errors have a known shape.
 //!
 //! A fit takes most of what such a part does for other values of its own parameters, and the errors that are left are small.
-//! Each is looked for by a [score test](crate::servo_model::uncertainty::score_test) of its own, and what of it may hide below the noise is part of every interval, but for a
-//! [lag](drive_lag), which would hide in that of every delay.
+//! Each is looked for by a [score test](crate::servo_model::uncertainty::score_test) of its own, and what of it may hide below the noise is part of every interval.
 
 use super::noise_at_rest::NoiseAtRest;
 use super::score_test::score_test;
@@ -28,16 +27,6 @@ pub(super) struct HiddenPart {
     pub(super) hidden: [f64; MOST],
 }
 
-impl HiddenPart {
-    /// Without what may hide of it: intervals are those of a servo that does not have it at all.
-    fn if_seen(self) -> Self {
-        Self {
-            hidden: [0.0; MOST],
-            ..self
-        }
-    }
-}
-
 /// Looks for each part in the errors of `point`, where a servo of its terms can have it.
 pub(super) fn hidden_parts(
     stretches: &[Stretch],
@@ -55,7 +44,7 @@ pub(super) fn hidden_parts(
     };
     let parts = [
         errors.part(current_limit::shortfall),
-        errors.part(drive_lag::shortfall).map(HiddenPart::if_seen),
+        errors.part(drive_lag::shortfall),
         errors.part(stiction::shortfall),
         errors.part(unequal_sides::limit_shortfalls),
         errors.part(unequal_sides::motor_shortfalls),

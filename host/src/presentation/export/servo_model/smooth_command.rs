@@ -104,12 +104,20 @@ impl SmoothCommand {
         self.steps_per_period as f64 * self.step_s
     }
 
-    /// By how much later than the servo itself, which gets the held command, an export is with these positions \[s\].
-    fn lag_s(&self, export: &ServoExport<'_>, positions: &[f64]) -> f64 {
+    /// By how much later than the servo itself, which gets the held command, an export is with these positions \[s\], and how much higher in the mean
+    /// \[unit of the position\].
+    fn apart(&self, export: &ServoExport<'_>, positions: &[f64]) -> (f64, f64) {
         let servo = exact(&export.parameters, self.step_s, &self.held());
-        let apart = self.phase(positions) - self.phase(&servo);
-        let nearest = apart - TAU * (apart / TAU).round();
-        nearest / TAU * self.period_s()
+        let phase = self.phase(positions) - self.phase(&servo);
+        let nearest = phase - TAU * (phase / TAU).round();
+        let lag_s = nearest / TAU * self.period_s();
+        (lag_s, self.mean(positions) - self.mean(&servo))
+    }
+
+    /// The mean of positions over whole periods.
+    fn mean(&self, positions: &[f64]) -> f64 {
+        let compared = positions.get(self.steps_per_period..).unwrap_or_default();
+        compared.iter().sum::<f64>() / compared.len() as f64
     }
 
     /// By how much positions lag, of a period of 2 pi.
@@ -131,21 +139,30 @@ impl SmoothCommand {
         }
     }
 
-    /// How late an export is that has these `positions` under a smooth command, a sentence; of a small sine, too, where that moves the servo.
+    /// How late and how far off in the mean an export is that has these `positions` under a smooth command, a sentence; of a small sine, too, where that moves the servo.
     pub fn in_words(
         &self,
         export: &ServoExport<'_>,
         positions: &dyn Fn(&Self) -> Vec<f64>,
     ) -> String {
-        let late = |command: &Self| {
-            let lag_s = command.lag_s(export, &positions(command));
+        let apart = |command: &Self| {
+            let (lag_s, higher) = command.apart(export, &positions(command));
             let way = if lag_s < 0.0 { "early" } else { "late" };
-            format!("{:.1} ms {way}", 1e3 * lag_s.abs())
+            let late = format!("{:.1} ms {way}", 1e3 * lag_s.abs());
+            let off = recorded::beside(higher.abs(), export.parameters.gain * command.amplitude);
+            let side = if higher < 0.0 { "low" } else { "high" };
+            match off.chars().any(|digit| matches!(digit, '1'..='9')) {
+                true => format!(
+                    "{late} and {off} {} {side} in the mean",
+                    export.output_unit()
+                ),
+                false => late,
+            }
         };
         let small = self.small();
         let moves = small.amplitude > MOVING * held_back(&export.parameters);
         let of_small = match moves {
-            true => format!(", and under one of a tenth of that {}", late(&small)),
+            true => format!("; under one of a tenth of that {}", apart(&small)),
             false => String::new(),
         };
         let beside = |value| recorded::beside(value, self.amplitude);
@@ -159,7 +176,7 @@ impl SmoothCommand {
             beside(self.amplitude),
             export.command_unit(),
             1.0 / self.period_s(),
-            late(self)
+            apart(self)
         )
     }
 }

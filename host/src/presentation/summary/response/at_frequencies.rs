@@ -76,11 +76,15 @@ pub fn at_frequencies(
         Some(_) => AT_PULSES,
         None => AT_ROWS,
     };
-    Ok(match model.linear {
-        true => linear + &machine + late,
-        false => machine + &linear + late,
+    Ok(match (model.linear, machine.is_empty()) {
+        (true, _) => linear + &machine + late,
+        (false, true) => linear + late,
+        (false, false) => machine + &linear + OF_THE_AMPLITUDE + late,
     })
 }
+
+/// Said below the tables of a servo that is not linear.
+const OF_THE_AMPLITUDE: &str = "  What becomes of a sine of this amplitude, the servo model says: the linear model is of the motion that was recorded.\n";
 
 /// Said below the table of a recording whose commands stand at their pulses.
 const AT_PULSES: &str = "  Late: behind a smooth command that the servo gets as it is. One that is held for frames, as by a pulse every\n  20 ms, is half a frame later; more where limits of speed or drive are reached.\n";

@@ -31,7 +31,10 @@ fn are_alike([a, b]: [f64; 2]) -> bool {
 /// "500 deg/s (0.120 s/60°) upwards and 560 deg/s (0.107 s/60°) downwards", of the limits that the recording shows.
 pub(crate) fn limits_in_words(model: &ServoModel, units: Units<'_>) -> Option<String> {
     let of = |limit: f64| speed_in_words(model, (limit, digits(limit, 2)), units);
-    both_ways_in_words(measured_limits(model), upwards(model), of)
+    let limits = measured_limits(model);
+    // Where prediction needs two top speeds, sizes of strokes are not what makes the difference.
+    let by_strokes = !model.terms.two_speeds;
+    both_ways_in_words(limits, by_strokes, upwards(model), of)
 }
 
 /// The same of `limits` whose model is not at hand.
@@ -40,18 +43,19 @@ pub(crate) fn limits_of_strokes_in_words(
     units: Units<'_>,
 ) -> Option<String> {
     let of = |limit: f64| measured_speed_in_words((limit, digits(limit, 2)), units);
-    both_ways_in_words(limits, "upwards", of)
+    both_ways_in_words(limits, true, "upwards", of)
 }
 
 fn both_ways_in_words(
     limits: [Option<f64>; 2],
+    may_be_alike: bool,
     larger: &str,
     of: impl Fn(f64) -> String,
 ) -> Option<String> {
     match limits {
         [Some(up), Some(down)] if of(up) == of(down) => Some(format!("{} both ways", of(up))),
         [Some(up), Some(down)] => {
-            let alike = match are_alike([up, down]) {
+            let alike = match may_be_alike && are_alike([up, down]) {
                 true => " (alike, as far as their strokes show)",
                 false => "",
             };

@@ -47,15 +47,17 @@ fn beside_what_the_model_lacks(document: &ServoModelDocument) -> Vec<&'static st
     advice.into_iter().flatten().collect()
 }
 
-/// Whether the record leaves open how a servo is held off its command: by a dead band, which stands still at its edge, or by friction.
+/// Whether the record leaves open how a servo is held off its command: by a dead band, which stands still at its edge, or by friction. Of a model that lacks
+/// something that is where it has one of the two: both are taken where each predicts what the other does not.
 fn holds_alike(model: &ServoModel) -> bool {
     let is_held = model.terms.dead_band || model.terms.friction;
+    let has_both = model.terms.dead_band && model.terms.friction;
     let is_open = |found: &Quantity| {
         let of_friction = |kind| QuantityKind::OF_FRICTION.contains(&kind);
         !found.determined && found.kind().is_some_and(of_friction)
     };
     let misses = model.covariance.withdrawn() == Some(Reason::ErrorsNotNoise);
-    is_held && (misses || model.quantities.iter().any(is_open))
+    is_held && (misses && !has_both || model.quantities.iter().any(is_open))
 }
 
 /// Said of a servo that was faster than any stroke let it show.

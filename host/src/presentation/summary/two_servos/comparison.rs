@@ -38,9 +38,9 @@ pub(crate) fn table_of_comparison(a: &str, b: &str, found: &Comparison) -> Strin
     };
     let level = percent(bounds.level);
     // The metrics of each side by itself, which are printed elsewhere, are others.
-    let structure = match found.levels {
-        Some(_) => "with one N and n for both sides",
-        None => "each with its own N and n",
+    let structure = match found.one_structure {
+        true => "with one N and n for both sides",
+        false => "each with its own N and n",
     };
     let rows = difference_rows(found, "");
     let has_intervals = rows
@@ -76,13 +76,17 @@ fn whose_intervals(found: &Comparison) -> &'static str {
 /// The way the metrics of a comparison were computed, which differ from those of each side by itself.
 pub(crate) fn how_compared(found: &Comparison) -> &'static str {
     // Only recordings show where a side comes to rest.
-    match found.levels {
-        Some(_) => {
+    match (found.one_structure, found.levels) {
+        (true, _) => {
             "Difference: second less first. The comparison takes one settling time and number of \
              frequencies for both sides: a side by itself, with a structure of its own, has other \
              metrics: its settling time may be quite another."
         }
-        None => {
+        (false, Some(_)) => {
+            "Difference: second less first. Each side has a settling time and number of frequencies of its own: with one for both, a side that is not linear \
+             had no bounds."
+        }
+        (false, None) => {
             "Difference: second less first. Each side has the structure of its own model: the \
              recordings, compared with one structure for both, give other metrics, the settling time above all."
         }

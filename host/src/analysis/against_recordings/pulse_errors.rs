@@ -1,0 +1,142 @@
+//! The errors of a model in a run, with pulses of one length at moments all over a frame.
+//!
+//! Within half a second lengths of a frame do not differ, and errors depend on the moment of the pulse alone: along another length they are looked up, block by block,
+//! at the moments that it has come to.
+
+use crate::analysis::command_times::commands_at_pulses::at_pulses;
+use servoid_identification::Run;
+
+/// Moments of pulses in a frame that are tried, evenly spaced.
+pub(super) const MOMENTS: usize = 24;
+
+/// How far a length may be from the stated one, as a share of it: the ceramic resonator of an Arduino keeps within half a percent.
+pub(super) const OF_LENGTH: f64 = 0.005;
+
+/// Frames of a block: with each length within [`OF_LENGTH`], pulses walk by less than a seventh of a frame in it.
+const FRAMES_OF_BLOCK: f64 = 25.0;
+
+/// What a model predicts of a run, which has this number; `None` where it cannot.
+pub(super) type Predict<'a, 'r> = &'a dyn Fn(Run<'r>, usize) -> Option<Vec<f64>>;
+
+/// The run with each command in force from the next pulse on. Frame and one of the pulses are counted in rows.
+pub(super) fn with_pulses<'r>(run: &Run<'r>, [frame, pulse]: [f64; 2]) -> Option<Run<'r>> {
+    at_pulses(run, |row| (pulse - row as f64).rem_euclid(frame))
+}
+
+/// Squared errors of a run with pulses of the stated length, at moments all over a frame.
+pub(super) struct ErrorTable<'a, 'r> {
+    pub(super) run: &'a Run<'r>,
+    /// Of the run in its record.
+    pub(super) number: usize,
+    period_s: f64,
+    stated_s: f64,
+    rows_of_block: usize,
+    /// Their sums in each block, one of each moment.
+    blocks: Vec<[f64; MOMENTS]>,
+    /// Samples that are predicted.
+    pub(super) samples: f64,
+}
+
+impl<'a, 'r> ErrorTable<'a, 'r> {
+    /// `None` where the run cannot be predicted.
+    pub(super) fn of(
+        run: &'a Run<'r>,
+        number: usize,
+        [stated_s, period_s]: [f64; 2],
+        predict: Predict<'_, 'r>,
+    ) -> Option<Self> {
+        let rows_of_block = (FRAMES_OF_BLOCK * stated_s / period_s).ceil() as usize;
+        let mut table = Self {
+            run,
+            number,
+            period_s,
+            stated_s,
+            rows_of_block,
+            blocks: vec![[0.0; MOMENTS]; run.len().div_ceil(rows_of_block)],
+            samples: 0.0,
+        };
+        for moment in 0..MOMENTS {
+            let moved = with_pulses(
+                run,
+                [stated_s, table.moment_s(moment)].map(|time_s| time_s / period_s),
+            )?;
+            let errors = table.errors(&predict(moved, number)?);
+            table.samples = errors.iter().flatten().count() as f64;
+            for (block, errors) in table.blocks.iter_mut().zip(errors.chunks(rows_of_block)) {
+                if let Some(sum) = block.get_mut(moment) {
+                    *sum = errors.iter().flatten().sum();
+                }
+            }
+        }
+        (table.samples > 0.0).then_some(table)
+    }
+
+    fn moment_s(&self, moment: usize) -> f64 {
+        (moment as f64 + 0.5) * self.stated_s / MOMENTS as f64
+    }
+
+    pub(super) fn seconds(&self) -> f64 {
+        self.run.len() as f64 * self.period_s
+    }
+
+    /// The squared error of each sample, where there is one.
+    fn errors(&self, predicted: &[f64]) -> Vec<Option<f64>> {
+        let errors = self.run.output().iter().zip(predicted);
+        errors
+            .map(|(measured, predicted)| {
+                Some((measured - predicted).powi(2)).filter(|square| square.is_finite())
+            })
+            .collect()
+    }
+
+    pub(super) fn squares(&self, predicted: &[f64]) -> f64 {
+        self.errors(predicted).iter().flatten().sum()
+    }
+
+    /// A pulse near the middle of the run with which frames of this length have the least squared errors, and their sum.
+    pub(super) fn closest(&self, frame_s: f64) -> (f64, f64) {
+        let half = 0.5 * self.seconds();
+        let block_s = self.rows_of_block as f64 * self.period_s;
+        let walk = (frame_s - self.stated_s) / frame_s;
+        let along = |moment: usize| {
+            let middle_s = (half / self.stated_s).floor() * self.stated_s + self.moment_s(moment);
+            let of_block = |(number, sums): (usize, &[f64; MOMENTS])| {
+                let at_s = (number as f64 + 0.5) * block_s;
+                let moment_s = (middle_s + walk * (at_s - middle_s)).rem_euclid(self.stated_s);
+                let index = (moment_s / self.stated_s * MOMENTS as f64) as usize;
+                sums.get(index.min(MOMENTS - 1)).copied().unwrap_or(0.0)
+            };
+            let sum: f64 = self.blocks.iter().enumerate().map(of_block).sum();
+            (middle_s, sum)
+        };
+        let tried = (0..MOMENTS).map(along);
+        tried
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .unwrap_or((half, f64::INFINITY))
+    }
+
+    /// The largest sum of squared errors with one moment.
+    pub(super) fn largest(&self) -> f64 {
+        let of_moment = |moment: usize| {
+            self.blocks
+                .iter()
+                .filter_map(|block| block.get(moment))
+                .sum()
+        };
+        (0..MOMENTS).map(of_moment).fold(0.0, f64::max)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_command_waits_for_the_next_pulse() {
+        let input = vec![0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
+        let run = Run::new(input, vec![0.0; 7]).unwrap();
+        // Pulses at 0.5, 2.5 and 4.5 rows: each has the command of the row before it until the next.
+        let held = with_pulses(&run, [2.0, 0.5]).unwrap();
+        assert_eq!(held.input(), [0.0, 0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
+    }
+}
