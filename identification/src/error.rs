@@ -114,6 +114,15 @@ pub enum Error {
         /// The first input, where stating that the servo rests at it makes the record long enough.
         at_rest: Option<f64>,
     },
+    /// Most rows have no output, and the noise is described by outputs one after the other.
+    #[error(
+        "one row in {every} has an output, and a linear model takes outputs one after the other: leave the other rows out, or state the settling time in samples, the input before the \
+         record and a noise order of 0"
+    )]
+    OutputsFarApart {
+        /// Rows for each output.
+        every: usize,
+    },
     /// The settling time is not a usable number of samples.
     #[error("a settling time of {settling} samples is not possible: state 3 to {longest} samples")]
     Settling {

@@ -174,6 +174,7 @@ fn option(cause: &(dyn std::error::Error + 'static)) -> Option<String> {
             let options: Vec<String> = rest.into_iter().chain(settling).collect();
             return (!options.is_empty()).then(|| options.join(", or "));
         }
+        Error::OutputsFarApart { .. } => "--settling N --at-rest INPUT --noise-order 0",
         Error::StepsBeforeRuns | Error::StepsInHistory { .. } => "--at-rest INPUT",
         Error::CountsSamples => "--output COLUMN",
         Error::Swapped { .. } => "--input names the command, --output the motion",

@@ -236,10 +236,10 @@ fn a_drift_that_hides_the_motion_is_named_before_wrong_columns() {
     let random = |k: usize| (0.7 * (k * k) as f64).sin();
     let mut rows = "u_deg,y_deg\n".to_owned();
     let mut at = 0.0;
-    for k in 0..4000 {
+    for k in 0..2000 {
         let level = 3.0 * random(k / 20);
         at += 0.2 * (level - at);
-        let drift = 2.0 * (f64::from(k as u32) / 500.0).sin();
+        let drift = 2.0 * (f64::from(k as u32) / 250.0).sin();
         rows += &format!("{level:.4},{:.4}\n", at + drift + 0.05 * random(7 * k + 1));
     }
     std::fs::write(&file, rows).unwrap();
@@ -329,7 +329,8 @@ fn noise_in_the_column_of_the_command_is_no_fault_of_the_servo() {
     let dir = tempfile::tempdir().unwrap();
     let file = dir.path().join("noisy.csv");
     with_noisy_command(&file);
-    let (text, document) = identified(&file, ["u_deg", "y_deg"], &[]);
+    let linear = ["--no-servo-model"];
+    let (text, document) = identified(&file, ["u_deg", "y_deg"], &linear);
     let said = text.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(!said.contains("servo is not linear"), "{text}");
     assert!(checks(&document).contains(&"command_noise"), "{text}");
@@ -425,7 +426,8 @@ fn a_page_has_no_settling_time_where_the_end_is_open() {
 #[test]
 fn the_first_line_on_a_stop_is_that_there_are_no_bounds() {
     let dir = tempfile::tempdir().unwrap();
-    let [file, page] = ["stop.csv", "stop.html"].map(|name| dir.path().join(name));
+    let [file, model, page] =
+        ["stop.csv", "stop.json", "stop.html"].map(|name| dir.path().join(name));
     let servo = "bench?stops-deg=-30:4";
     let stairs = ["--reference", "stairs", "--amplitude", "20", "--seed", "5"];
     run(&[
@@ -435,14 +437,14 @@ fn the_first_line_on_a_stop_is_that_there_are_no_bounds() {
         &["--hold", "0.5"],
     ]
     .concat());
-    let text = run(&["identify", "-q", arg(&file)]);
+    let text = run(&["identify", "-q", arg(&file), "-o", arg(&model)]);
     let mut lines = text.lines().skip(1);
     let first = lines.next().unwrap_or_default();
     assert!(
         first.starts_with("No bounds can be given, because"),
         "{text}"
     );
-    run(&["report", "-q", arg(&file), "-o", arg(&page)]);
+    run(&["report", "-q", arg(&model), "-o", arg(&page)]);
     let page = std::fs::read_to_string(&page).unwrap();
     assert!(page.contains("id=\"verdict\">No bounds can be given. The output stops at"));
 }

@@ -58,7 +58,8 @@ fn one_servo_under_strokes_of_two_sizes_is_not_called_two() {
             ["bench", amplitude, amplitude],
         )
     });
-    let found = document(&["compare", arg(&small), arg(&large)]);
+    let linear = "--no-servo-model";
+    let found = document(&["compare", linear, arg(&small), arg(&large)]);
     assert_eq!(found["verdict"], "undecided");
     assert_eq!(found["descriptions_of_different_motions"], true);
     let summary = found["summary"].as_str().unwrap();
@@ -67,7 +68,13 @@ fn one_servo_under_strokes_of_two_sizes_is_not_called_two() {
         "{summary}"
     );
     let page = dir.path().join("page.html");
-    run(&["report", "-q", arg(&small), arg(&large), "-o", arg(&page)]);
+    let recordings = [arg(&small), arg(&large)];
+    run(&[
+        &["report", "-q", linear],
+        &recordings[..],
+        &["-o", arg(&page)],
+    ]
+    .concat());
     let page = std::fs::read_to_string(&page).unwrap();
     let verdict = page.split_once("id=\"verdict\"").unwrap().1;
     let (verdict, _) = verdict.split_once("</p>").unwrap();
@@ -113,7 +120,8 @@ fn a_servo_that_does_not_go_as_far_as_commanded_is_named_first() {
         "{text}"
     );
     let free = recorded(dir.path(), "free.csv", ["bench", "9", "3"]);
-    assert!(!checks(&document(&["identify", arg(&free)])).contains(&"travel".to_owned()));
+    let free = document(&["identify", "--no-servo-model", arg(&free)]);
+    assert!(!checks(&free).contains(&"travel".to_owned()));
 }
 
 #[test]

@@ -85,7 +85,7 @@ fn three_runs_of_a_sweep_are_to_be_identified_one_by_one() {
     let runs = [5, 6, 7].map(|seed| sweep(folder.path(), 0.0, seed));
     let columns = ["--input", "u", "--output", "y"];
     let text = run(&[
-        &["identify"],
+        &["identify", "--no-servo-model"],
         &runs.each_ref().map(|run| arg(run))[..],
         &columns[..],
     ]

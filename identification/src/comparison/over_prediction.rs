@@ -137,7 +137,7 @@ pub(crate) fn over_prediction(
         wait_samples: predictor.wait,
         definition: format!(
             "(predicted - measured) / predicted of the plateaus at {} (plus) and {} (minus), from \
-             {} samples after the edge; predicted by the first model from the second's own input; {} and {} \
+             {} samples after the edge, of these recordings; predicted by the first model from the second's own input; {} and {} \
              plateaus; zero of the sensor {}",
             with(high, input),
             with(low, input),

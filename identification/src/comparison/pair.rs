@@ -2,6 +2,7 @@
 
 use super::motion::ends;
 use super::outcome::{Asymmetry, Levels};
+use super::welch::half_width_of_mean;
 use crate::data::Record;
 use crate::diagnostics::TakenOut;
 use crate::error::Error;
@@ -11,6 +12,7 @@ use crate::nonlinear::{DirectionModel, Limits, explains_errors, split_with};
 use crate::numerics::{not_negative, pointwise_critical};
 use crate::options::{Frequencies, NoiseOrder, Options, Settling};
 use crate::results::{Advice, Bounds, Interval, Model, Reason};
+use crate::thresholds::RUNS_FOR_MEAN;
 
 /// One side, identified.
 pub(super) struct Identified<'a> {
@@ -123,12 +125,54 @@ impl<'a> Identified<'a> {
         }
     }
 
-    /// Rest at the ends of the command: from the plateaus of a record with several levels, from the
+    /// Rest at the ends of the command: from the plateaus of a record with several levels or of a servo that is not linear, from the
     /// static line of one with two, and of a linear servo that came there once. Empty where the command is not held until the servo rests, and where the output drifts, so that it rests elsewhere
     /// each time.
+    ///
+    /// Of three or more runs the intervals are those of the servo: they contain the scatter of the runs.
     pub(super) fn levels(&self) -> Levels {
+        let of_all = self.levels_of_all();
+        let runs = self.levels_of_runs();
+        let half = |of: fn(&Levels) -> Interval| {
+            let rests: Option<Vec<f64>> = runs.iter().map(|run| of(run).value).collect();
+            let rests = rests.filter(|rests| rests.len() >= RUNS_FOR_MEAN)?;
+            let level = self.model.level().into_valid()?;
+            Some(half_width_of_mean(&rests, level))
+        };
+        let with_runs = |of: fn(&Levels) -> Interval| match runs.is_empty() {
+            true => of(&of_all),
+            false => of(&of_all).at_least_as_wide(half(of)),
+        };
+        Levels {
+            plus: with_runs(|levels| levels.plus),
+            minus: with_runs(|levels| levels.minus),
+            ..of_all
+        }
+    }
+
+    /// Of each run by itself, where there are enough for a mean.
+    fn levels_of_runs(&self) -> Vec<Levels> {
+        let runs = self.run_records().collect::<Result<Vec<_>, _>>();
+        let runs = runs.unwrap_or_default();
+        if runs.len() < RUNS_FOR_MEAN {
+            return Vec::new();
+        }
+        let basis = self.model.basis();
+        let splits = basis.and_then(|basis| self.splits_of_runs(basis));
+        let splits = splits.unwrap_or_default();
+        let of_run = |(number, record)| self.levels_in(record, splits.get(number));
+        runs.iter().enumerate().map(of_run).collect()
+    }
+
+    /// Of all runs, without their scatter.
+    fn levels_of_all(&self) -> Levels {
+        self.levels_in(self.record, self.split.as_ref())
+    }
+
+    /// Of these runs, and the model of the directions of them.
+    fn levels_in(&self, record: &Record, split: Option<&DirectionModel>) -> Levels {
         let (low, high) = ends(self.record);
-        let cells = Limits::level_table(self.record, &self.model);
+        let cells = Limits::level_table(record, &self.model);
         let mut commands: Vec<f64> = cells.iter().map(|cell| cell.command).collect();
         commands.dedup();
         let rest = |command: f64| {
@@ -138,9 +182,9 @@ impl<'a> Identified<'a> {
             let cell = cells
                 .iter()
                 .find(|cell| cell.command == command && cell.visits > 1);
-            match (cell, &self.split) {
-                (Some(cell), _) if commands.len() > 2 => cell.reached,
-                // A line has no rest of a servo that rests elsewhere each time.
+            match (cell, split) {
+                // A line goes through all that was recorded, a long rest before the first stroke too: a servo that is not linear rests elsewhere there.
+                (Some(cell), _) if commands.len() > 2 || !self.alone.linear => cell.reached,
                 (_, Some(split)) if commands.len() <= 2 || self.alone.linear => {
                     split.level_at(command)
                 }

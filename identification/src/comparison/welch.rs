@@ -1,5 +1,6 @@
 //! Welch's comparison of the means of two groups.
 
+use crate::numerics::{pointwise_critical, square_about_mean, student_critical};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// Welch's comparison of two means, variances unknown and unequal.
@@ -35,10 +36,28 @@ impl Welch {
     }
 }
 
+/// Half the width of Student's interval of the mean of values that scatter.
+pub(super) fn half_width_of_mean(values: &[f64], level: f64) -> f64 {
+    let degrees = values.len() as f64 - 1.0;
+    let critical = student_critical(pointwise_critical(level), &[degrees])[0];
+    critical * (square_about_mean(values) / degrees / values.len() as f64).sqrt()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use approx::assert_abs_diff_eq;
+
+    #[test]
+    fn a_mean_has_the_interval_of_student() {
+        let t = StudentsT::new(0.0, 1.0, 2.0).unwrap();
+        let exact = t.inverse_cdf(0.995) / 3f64.sqrt();
+        assert_abs_diff_eq!(
+            half_width_of_mean(&[1.0, 2.0, 3.0], 0.99),
+            exact,
+            epsilon = 1e-9
+        );
+    }
 
     #[test]
     fn welch_agrees_with_a_worked_example() {

@@ -392,6 +392,12 @@ impl Advice {
         self.check == Check::CommandNoise
     }
 
+    /// Whether it says that the output stops at an angle, or falls short.
+    #[must_use]
+    pub fn is_of_travel_end(&self) -> bool {
+        self.check == Check::TravelEnd
+    }
+
     /// Whether it says that the servo is not linear.
     #[must_use]
     pub fn is_of_linearity(&self) -> bool {

@@ -28,10 +28,15 @@ pub(crate) fn longest_settling(record: &Record, cap: Option<usize>) -> Result<us
     };
     if longest < SHORTEST_SETTLING {
         let needed = (ROWS_PER_SAMPLE / 2 + 1) * SHORTEST_SETTLING + MAX_AUTO_ORDER;
-        return Err(Error::TooShortForAuto {
-            samples: record.samples(),
-            needed,
-            at_rest: rest_that_helps(record),
+        let outputs = record.outputs().filter(|output| !output.is_nan()).count();
+        let every = record.samples() / outputs.max(1);
+        return Err(match record.samples() >= needed && every > 1 {
+            true => Error::OutputsFarApart { every },
+            false => Error::TooShortForAuto {
+                samples: record.samples(),
+                needed,
+                at_rest: rest_that_helps(record),
+            },
         });
     }
     Ok(longest)

@@ -11,6 +11,7 @@ use crate::data::model_metadata::ModelMetadata;
 use crate::data::units::Units;
 use servoid_identification::flight_model::FlightModel;
 use servoid_identification::results::Model;
+use servoid_identification::servo_model::ServoModel;
 
 /// What kind of servo it is as a machine, where that is the answer: a finding that leaves nothing to be said before it stands in the place
 /// of the sentence.
@@ -22,6 +23,12 @@ pub fn answer_of_servo_model(
 ) -> Option<String> {
     let speaks = first_finding(linear).is_none();
     speaks.then(|| servo_sentence(&servo.model, linear, units))
+}
+
+/// The same behind the finding on a stop, which the servo has and the linear model has not.
+fn beside_stop(servo: &ServoModel, linear: &Model, units: Units<'_>) -> Option<String> {
+    let of_stop = first_finding(linear)?.is_of_travel_end();
+    (of_stop && !servo.stops.are_none()).then(|| servo_sentence(servo, linear, units))
 }
 
 /// The results of one identification: the answer first, which is that of the servo model where there is one. Its figures come before those of a linear
@@ -38,11 +45,14 @@ pub fn of_both_models(
 ) -> String {
     let units = of.units();
     let answer = servo.and_then(|servo| answer_of_servo_model(servo, model, units));
-    let sentence = answer.map_or_else(String::new, |answer| wrapped(&answer, 0) + "\n\n");
+    let beside_stop = servo.and_then(|servo| beside_stop(&servo.model, model, units));
+    let is_behind = said_before(model).is_some() || beside_stop.is_some();
+    let sentence = answer.or(beside_stop);
+    let sentence = sentence.map_or_else(String::new, |answer| wrapped(&answer, 0) + "\n\n");
     // What is to be said before it stands behind the name of the data.
-    let (before, of_servo) = match said_before(model) {
-        Some(_) => ("", &*sentence),
-        None => (&*sentence, ""),
+    let (before, of_servo) = match is_behind {
+        true => ("", &*sentence),
+        false => (&*sentence, ""),
     };
     let extent = Extent {
         of_servo,

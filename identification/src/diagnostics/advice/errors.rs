@@ -40,16 +40,16 @@ pub(super) fn model_error(evidence: &Evidence<'_>) -> Option<Advice> {
             "how well it predicts parts not seen",
             match best.cross_validated_percent {
                 percent if percent < POOR_PREDICTION_PERCENT => format!(
-                    "use this model for nothing else than this recording (it met parts not seen to {percent:.0} % only)"
+                    "use the linear model for nothing else than this recording (it met parts not seen to {percent:.0} % only)"
                 ),
                 percent => format!(
-                    "use this model for prediction (it met parts not seen to {percent:.0} %), not for comparison"
+                    "use the linear model for prediction (it met parts not seen to {percent:.0} %), not for comparison"
                 ),
             },
         ),
         None => (
             "how well it simulates this record, as none that was tried predicts parts not seen",
-            "use this model as a picture of this recording alone".to_owned(),
+            "use the linear model as a picture of this recording alone".to_owned(),
         ),
     };
     let noise = evidence.explanation.command_noise.is_some();

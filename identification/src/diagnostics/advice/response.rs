@@ -168,12 +168,12 @@ pub(super) fn travel_end(evidence: &Evidence<'_>, which: usize) -> Option<Advice
     Some(Advice::new(
         Check::TravelEnd,
         format!(
-            "The output stops at {}: {commands}, though it follows the others. That is a stop, or a load that the drive cannot overcome; the linear model has neither.",
+            "The output stops at {}: {commands}, though it follows others. That is a stop, or a load that the drive cannot overcome; the linear model has neither.",
             rest,
         ),
         found.rest,
         from,
-        "Record again with commands on this side of it, or take the stop or the load away. A servo model ('--servo-model') has a stop here where it \
+        "Record again with commands that end short of it, or take the stop or the load away. A servo model ('--servo-model') has a stop here where it \
          predicts better with one, and else a load, and so have those of its exports that can; beside the linear model a simulator needs this angle.",
     ))
 }

@@ -36,6 +36,9 @@ const ORDERS: [(usize, f64); 5] = [(2, 1.0), (3, 3.0), (4, 10.0), (5, 35.0), (6,
 /// Half of the sizes of normal quantities in this part of them, the quietest, are below this part of their standard deviation.
 const QUIETEST: (f64, f64) = (0.25, 0.3186);
 
+/// Differences below this many times the smallest are of one step.
+const ONE_STEP: f64 = 1.5;
+
 /// Differences from which noise is known.
 const ENOUGH: usize = 20;
 
@@ -93,7 +96,7 @@ impl Surest {
         let cleaned = without_single_ones(outputs);
         let differences: Vec<f64> = outputs.windows(2).map(|y| y[1] - y[0]).collect();
         let known: Vec<f64> = differences.into_iter().filter(|d| !d.is_nan()).collect();
-        let step = common_step(&known).unwrap_or_default();
+        let step = step(&known);
         // Rounding must not make 11 samples of 10.
         let shortest = ((0.5 * STROKE_S / period_s - 1e-6).ceil() as usize).max(1);
         // Where a step is as long as a stroke, it is both means.
@@ -123,6 +126,23 @@ impl Surest {
             false => self,
         }
     }
+}
+
+/// The step of the sensor in `differences` of its readings: one of which all are whole multiples, or the smallest that stands alone where the sensor rests, which the digits of a
+/// file may make a little smaller or larger. Nothing where readings have no steps.
+fn step(differences: &[f64]) -> f64 {
+    let alone = differences.windows(3).filter_map(|all| match all {
+        [0.0, change, 0.0] if *change != 0.0 => Some(change.abs()),
+        _ => None,
+    });
+    let alone: Vec<f64> = alone.collect();
+    let smallest = alone.iter().copied().fold(f64::INFINITY, f64::min);
+    let alike = alone.iter().copied().filter(|d| *d < ONE_STEP * smallest);
+    let of_rests = match alone.len() >= ENOUGH {
+        true => alike.fold(0.0, f64::max),
+        false => 0.0,
+    };
+    common_step(differences).unwrap_or_default().max(of_rests)
 }
 
 /// The standard deviation of the difference of two readings by their noise, of differences between readings that are so many `samples` apart; `None` of
@@ -283,6 +303,26 @@ mod tests {
                 "{seed}: {sd} {stays} {period_s}: {up} {down}"
             );
         }
+    }
+
+    /// Steps of 360/4096 degrees, written with two decimals, are multiples of nothing.
+    #[test]
+    fn steps_that_a_file_rounds_are_steps() {
+        let mut noise = noise(0.02, 0.0, 3);
+        // Levels between two counts, so that the sensor toggles in rests.
+        let counts = strokes(0.005)
+            .into_iter()
+            .map(|y| ((y + 0.22 + noise()) * 4096.0 / 360.0).round());
+        let output: Vec<f64> = counts
+            .map(|count| (count * 36000.0 / 4096.0).round() / 100.0)
+            .collect();
+        let differences: Vec<f64> = output.windows(2).map(|y| y[1] - y[0]).collect();
+        assert_eq!(common_step(&differences), None);
+        let found = step(&differences);
+        // To the last digit.
+        assert!((found - 360.0 / 4096.0).abs() < 0.01, "{found}");
+        let [up, down] = reached(output, 0.005);
+        assert!(up <= 400.0 && down <= 500.0, "{up} {down}");
     }
 
     #[test]

@@ -4,7 +4,7 @@
 //! Each is looked for by a [score test](crate::servo_model::uncertainty::score_test) of its own, and what of it may hide below the noise is part of every interval.
 
 use super::noise_at_rest::NoiseAtRest;
-use super::score_test::score_test;
+use super::score_test::{Score, score_test};
 use super::{current_limit, drive_lag, stiction, unequal_sides};
 use crate::servo_model::descent::coordinates::Point;
 use crate::servo_model::descent::error_row::Row;
@@ -43,11 +43,11 @@ pub(super) fn hidden_parts(
         noise,
     };
     let parts = [
-        errors.part(current_limit::shortfall),
-        errors.part(drive_lag::shortfall),
-        errors.part(stiction::shortfall),
-        errors.part(unequal_sides::limit_shortfalls),
-        errors.part(unequal_sides::motor_shortfalls),
+        errors.part(current_limit::shortfall, Occurrence::InSome),
+        errors.part(drive_lag::shortfall, Occurrence::InAll),
+        errors.part(stiction::shortfall, Occurrence::InSome),
+        errors.part(unequal_sides::limit_shortfalls, Occurrence::InSome),
+        errors.part(unequal_sides::motor_shortfalls, Occurrence::InSome),
     ];
     parts.into_iter().flatten().collect()
 }
@@ -62,7 +62,11 @@ struct FitErrors<'a> {
 }
 
 impl FitErrors<'_> {
-    fn part<const N: usize>(&self, shortfalls: Shortfalls<N>) -> Option<HiddenPart> {
+    fn part<const N: usize>(
+        &self,
+        shortfalls: Shortfalls<N>,
+        occurrence: Occurrence,
+    ) -> Option<HiddenPart> {
         let of_stretch = |stretch: &Stretch| {
             let servo = self.point.servo_of(stretch, |_, value| value);
             shortfalls(&servo, stretch, self.grid)
@@ -72,19 +76,39 @@ impl FitErrors<'_> {
             .iter()
             .map(of_stretch)
             .collect::<Option<_>>()?;
-        part(&shapes, self.point.values.len(), self.rows, self.noise)
+        let count = self.point.values.len();
+        part(&shapes, count, (self.rows, self.noise), occurrence)
     }
+}
+
+/// Which servos have a part.
+#[derive(Clone, Copy)]
+enum Occurrence {
+    /// All, more or less.
+    InAll,
+    /// Few: where the errors do not show it, it is not there.
+    InSome,
+}
+
+/// The root mean square of the size of a part, by what is known beforehand and what the record says of it.
+fn size_that_may_hide(score: &Score, occurrence: Occurrence) -> f64 {
+    let information = score.information + BEFOREHAND.powi(-2);
+    let mean = match occurrence {
+        Occurrence::InAll => score.deviations * score.information.sqrt() / information,
+        Occurrence::InSome => 0.0,
+    };
+    mean.hypot(information.powf(-0.5))
 }
 
 /// A part that takes the last of `shapes`, by stretch and sample, from the output.
 fn part<const N: usize>(
     shapes: &[Vec<[f64; N]>],
     count: usize,
-    rows: &[Vec<Row>],
-    noise: &NoiseAtRest,
+    (rows, noise): (&[Vec<Row>], &NoiseAtRest),
+    occurrence: Occurrence,
 ) -> Option<HiddenPart> {
     let score = score_test(rows, count, shapes, noise)?;
-    let size = (score.information + BEFOREHAND.powi(-2)).powf(-0.5);
+    let size = size_that_may_hide(&score, occurrence);
     let mut hidden = [0.0; MOST];
     let samples = rows.iter().flatten().zip(shapes.iter().flatten());
     for (row, shapes) in samples.filter(|(row, _)| !row.error.is_nan()) {

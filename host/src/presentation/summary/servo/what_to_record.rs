@@ -64,7 +64,7 @@ fn holds_alike(model: &ServoModel) -> bool {
 const LARGER_STROKES: &str = "Strokes of this recording were too small to show the top speed: record larger ones, as far as the travel allows.";
 
 /// Said where a model that lacks something of the servo has no top speed.
-const SPEED_IS_OPEN: &str = "The top speed is open, at least in one direction: strokes over most of the travel show it, in a recording of their own.";
+const SPEED_IS_OPEN: &str = "The top speed is open, at least in one direction: random levels over most of the travel, held for random times, show it, in a recording of their own.";
 
 /// Said of a servo that a dead band or friction holds, where the record does not show which.
 const STAIRS_DO_NOT_SEPARATE: &str = "Dead band and friction rest alike, and stairs hardly distinguish them: a large slow motion that goes on does, such as \
