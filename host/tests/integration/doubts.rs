@@ -329,8 +329,7 @@ fn noise_in_the_column_of_the_command_is_no_fault_of_the_servo() {
     let dir = tempfile::tempdir().unwrap();
     let file = dir.path().join("noisy.csv");
     with_noisy_command(&file);
-    let linear = ["--no-servo-model"];
-    let (text, document) = identified(&file, ["u_deg", "y_deg"], &linear);
+    let (text, document) = identified(&file, ["u_deg", "y_deg"], &[]);
     let said = text.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(!said.contains("servo is not linear"), "{text}");
     assert!(checks(&document).contains(&"command_noise"), "{text}");
