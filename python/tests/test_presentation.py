@@ -292,7 +292,7 @@ def telegraph(seed):
 
 
 def test_a_servo_without_intervals_is_not_called_determined():
-    u, y = telegraph(8)
+    u, y = telegraph(9)
     model = servoid.identify(u, y, period=0.01, servo_model=True)
     servo = model.servo_model
     assert servo.withdrawn.reason == "few_levels", "the case no longer has what it is for"
