@@ -22,11 +22,10 @@ pub(super) struct NoServoModel {
 impl NoServoModel {
     /// When the servo is looked for as a machine, where that may be `asked` for, too.
     pub(super) fn or(self, asked: bool) -> ServoModelSearch {
-        match (self.no_servo_model, asked) {
-            (true, _) => ServoModelSearch::Never,
-            (false, true) => ServoModelSearch::Always,
-            (false, false) => ServoModelSearch::WhereNeeded,
-        }
+        ServoModelSearch::asked(match self.no_servo_model {
+            true => Some(false),
+            false => asked.then_some(true),
+        })
     }
 }
 

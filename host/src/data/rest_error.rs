@@ -111,8 +111,11 @@ pub(super) fn advice(record: &Record, units: Units<'_>) -> Option<Advice> {
                     all.len()
                 ),
                 false => format!(
-                    "{}he servo rests {off:+.2}{unit} from its command (mean of {} rests).",
-                    if is_known { "T" } else { "If command and position have one unit, t" },
+                    "{} rests {off:+.2}{unit} from its command (mean of {} rests).",
+                    match is_known {
+                        true => "The servo",
+                        false => "If command and position have one unit, the servo",
+                    },
                     all.len()
                 ),
             },

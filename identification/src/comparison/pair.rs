@@ -131,7 +131,7 @@ impl<'a> Identified<'a> {
     ///
     /// Of three or more runs the intervals are those of the servo: they contain the scatter of the runs.
     pub(super) fn levels(&self) -> Levels {
-        let of_all = self.levels_of_all();
+        let of_all = self.levels_in(self.record, self.split.as_ref());
         let runs = self.levels_of_runs();
         let half = |of: fn(&Levels) -> Interval| {
             let rests: Option<Vec<f64>> = runs.iter().map(|run| of(run).value).collect();
@@ -162,11 +162,6 @@ impl<'a> Identified<'a> {
         let splits = splits.unwrap_or_default();
         let of_run = |(number, record)| self.levels_in(record, splits.get(number));
         runs.iter().enumerate().map(of_run).collect()
-    }
-
-    /// Of all runs, without their scatter.
-    fn levels_of_all(&self) -> Levels {
-        self.levels_in(self.record, self.split.as_ref())
     }
 
     /// Of these runs, and the model of the directions of them.
