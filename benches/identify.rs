@@ -234,6 +234,7 @@ fn loaded_runs() -> Record<'static> {
             up: 9e3,
             down_to_up: 1.2,
             motor_damping: 30.0,
+            at_one_stiffness: false,
         }),
         speed_limit: None,
         dead_band: None,

@@ -189,6 +189,9 @@ pub struct DriveLimit<S> {
     pub down_to_up: S,
     /// B, the motor's own damping (1/s): what slows it while the drive is full.
     pub motor_damping: S,
+    /// Whether the directions differ in their limit alone. Else all of the drive is as much stronger in one, its stiffness and the damping of the
+    /// loop, too.
+    pub at_one_stiffness: bool,
 }
 
 /// The largest speed, which is cut off there: a motor comes to its own [by and by](DriveLimit::motor_damping). With it the drive is alike in
@@ -207,6 +210,16 @@ impl<S: Scalar> DriveLimit<S> {
     #[must_use]
     pub fn both_ways(&self) -> [S; 2] {
         [self.up, self.up * self.down_to_up]
+    }
+
+    /// What the loop has towards smaller θ over what it has towards larger ones: A-/A+, or 1 at one stiffness.
+    #[inline(always)]
+    #[must_use]
+    pub fn loop_down_to_up(&self) -> S {
+        match self.at_one_stiffness {
+            true => S::constant(1.0),
+            false => self.down_to_up,
+        }
     }
 }
 
@@ -383,6 +396,7 @@ impl<S: Scalar> ServoParameters<S> {
                 up: limit.up,
                 down_to_up: S::constant(1.0),
                 motor_damping: S::constant(0.0),
+                at_one_stiffness: false,
             },
         })
     }
@@ -441,6 +455,7 @@ impl<S: Scalar> ServoParameters<S> {
                 up: number(place::UP, limit.up),
                 down_to_up: number(place::DOWN_TO_UP, limit.down_to_up),
                 motor_damping: number(place::MOTOR_DAMPING, limit.motor_damping),
+                at_one_stiffness: limit.at_one_stiffness,
             }),
             speed_limit: self.speed_limit.map(|limit| SpeedLimit {
                 up: number(place::SPEED_UP, limit.up),

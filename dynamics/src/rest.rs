@@ -101,13 +101,13 @@ impl<S: Scalar> ServoParameters<S> {
             0.0 => 0.0,
             drive => drive.signum(),
         };
-        drive / (self.stiffness * self.ratio(drive)) + width * sign
+        drive / (self.stiffness * self.loop_ratio(drive)) + width * sign
     }
 
-    /// A-/A+ where the drive has the sign of `signed` and that is negative, else 1.
-    fn ratio(&self, signed: S) -> S {
+    /// The strength of the loop where the drive has the sign of `signed`, relative to that upwards.
+    fn loop_ratio(&self, signed: S) -> S {
         match self.drive_limit() {
-            Some(limit) if signed.value() < 0.0 => limit.down_to_up,
+            Some(limit) if signed.value() < 0.0 => limit.loop_down_to_up(),
             _ => S::constant(1.0),
         }
     }
@@ -118,12 +118,13 @@ impl<S: Scalar> ServoParameters<S> {
             None => error,
             Some(width) => nearer_zero(error, width),
         };
-        let ratio = self.ratio(seen);
-        let wanted = seen * self.stiffness * ratio;
-        match self.drive_limit() {
-            Some(limit) if wanted.value().abs() > (limit.up * ratio).value() => {
-                limit.up * ratio * seen.value().signum()
-            }
+        let wanted = seen * self.stiffness * self.loop_ratio(seen);
+        let most = self.drive_limit().map(|limit| {
+            let [up, down] = limit.both_ways();
+            if seen.value() < 0.0 { down } else { up }
+        });
+        match most {
+            Some(most) if wanted.value().abs() > most.value() => most * seen.value().signum(),
             _ => wanted,
         }
     }
@@ -218,6 +219,7 @@ mod tests {
                 up: 7500.0,
                 down_to_up: 1.0,
                 motor_damping: 25.0,
+                at_one_stiffness: false,
             }),
             speed_limit: None,
             dead_band: None,
@@ -269,6 +271,11 @@ mod tests {
             constant: -900.0,
             rate: 80.0,
         };
+        let limits_alone = servo().limit.map(|limit| DriveLimit {
+            down_to_up: 0.6,
+            at_one_stiffness: true,
+            ..limit
+        });
         let with = |dead_band, ratio, friction, load| ServoParameters {
             dead_band,
             limit: unequal(ratio),
@@ -293,6 +300,10 @@ mod tests {
                 friction(1500.0, 0.2, 0.3),
                 Load::Constant(-700.0),
             ),
+            ServoParameters {
+                limit: limits_alone,
+                ..with(Some(0.6), 1.0, friction(400.0, 0.1, 0.5), weight)
+            },
         ]
     }
 

@@ -300,18 +300,20 @@ impl SlopedStepper<'_> {
         by.speed += by_factor * friction.factor_by[0];
 
         let physics = self.physics;
-        let ratio = side.ratio;
+        let (of_loop_side, of_limit) = (side.of_loop, side.of_limit);
         let slopes = &mut by.parameters;
-        slopes[place::STIFFNESS] = by_stiffness * step_s * ratio;
-        slopes[place::DAMPING] = by_braking * half_s * ratio;
+        slopes[place::STIFFNESS] = by_stiffness * step_s * of_loop_side;
+        slopes[place::DAMPING] = by_braking * half_s * of_loop_side;
         let of_loop = physics.damping - self.motor_damping;
         if let Some(limit) = physics.drive_limit() {
-            slopes[place::MOTOR_DAMPING] = (by_half_motor - by_braking * ratio) * half_s;
-            slopes[place::UP] = by_most * step_s * ratio;
+            slopes[place::MOTOR_DAMPING] = (by_half_motor - by_braking * of_loop_side) * half_s;
+            slopes[place::UP] = by_most * step_s * of_limit;
             if side.sign < 0.0 {
-                slopes[place::DOWN_TO_UP] = by_stiffness * step_s * physics.stiffness
-                    + by_braking * half_s * of_loop
-                    + by_most * step_s * limit.up;
+                slopes[place::DOWN_TO_UP] = by_most * step_s * limit.up;
+                if !limit.at_one_stiffness {
+                    slopes[place::DOWN_TO_UP] +=
+                        by_stiffness * step_s * physics.stiffness + by_braking * half_s * of_loop;
+                }
             }
         }
         if physics.speed_limit.is_some() {
@@ -330,10 +332,10 @@ impl SlopedStepper<'_> {
         if self.by_delay != 0.0 {
             let coulomb = plain.friction.map_or(0.0, |friction| friction.coulomb);
             let limit_up = physics.limit.map_or(0.0, |limit| limit.up);
-            by.length = by_stiffness * physics.stiffness * ratio
-                + by_braking * of_loop * ratio * 0.5
+            by.length = by_stiffness * physics.stiffness * of_loop_side
+                + by_braking * of_loop * of_loop_side * 0.5
                 + by_half_motor * self.motor_damping * 0.5
-                + by_most * limit_up * ratio
+                + by_most * limit_up * of_limit
                 + by_load * plain.load.at(middle)
                 + by_friction * friction.factor * coulomb;
         }

@@ -40,8 +40,10 @@ pub(crate) struct DriveSide<S> {
     pub(crate) proportional: S,
     /// The largest change of speed, h A; `None` without a limit.
     pub(crate) largest: Option<S>,
-    /// Its strength relative to that upwards.
-    pub(crate) ratio: S,
+    /// The strength of its loop relative to that upwards.
+    pub(crate) of_loop: S,
+    /// Its limit relative to that upwards.
+    pub(crate) of_limit: S,
     /// 1 upwards, -1 downwards.
     pub(crate) sign: f64,
 }
@@ -100,21 +102,25 @@ impl<S: Scalar> Stepper<S> {
         let limit = physics.drive_limit();
         let motor = limit.map_or(S::constant(0.0), |limit| limit.motor_damping);
         let half_motor = motor * step_s * 0.5;
-        let side = |ratio: S, sign: f64| {
-            let braking = (physics.damping - motor) * ratio * step_s * 0.5;
+        let side = |of_loop: S, of_limit: S, sign: f64| {
+            let braking = (physics.damping - motor) * of_loop * step_s * 0.5;
             DriveSide {
-                stiffness: physics.stiffness * ratio * step_s,
+                stiffness: physics.stiffness * of_loop * step_s,
                 braking,
                 proportional: one / (one + half_motor + braking),
-                largest: limit.map(|limit| limit.up * ratio * step_s * sign),
-                ratio,
+                largest: limit.map(|limit| limit.up * of_limit * step_s * sign),
+                of_loop,
+                of_limit,
                 sign,
             }
         };
+        let [loop_down, limit_down] = limit.map_or([one; 2], |limit| {
+            [limit.loop_down_to_up(), limit.down_to_up]
+        });
         Self {
             step_s,
-            up: side(one, 1.0),
-            down: side(limit.map_or(one, |limit| limit.down_to_up), -1.0),
+            up: side(one, one, 1.0),
+            down: side(loop_down, limit_down, -1.0),
             coasting: one - half_motor,
             saturated: one / (one + half_motor),
             dead_band: physics.dead_band,

@@ -544,8 +544,9 @@ class Model(Document):
         """How much of a sine of the command arrives, and how late: gain and phase, as ``servoid identify --at HZ`` prints them.
 
         They are those of the servo in continuous time, as :attr:`servo_frequency` is. Of a servo that is not linear
-        they are those of the recorded motion: ``servo_model.at(hertz, amplitude)`` has those of an amplitude. Without bounds it warns, and says why
-        there are none.
+        they are those of the recorded motion: ``servo_model.at(hertz, amplitude)`` has those of an amplitude. Whether a servo is linear, strokes of one
+        size do not show: theirs is what these are then (``of_strokes``), and a sine is answered so by a linear servo alone. Without bounds it warns,
+        and says why there are none.
 
         Parameters
         ----------
@@ -579,7 +580,7 @@ class Model(Document):
             withdrawn.warn()
         elif not self.linear:
             warnings.warn(f"{NOT_LINEAR}: servo_model.at(hertz, amplitude) has those of an amplitude", stacklevel=2)
-        return sine(hertz, None, found, bounds, withdrawn)
+        return sine(hertz, None, self._fields.get("only_stroke"), found, bounds, withdrawn)
 
     def predict(self, u: Any, y: Any = None, *, at_rest: float | None = None) -> Any:
         """The output predicted one step ahead from the input and the measured output; without ``y``, :meth:`simulate`.

@@ -383,7 +383,7 @@ class ServoModel:
         asked = sine_argument("hertz", hertz), sine_argument("amplitude", amplitude)
         found, reason = self._core.servo_sine(*asked, number_or_none("controller", controller))
         because = self.withdrawn if reason is None else Withdrawn(*reason)
-        return sine(*asked, found, self.level, because)
+        return sine(*asked, None, found, self.level, because)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return (_of_document, (self._core.document,))

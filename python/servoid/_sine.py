@@ -25,6 +25,9 @@ class SineResponse:
         Its frequency (Hz).
     amplitude : float or None
         How far it goes to each side (unit of the command); ``None`` for the linear model, which has the same response to all.
+    of_strokes : float or None
+        The size of the strokes in the recording of a linear model, where all have one (unit of the command): no servo is shown to answer others, or a
+        sine of another amplitude, likewise. ``None`` where there are several sizes, and for the servo as a machine.
     gain : Interval
         Amplitude of the motion over that of the command (output per input).
     phase_deg : Interval
@@ -40,6 +43,7 @@ class SineResponse:
 
     hertz: float
     amplitude: float | None
+    of_strokes: float | None
     gain: Interval
     phase_deg: Interval
     phase_at_rest_deg: float
@@ -61,7 +65,14 @@ def sine_argument(name: str, value: object) -> float:
     return found
 
 
-def sine(hertz: float, amplitude: float | None, found: tuple[_Ends, _Ends, float], level: float | None, because: Withdrawn | None) -> SineResponse:
+def sine(
+    hertz: float,
+    amplitude: float | None,
+    of_strokes: float | None,
+    found: tuple[_Ends, _Ends, float],
+    level: float | None,
+    because: Withdrawn | None,
+) -> SineResponse:
     """A response with the level of its bounds, where it has some."""
     gain, phase_deg, at_rest_deg = found
-    return SineResponse(hertz, amplitude, Interval(*gain), Interval(*phase_deg), at_rest_deg, None if because else level, because)
+    return SineResponse(hertz, amplitude, of_strokes, Interval(*gain), Interval(*phase_deg), at_rest_deg, None if because else level, because)

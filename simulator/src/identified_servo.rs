@@ -172,6 +172,7 @@ mod tests {
                 up: 6000.0,
                 down_to_up: 0.8,
                 motor_damping: 25.0,
+                at_one_stiffness: false,
             }),
             speed_limit: None,
             dead_band: Some(0.05),

@@ -15,10 +15,11 @@ fn variables(servo: &ServoParameters<f64>) -> ServoParameters<Number> {
         damping: number(2),
         gain: number(3),
         offset: number(4),
-        limit: servo.limit.map(|_| DriveLimit {
+        limit: servo.limit.map(|limit| DriveLimit {
             up: number(5),
             down_to_up: number(6),
             motor_damping: number(7),
+            at_one_stiffness: limit.at_one_stiffness,
         }),
         speed_limit: servo.speed_limit.map(|_| SpeedLimit {
             up: number(place::SPEED_UP),
@@ -57,14 +58,13 @@ fn variables(servo: &ServoParameters<f64>) -> ServoParameters<Number> {
 
 /// Servos with every term absent and present.
 fn servos() -> Vec<ServoParameters<f64>> {
-    let limits = [
-        None,
-        Some(DriveLimit {
-            up: 9e3,
-            down_to_up: 0.7,
-            motor_damping: 30.0,
-        }),
-    ];
+    let limit = |at_one_stiffness: bool| DriveLimit {
+        up: 9e3,
+        down_to_up: 0.7,
+        motor_damping: 30.0,
+        at_one_stiffness,
+    };
+    let limits = [None, Some(limit(false)), Some(limit(true))];
     let frictions = [None, Some((0.0, None)), Some((0.2, Some((0.4, 11.0))))];
     let loads = [
         Load::None,
@@ -150,6 +150,7 @@ fn a_long_stroke_reaches_the_top_speed_under_its_load() {
             up: 4000.0,
             down_to_up: 0.8,
             motor_damping: 20.0,
+            at_one_stiffness: false,
         }),
         speed_limit: None,
         dead_band: None,
@@ -206,6 +207,7 @@ fn a_speed_is_cut_off_as_in_tiny_steps() {
                 up,
                 down_to_up: 0.5,
                 motor_damping: 40.0,
+                at_one_stiffness: false,
             }),
             speed_limit: Some(SpeedLimit {
                 up,

@@ -55,6 +55,23 @@ fn odd_runs_of_a_limited_servo_predict_the_even_ones() {
     assert!(fits[0] >= 85.0, "{fits:?}");
 }
 
+/// The same recording has one by itself, since its linear model has no bounds.
+#[test]
+fn a_servo_model_that_nobody_wants_is_not_looked_for() {
+    let all = data("miuzei_rc_servo_large.csv");
+    let read = ["-q", "--run", "run", "--no-servo-model"];
+    let identify = [&["identify", arg(&all), "--json"], &read[..], &COLUMNS].concat();
+    let model: Value = serde_json::from_str(&run(&identify)).unwrap();
+    assert!(model["withdrawn"].is_object() && model["servo_model"].is_null());
+    let compare = ["compare", arg(&all), arg(&all), "--json"];
+    let found = run(&[&compare[..], &read[..], &COLUMNS].concat());
+    let found: Value = serde_json::from_str(&found).unwrap();
+    assert!(found["withdrawn"].is_object() && found["servo_models"].is_null());
+    let both = [&identify[..], &["--servo-model"]].concat();
+    let refused = refusal(&both);
+    assert!(refused.contains("cannot be used with"), "{refused}");
+}
+
 /// A smart servo with a weight on an arm, under two controller gains. In the predicted runs it stands still for most of the
 /// time where full drive cannot lift the weight further: the linear model predicts them to 73 and 50 %.
 #[test]

@@ -29,7 +29,8 @@ pub(crate) fn longest_settling(record: &Record, cap: Option<usize>) -> Result<us
     if longest < SHORTEST_SETTLING {
         let needed = (ROWS_PER_SAMPLE / 2 + 1) * SHORTEST_SETTLING + MAX_AUTO_ORDER;
         let outputs = record.outputs().filter(|output| !output.is_nan()).count();
-        let every = record.samples() / outputs.max(1);
+        // To the nearest: the ends of a record need not have an output.
+        let every = (record.samples() + outputs / 2) / outputs.max(1);
         return Err(match record.samples() >= needed && every > 1 {
             true => Error::OutputsFarApart { every },
             false => Error::TooShortForAuto {

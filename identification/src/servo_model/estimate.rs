@@ -27,6 +27,7 @@ use crate::servo_model::uncertainty::run_offsets;
 use crate::servo_model::uncertainty::validity::against;
 use crate::thresholds::RUN_OFFSETS_LEAVE;
 use faer::Mat;
+use rayon::prelude::*;
 use servoid_dynamics::{Grid, Stops};
 
 /// Longest step of the integration in the search from far away \[s\], and the most steps in a sample period: what is faster does
@@ -114,19 +115,18 @@ pub fn fit_watched(
 ) -> Result<ServoModel, Error> {
     let (parts, fold_of) = usable_stretches(record, options)?;
     let shown = Shown::by(&parts, record.sample_period_s());
-    let mut search = Search {
-        shown,
-        record,
-        options,
-        fold_of: &fold_of,
-        watch,
-    };
     let searched = |stops: Stops| {
-        search.shown = shown.with_stops(stops);
+        let search = Search {
+            shown: shown.with_stops(stops),
+            record,
+            options,
+            fold_of: &fold_of,
+            watch,
+        };
         search.found_with_runs(parts.clone())
     };
     let possible = PossibleStops::of(record, &options.stops_at, shown.gain);
-    let all = possible.choices().into_iter().map(searched).collect();
+    let all = possible.choices().into_par_iter().map(searched).collect();
     let found = preferred(all, &possible);
     if watch.ends() {
         return Err(Error::SearchEnded);
@@ -191,11 +191,6 @@ impl Found {
         self.climbed.best().total()
     }
 
-    fn squared_error(&self) -> f64 {
-        let errors = self.candidates.found.errors().into_iter().flatten();
-        errors.filter(|e| !e.is_nan()).map(|e| e * e).sum()
-    }
-
     /// Squared errors of each block that was not seen.
     fn held_out(&self) -> &[f64] {
         &self.climbed.best().held_out
@@ -217,7 +212,8 @@ impl Search<'_> {
         }
         // Beside errors that are not noise, the mean of a run is no zero of a sensor unless it is most of them: a servo that is lost has one, too.
         let with_own = self.found(parts, &own);
-        let is_most = with_own.squared_error() < RUN_OFFSETS_LEAVE * found.squared_error();
+        let square = |found: &Found| found.candidates.found.discrepancy.powi(2);
+        let is_most = square(&with_own) < RUN_OFFSETS_LEAVE * square(&found);
         match with_own.has_noise_alone() || is_most {
             true => with_own,
             false => found,

@@ -25,7 +25,7 @@ pub const SERVO_MATERIAL_ADVANTAGE: f64 = 0.05;
 /// smart servo with a weight, which then predicted others to 82 and 78 % instead of 94 and 89.
 pub const SERVO_LARGE_ADVANTAGE: f64 = 0.25;
 
-/// Share of the squared errors that offsets of the runs must leave at the most, where the errors are not noise with them.
+/// Share of the squared errors beside noise that offsets of the runs must leave at the most, where the errors are not noise with them.
 ///
 /// Protects: figures of servos that the model is lost on from offsets that make up for it. Evidence: a real R/C servo gets offsets of up to
 /// 77 degrees, which leave 0.4; the simulated aircraft servo with zeros 0.2 and 0.3 degrees apart leaves less than 0.1.

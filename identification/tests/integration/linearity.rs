@@ -151,6 +151,7 @@ fn a_limited_speed_that_the_noise_model_hides_takes_the_level() {
             up: 3271.0,
             down_to_up: 1.0,
             motor_damping: 20.9,
+            at_one_stiffness: false,
         }),
         speed_limit: None,
         dead_band: None,

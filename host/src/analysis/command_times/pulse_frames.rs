@@ -13,6 +13,7 @@
 //!
 //! Under equal holds too many frequencies are alike for the length to be known. What each command waited for is known nevertheless.
 
+use servoid_identification::{Record, Run};
 use std::f64::consts::TAU;
 
 /// The time of a command, and by how much its answer is later than the others \[s\].
@@ -189,12 +190,21 @@ impl<'a> Times<'a> {
 /// Share of the holds that are as long as the most frequent one, to a microsecond.
 fn share_of_usual_hold(answers: &[TimedAnswer]) -> f64 {
     let pairs = answers.iter().zip(answers.iter().skip(1));
-    let mut holds: Vec<i64> = pairs
-        .map(|(a, b)| (1e6 * (b.at_s - a.at_s)).round() as i64)
-        .collect();
-    holds.sort_unstable();
-    let most = holds.chunk_by(|a, b| a == b).map(<[i64]>::len).max();
-    most.unwrap_or(0) as f64 / holds.len().max(1) as f64
+    let holds = pairs.map(|(a, b)| (1e6 * (b.at_s - a.at_s)).round() as i64);
+    share_of_most_frequent(holds.collect())
+}
+
+/// Whether so many holds of `record` are of one length that it shows no frame of pulses.
+pub(crate) fn has_equal_holds(record: &Record<'_>) -> bool {
+    let inputs = record.runs().iter().map(Run::input);
+    let holds = inputs.flat_map(|input| input.chunk_by(|a, b| a == b));
+    share_of_most_frequent(holds.map(|hold| hold.len() as i64).collect()) > MOST_EQUAL
+}
+
+fn share_of_most_frequent(mut lengths: Vec<i64>) -> f64 {
+    lengths.sort_unstable();
+    let most = lengths.chunk_by(|a, b| a == b).map(<[i64]>::len).max();
+    most.unwrap_or(0) as f64 / lengths.len().max(1) as f64
 }
 
 #[cfg(test)]

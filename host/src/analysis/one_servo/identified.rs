@@ -1,6 +1,7 @@
 //! The linear model of a data set, with the advice that its files ask for.
 
 use crate::analysis::command_times::command_edges::{CommandEdges, command_edges};
+use crate::analysis::command_times::pulse_frames::has_equal_holds;
 use crate::analysis::duration_in_words::in_words;
 use crate::analysis::recording_advice::angle_units::{advice_on_gain, advice_on_travel};
 use crate::analysis::recording_advice::no_step;
@@ -68,7 +69,10 @@ pub fn identified(data: &Dataset, name: &str, options: &Options) -> Result<Ident
             Some(advice)
         }
         Some(CommandEdges::InFrames(advice)) => Some(advice),
-        None => None,
+        None => {
+            name_pulses(data, &mut found.model.advice);
+            None
+        }
     };
     let of_data = in_frames
         .into_iter()
@@ -130,6 +134,17 @@ fn explained_by_waits(model: &mut Model) {
     if model.bounds.valid().is_some() {
         model.linear = true;
         model.advice.retain(|item| !item.is_of_errors_in_motion());
+    }
+}
+
+/// Of errors that follow the motion in a file of another program: that commands may have waited for pulses. Under holds of one length such waits creep from command to
+/// command, and nothing shows that they are of a clock.
+fn name_pulses(data: &Dataset, advice: &mut [Advice]) {
+    if !(data.about.is_of_rows() && has_equal_holds(&data.record)) {
+        return;
+    }
+    for found in advice.iter_mut().filter(|found| found.is_of_linearity()) {
+        found.remedy += " Commands that wait for pulses on a clock of their own make a linear servo look so, too, and under holds of one length nothing shows it: change                          them with the pulses, or hold them for different times.";
     }
 }
 

@@ -72,7 +72,7 @@ pub enum ExportError {
         /// That of the output 1.
         largest: f64,
     },
-    /// A servo that stands still is closer to the servo model than the file, or its strokes are wrong by the largest one.
+    /// A servo that stands still is closer to the servo model than the file, or its strokes are wrong by twice the largest one.
     #[error(
         "the file would not follow its command: in strokes that are held or broken off once it is up to {percent} % of the largest stroke away from the servo model, and a servo that stands still is hardly farther, {why}"
     )]

@@ -14,7 +14,8 @@ use crate::servo_model::uncertainty::covariance::{Uncertainty, uncertainty};
 use crate::servo_model::uncertainty::possible_servo::PossibleServo;
 use crate::servo_model::uncertainty::validity::against;
 use other_fits::fits_of_folds;
-use other_valleys::{with_quick_drive, with_soft_drive, with_sticking};
+use other_valleys::{outside_of_the_terms, with_quick_drive, with_soft_drive};
+use rayon::prelude::*;
 
 /// A relative gain below this ends the descent to the best servo.
 const FINE: f64 = 1e-7;
@@ -52,7 +53,7 @@ impl Candidates {
         };
         let mut others = with_other_terms(&problem, climbed);
         if candidates.level.valid().is_some() {
-            candidates.add_sticking(&problem, &best, fold_of.len());
+            candidates.add_those_outside_of_the_terms(&problem, &best, fold_of.len());
             others.extend(candidates.soft_drive(&problem, &best, climbed, fold_of.len()));
             // With the covariance of the best: its own knows no end of how quick the drive may be.
             let quick = with_quick_drive(&problem, &best, fold_of.len());
@@ -60,7 +61,8 @@ impl Candidates {
             candidates.possible.extend(quick);
         }
         let of = |point: Point| uncertainty(&problem, &point, fold_of.len()).servo_at(point);
-        let others = others.into_iter().map(of);
+        let others: Vec<PossibleServo> = others.into_par_iter().map(of).collect();
+        let others = others.into_iter();
         candidates
             .possible
             .extend(others.filter(PossibleServo::shows_its_spring));
@@ -73,10 +75,14 @@ impl Candidates {
         candidates
     }
 
-    /// Servos whose friction at rest is gone at lower speeds: possible ones where they fit as well, and the end of the level where they
-    /// fit better.
-    fn add_sticking(&mut self, problem: &Problem<'_>, best: &Point, blocks: usize) {
-        for point in with_sticking(problem, best) {
+    /// Servos that the ladder does not try: possible ones where they fit as well, and the end of the level where they fit better.
+    fn add_those_outside_of_the_terms(
+        &mut self,
+        problem: &Problem<'_>,
+        best: &Point,
+        blocks: usize,
+    ) {
+        for point in outside_of_the_terms(problem, best) {
             let other = uncertainty(problem, &point, blocks);
             let is_better = self.found.is_beaten_by(&other);
             self.level = self
@@ -126,5 +132,5 @@ fn with_other_terms(problem: &Problem<'_>, climbed: &Climbed) -> Vec<Point> {
         problem.descend(&mut point, STEPS);
         point
     };
-    climbed.others.iter().map(descended).collect()
+    climbed.others.par_iter().map(descended).collect()
 }

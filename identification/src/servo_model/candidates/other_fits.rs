@@ -8,6 +8,7 @@ use crate::servo_model::descent::coordinates::Point;
 use crate::servo_model::descent::fit::Problem;
 use crate::servo_model::descent::starting_values::{Shown, other_starts};
 use crate::servo_model::stretches::{FOLDS, Stretch};
+use rayon::prelude::*;
 
 /// Steps of a descent to one fold.
 const STEPS: usize = 12;
@@ -37,5 +38,5 @@ pub(super) fn fits_of_folds(
         let (_, found) = alone.best_descent(other_starts(point, &alone, shown), STEPS);
         Some(found)
     };
-    (0..FOLDS).filter_map(of_fold).collect()
+    (0..FOLDS).into_par_iter().filter_map(of_fold).collect()
 }

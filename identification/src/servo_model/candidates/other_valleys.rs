@@ -1,14 +1,16 @@
 //! Servos with the same terms in other valleys of the surface, which the record hardly distinguishes from the best one.
 //!
-//! The covariance of a fit knows its own valley alone. Three others are known to hide below the noise. Where all strokes are alike,
+//! The covariance of a fit knows its own valley alone. Four others are known to hide below the noise. Where all strokes are alike,
 //! a limit of the drive acts as a linear servo does: a low top speed and a stiff drive, or a soft drive that is never full. And
 //! friction at rest may be gone at a far lower speed than the equation has it: then a stroke that the record does not have, a small
-//! one, may not move the shaft. A drive that is there at once differs from a quick one by a delay of less than a sample.
+//! one, may not move the shaft. A drive that is there at once differs from a quick one by a delay of less than a sample. And a drive whose limits
+//! differ at one stiffness moves as one under a load, with friction in the place of most of its dead band.
 
-use crate::servo_model::descent::coordinates::{Coordinate, Point};
+use crate::servo_model::descent::coordinates::{Coordinate, LoadKind, Point, Terms};
 use crate::servo_model::descent::fit::Problem;
 use crate::servo_model::motion::simulated_motion::largest_error;
 use crate::servo_model::terms::ladder::misses;
+use servoid_dynamics::Load;
 
 /// Steps of each descent.
 const STEPS: usize = 30;
@@ -69,11 +71,12 @@ pub(super) fn with_quick_drive(
     (!misses(&other, &own)).then_some(quick)
 }
 
-/// The servos as `point` whose friction at rest is gone at lower speeds.
-pub(super) fn with_sticking(problem: &Problem<'_>, point: &Point) -> Vec<Point> {
+/// The servos as `point` whose friction at rest is gone at lower speeds, and the one whose limits of the drive differ at one stiffness.
+pub(super) fn outside_of_the_terms(problem: &Problem<'_>, point: &Point) -> Vec<Point> {
     let mut all = sticking(point);
-    for sticking in &mut all {
-        problem.descend(sticking, STEPS);
+    all.extend(unequal_limits(point));
+    for other in &mut all {
+        problem.descend(other, STEPS);
     }
     all
 }
@@ -114,4 +117,50 @@ fn sticking(point: &Point) -> Vec<Point> {
         sticking
     };
     LOW_SPEED_SHARES.map(with).to_vec()
+}
+
+/// `point` with limits of the drive that differ at one stiffness instead of a constant load and unequal drives; `None` where it has neither. What
+/// dead band and friction leave at rest together is halved between them.
+fn unequal_limits(point: &Point) -> Option<Point> {
+    let terms = point.terms;
+    let has_other_load = !matches!(terms.load, LoadKind::None | LoadKind::Constant);
+    let is_even = !terms.two_speeds && terms.load == LoadKind::None;
+    if has_other_load || is_even || terms.speed_limit {
+        return None;
+    }
+    let servo = point.physics(0, |_, value| value);
+    let limit = servo.limit?;
+    let load = match servo.load {
+        Load::Constant(load) => load,
+        _ => 0.0,
+    };
+    let [up, down] = limit.both_ways();
+    let [up, down] = [up - load, down + load];
+    if !(up > 0.0 && down > 0.0) {
+        return None;
+    }
+    let is_own_stiffness = |at: &&Coordinate| matches!(at, Coordinate::LnOwnStiffness(_));
+    let controllers = 1 + point.coordinates.iter().filter(is_own_stiffness).count();
+    let terms = Terms {
+        two_speeds: true,
+        one_stiffness: true,
+        dead_band: true,
+        friction: true,
+        load: LoadKind::None,
+        ..terms
+    };
+    let mut other = point.with_terms(terms, controllers, |_| 0.0);
+    let friction = servo.friction.map_or(0.0, |friction| friction.coulomb);
+    let at_rest = servo.dead_band.unwrap_or(0.0) + friction / servo.stiffness;
+    let offset = servo.offset - servo.gain * load / servo.stiffness;
+    for (coordinate, value) in [
+        (Coordinate::LnTopSpeed, (up / limit.motor_damping).ln()),
+        (Coordinate::LnDownToUp, (down / up).ln()),
+        (Coordinate::Offset, offset),
+        (Coordinate::DeadBand, 0.5 * at_rest),
+        (Coordinate::Friction, 0.5 * at_rest),
+    ] {
+        other.set(coordinate, value);
+    }
+    Some(other)
 }

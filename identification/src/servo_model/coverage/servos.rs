@@ -24,6 +24,10 @@ pub(super) enum Kind {
     CutOffSpeed,
     /// Within the class too: under the load of a spring.
     Spring,
+    /// Within the class too: with a dead band and with friction, which rest alike.
+    DeadBandAndFriction,
+    /// As those, with limits of the drive that differ at one stiffness.
+    UnequalLimits,
     Stiction,
     Backlash,
     CurrentLimit,
@@ -33,12 +37,14 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    pub(super) const ALL: [Self; 11] = [
+    pub(super) const ALL: [Self; 13] = [
         Self::InClass,
         Self::RateLimit,
         Self::UndampedMotor,
         Self::CutOffSpeed,
         Self::Spring,
+        Self::DeadBandAndFriction,
+        Self::UnequalLimits,
         Self::Stiction,
         Self::Backlash,
         Self::CurrentLimit,
@@ -54,7 +60,9 @@ impl Kind {
             | Self::RateLimit
             | Self::UndampedMotor
             | Self::CutOffSpeed
-            | Self::Spring => Beyond::Nothing,
+            | Self::Spring
+            | Self::DeadBandAndFriction
+            | Self::UnequalLimits => Beyond::Nothing,
             Self::Stiction => Beyond::Stiction {
                 excess: between(0.5, 2.0),
                 until: top_speed * between(0.002, 0.02),
@@ -85,6 +93,8 @@ impl fmt::Display for Kind {
             Self::UndampedMotor => "undamped motor",
             Self::CutOffSpeed => "cut-off speed",
             Self::Spring => "spring",
+            Self::DeadBandAndFriction => "dead band and friction",
+            Self::UnequalLimits => "unequal limits",
             Self::Stiction => "stiction",
             Self::Backlash => "backlash",
             Self::CurrentLimit => "current limit",
@@ -157,19 +167,22 @@ pub(super) fn servo(kind: Kind, seed: u64) -> Truth {
     Truth { point, beyond }
 }
 
-/// Half of the servos have two speeds, a third each dead band and friction, and a third a constant load; all of one kind that of a spring. Stiction needs
-/// friction. Friction of the gears is not drawn.
+/// Half of the servos have two speeds, a third each dead band and friction, and a third a constant load; all of one kind that of a spring. Two kinds have both, a dead band and
+/// friction. Stiction needs friction. Friction of the gears is not drawn.
 fn terms(kind: Kind, seed: u64) -> Terms {
     let loads = [LoadKind::None, LoadKind::Constant, LoadKind::None];
+    let has_both = matches!(kind, Kind::DeadBandAndFriction | Kind::UnequalLimits);
     Terms {
         limit: kind != Kind::CutOffSpeed || seed / 2 % 2 == 1,
-        two_speeds: seed % 2 == 1,
+        two_speeds: seed % 2 == 1 || kind == Kind::UnequalLimits,
+        one_stiffness: kind == Kind::UnequalLimits,
         speed_limit: kind == Kind::CutOffSpeed,
-        dead_band: seed % 3 == 1,
-        friction: seed % 3 == 2 || kind == Kind::Stiction,
+        dead_band: seed % 3 == 1 || has_both,
+        friction: seed % 3 == 2 || kind == Kind::Stiction || has_both,
         friction_of_gears: false,
         load: match kind {
             Kind::Spring => LoadKind::Spring,
+            Kind::UnequalLimits => LoadKind::None,
             _ => loads[seed as usize / 3 % 3],
         },
     }

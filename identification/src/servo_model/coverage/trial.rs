@@ -180,8 +180,9 @@ fn truths(truth: &Truth, found: &ServoModel) -> Vec<(&'static str, f64)> {
         }
         return all;
     }
-    all.retain(|(name, _)| truth.is_in_class() || matches!(*name, "delay" | "gain" | "offset"));
-    if !truth.is_in_class() {
+    let is_of_equation = truth.beyond == Beyond::Nothing;
+    all.retain(|(name, _)| is_of_equation || matches!(*name, "delay" | "gain" | "offset"));
+    if !is_of_equation {
         all.push(("top speed upwards", truth.top_speed(true)));
         all.push(("top speed downwards", truth.top_speed(false)));
     }

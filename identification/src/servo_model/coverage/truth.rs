@@ -91,7 +91,7 @@ impl Truth {
 
     /// Whether it is of the model's class.
     pub(super) fn is_in_class(&self) -> bool {
-        self.beyond == Beyond::Nothing
+        self.beyond == Beyond::Nothing && !self.point.terms.one_stiffness
     }
 
     /// Speed of the output at the end of a stroke without end upwards or downwards (1/s). Their load is a constant.
@@ -217,12 +217,15 @@ impl Machine {
             }
             _ => wanted,
         };
-        let side = if wanted < 0.0 { limit.down_to_up } else { 1.0 };
-        let most = match self.beyond {
-            Beyond::UnequalSides { limit: more, .. } if wanted < 0.0 => limit.up * side * more,
-            _ => limit.up * side,
+        let [of_loop, of_limit] = match wanted < 0.0 {
+            true => [limit.loop_down_to_up(), limit.down_to_up],
+            false => [1.0; 2],
         };
-        (wanted * side).clamp(-most, most)
+        let most = match self.beyond {
+            Beyond::UnequalSides { limit: more, .. } if wanted < 0.0 => limit.up * of_limit * more,
+            _ => limit.up * of_limit,
+        };
+        (wanted * of_loop).clamp(-most, most)
     }
 
     /// B at a speed.

@@ -122,6 +122,9 @@ pub struct Terms {
     pub limit: bool,
     /// The drive is stronger in one direction; where the speed is limited, that is what is larger in one direction.
     pub two_speeds: bool,
+    /// Only the limit of the drive is larger in one direction, and the loop is as stiff in both.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub one_stiffness: bool,
     /// The speed is cut off at a limit. The motor has no damping of its own then.
     #[serde(default, skip_serializing_if = "is_false")]
     pub speed_limit: bool,
@@ -300,12 +303,14 @@ impl Point {
                 up: top_speed.exp() * motor_damping,
                 down_to_up: get(LnDownToUp).exp(),
                 motor_damping,
+                at_one_stiffness: self.terms.one_stiffness,
             }
         });
         let alike = |acceleration: S| DriveLimit {
             up: acceleration.exp(),
             down_to_up: S::constant(1.0),
             motor_damping: S::constant(0.0),
+            at_one_stiffness: false,
         };
         let speed_limit = find(LnSpeedLimit).map(|speed| SpeedLimit {
             up: speed.exp(),

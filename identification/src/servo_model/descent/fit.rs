@@ -8,6 +8,7 @@ use super::offsets::{OfRun, move_offsets};
 use super::step::{MOST, Products, ProductsOfZero, Sums, by_coordinates, solve};
 use crate::servo_model::search_progress::Watch;
 use crate::servo_model::stretches::Stretch;
+use rayon::prelude::*;
 use servoid_dynamics::{Grid, Slopes, simulate, simulate_with_slopes};
 
 /// What is fitted.
@@ -16,7 +17,7 @@ pub(crate) struct Problem<'a> {
     pub(crate) stretches: &'a [Stretch],
     pub(crate) grid: Grid,
     /// Blocks that count.
-    pub(crate) used: &'a dyn Fn(usize) -> bool,
+    pub(crate) used: &'a (dyn Fn(usize) -> bool + Sync),
     /// Errors beyond this are clipped \[units of the output\].
     pub(crate) clip: f64,
     /// \[s\].
@@ -147,14 +148,15 @@ impl Problem<'_> {
             1 => 0,
             _ => FIRST_STEPS,
         };
-        let descents = starts.into_iter().map(|mut point| {
+        let descents = starts.into_par_iter().map(|mut point| {
             let cost = match first {
                 0 => f64::INFINITY,
                 steps => self.descend(&mut point, steps),
             };
             (cost, point)
         });
-        let lowest = descents.min_by(|a, b| a.0.total_cmp(&b.0));
+        let descents: Vec<(f64, Point)> = descents.collect();
+        let lowest = descents.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
         let (cost, mut point) = lowest.expect("there is a start");
         let lower = self.descend(&mut point, iterations - first);
         (cost.min(lower), point)

@@ -133,6 +133,7 @@ mod tests {
             up: 16_000.0,
             down_to_up: 1.0,
             motor_damping: 40.0,
+            at_one_stiffness: false,
         });
         let limited = ServoParameters { limit, ..servo() };
         let found = Stroke::of(&limited, [-30.0, 30.0], 60.0).unwrap().time_s;

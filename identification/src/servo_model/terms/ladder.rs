@@ -13,6 +13,7 @@ use crate::servo_model::descent::starting_values::{Shown, other_starts, search};
 use crate::servo_model::search_progress::Watch;
 use crate::servo_model::stretches::{FOLDS, Stretch};
 use crate::thresholds::{SERVO_LARGE_ADVANTAGE, SERVO_MATERIAL_ADVANTAGE, SERVO_TERM_ADVANTAGE};
+use rayon::prelude::*;
 use servoid_dynamics::Grid;
 
 /// Steps of a descent from the servo with one term fewer.
@@ -371,7 +372,7 @@ impl Ladder<'_> {
             true => 0..0,
             false => 0..FOLDS,
         };
-        for fold in folds {
+        let of_folds = folds.into_par_iter().map(|fold| {
             let others = |block: usize| self.fold_of[block] != fold;
             let problem = Problem {
                 converged: 1e-3,
@@ -379,7 +380,9 @@ impl Ladder<'_> {
             };
             let mut without = fit.clone();
             problem.descend(&mut without, FOLD_STEPS);
-            let costs = self.by_block(&without);
+            (fold, self.by_block(&without))
+        });
+        for (fold, costs) in of_folds.collect::<Vec<_>>() {
             for (block, of) in self.fold_of.iter().enumerate() {
                 if *of == fold {
                     held_out[block] = costs[block];
@@ -439,7 +442,7 @@ impl Ladder<'_> {
         }
     }
 
-    fn problem<'b>(&'b self, used: &'b dyn Fn(usize) -> bool) -> Problem<'b> {
+    fn problem<'b>(&'b self, used: &'b (dyn Fn(usize) -> bool + Sync)) -> Problem<'b> {
         Problem {
             stretches: self.stretches,
             grid: self.grid,

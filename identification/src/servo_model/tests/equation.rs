@@ -49,6 +49,7 @@ fn derivatives_of_the_motion_are_those_of_differences() {
         let terms = Terms {
             limit: true,
             two_speeds: true,
+            one_stiffness: false,
             speed_limit: false,
             dead_band: true,
             friction: true,

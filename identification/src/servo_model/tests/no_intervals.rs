@@ -1,6 +1,6 @@
 //! Recordings that leave the servo open have no intervals.
 
-use super::{PERIOD_S, noisy, point, strokes, value};
+use super::{PERIOD_S, noisy, point, quantities, strokes, value, with_noise};
 use crate::data::Record;
 use crate::results::{Bounds, Interval, Reason};
 use crate::servo_model::descent::coordinates::{Coordinate, Terms};
@@ -82,6 +82,44 @@ fn unequal_limits_beside_a_dead_band_have_no_intervals() {
     assert!(servo(1.0).covariance.valid().is_some());
     let withdrawn = servo(0.96).covariance.withdrawn();
     assert_eq!(withdrawn, Some(Reason::ErrorsNotNoise));
+}
+
+/// Beside friction, too, with a dead band that a fit takes for more of it: under a load it needs less of one.
+#[test]
+fn unequal_limits_beside_a_dead_band_and_friction_have_no_intervals_that_miss() {
+    let terms = Terms {
+        limit: true,
+        two_speeds: true,
+        one_stiffness: true,
+        dead_band: true,
+        friction: true,
+        ..Terms::default()
+    };
+    let at = |coordinate: Coordinate| match coordinate {
+        Coordinate::LnDownToUp => 0.91f64.ln(),
+        Coordinate::DeadBand => 0.1,
+        Coordinate::Friction => 0.08,
+        Coordinate::FrictionAtRest => 0.0,
+        other => value(other),
+    };
+    let servo = point(terms, at);
+    let input = strokes(8000);
+    let middle = 0.5 * (input.iter().fold(0.0, |most: f64, u| most.max(*u)) - 5.0);
+    for seed in 1..=3 {
+        let output = with_noise(&servo, &input, 0.02, seed);
+        let record = Record::of_run(PERIOD_S, &input, output).unwrap();
+        let found = fit(&record, &ServoModelOptions::default()).unwrap();
+        for (name, truth) in quantities::values(&servo, middle) {
+            let mut named = found.quantities.iter().filter(|found| found.name == name);
+            let Some(Bounds::Valid(interval)) = named.next().map(|found| found.interval) else {
+                continue;
+            };
+            assert!(
+                interval.contains(truth),
+                "{seed}, {name}: {truth} {interval:?}"
+            );
+        }
+    }
 }
 
 /// Two levels of the command leave friction, gain and offset open between them.

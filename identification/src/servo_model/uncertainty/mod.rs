@@ -8,6 +8,7 @@ pub(super) mod hidden_parts;
 pub(super) mod lack_of_fit;
 pub(super) mod noise_at_rest;
 pub(super) mod possible_servo;
+mod rests_alike;
 pub(super) mod run_offsets;
 pub(super) mod score_test;
 pub(super) mod stepped_outputs;

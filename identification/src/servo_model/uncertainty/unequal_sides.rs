@@ -13,14 +13,14 @@ use servoid_dynamics::{DriveLimit, Grid, ServoParameters, Stepper};
 const MORE: f64 = 0.1;
 
 /// What unequal drives and unequal limits would take from the output of `servo` in each sample of a stretch \[output\]; `None` for a drive without limit, or whose speed is
-/// cut off, and without a dead band, where both are a load. The equation has the first: a fit may have left it out.
+/// cut off, that has unequal limits already, and without a dead band, where both are a load. The equation has the first: a fit may have left it out.
 pub(super) fn limit_shortfalls(
     servo: &ServoParameters,
     stretch: &Stretch,
     grid: &Grid,
 ) -> Option<Vec<[f64; 2]>> {
     servo.dead_band?;
-    let sides = DriveSides::of(servo, grid)?;
+    let sides = DriveSides::of(servo, grid).filter(|sides| !sides.limit.at_one_stiffness)?;
     let others = [sides.drives(), sides.limits()].map(|both| [both, both]);
     Some(sides.taken_by(stretch, others))
 }

@@ -1,6 +1,7 @@
 //! The same servo is never called different, a different one is.
 
 mod bounds;
+mod own_structures;
 mod runs;
 mod scales;
 mod shifts;

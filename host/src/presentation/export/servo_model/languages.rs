@@ -163,6 +163,11 @@ impl ServoExport<'_> {
             ),
             ("down_to_up", limit.map_or(1.0, |l| l.down_to_up), "A-/A+"),
             (
+                "loop_down_to_up",
+                limit.map_or(1.0, |l| l.loop_down_to_up()),
+                "stiffness and damping of the loop where the drive is negative, to those where it is positive",
+            ),
+            (
                 "lowest_speed",
                 lowest_speed,
                 "omega is cut off there; -1e30: no limit",

@@ -226,6 +226,7 @@ mod tests {
                 up: 1000.0,
                 down_to_up: 0.8,
                 motor_damping: 3.0,
+                at_one_stiffness: false,
             }),
             speed_limit: None,
             dead_band: None,

@@ -29,6 +29,7 @@ pub(super) fn closest_drive(
         up: motor_damping * speed.up,
         down_to_up: speed.down_to_up,
         motor_damping,
+        at_one_stiffness: false,
     };
     let staircase = trial.only_staircase();
     let exact = staircase.exact(servo);

@@ -548,6 +548,6 @@ fn difference_text(difference: f64) -> String {
     }
 }
 
-const EQUATION: &str = "Equation: r(t) = u(t - d) is the command, late by d. The error e is r - theta beyond a dead band of w to each side, counted from its edge. The drive is k e - (c - B) omega, between -A- and A+, which is towards larger theta; where it is negative, k and c - B are A-/A+ times as large. omega' = drive - B omega - friction - load(theta), theta' = omega, position = gain theta + offset. Friction is (C + mu |drive + load|) (1 + s / (1 + (omega/ws)^2)) against the motion, and holds the shaft at rest while less acts on it.";
+const EQUATION: &str = "Equation: r(t) = u(t - d) is the command, late by d. The error e is r - theta beyond a dead band of w to each side, counted from its edge. The drive is k e - (c - B) omega, between -A- and A+, which is towards larger theta; where it is negative, k and c - B are A-/A+ times as large, but for a draw of limits that differ at one stiffness. omega' = drive - B omega - friction - load(theta), theta' = omega, position = gain theta + offset. Friction is (C + mu |drive + load|) (1 + s / (1 + (omega/ws)^2)) against the motion, and holds the shaft at rest while less acts on it.";
 
 const PER_INERTIA: &str = "Inertia: all accelerations are torques per unit of inertia. No torque, mass or current follows from the recording; with a known inertia, multiply by it.";

@@ -212,7 +212,7 @@ impl ServoExport<'_> {
     }
 
     fn weaker_loop(&self) -> Option<String> {
-        let ratio = self.parameters.drive_limit()?.down_to_up;
+        let ratio = self.parameters.drive_limit()?.loop_down_to_up();
         (ratio != 1.0).then(|| {
             let ratio = four_digits(ratio);
             format!(

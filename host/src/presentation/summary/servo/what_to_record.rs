@@ -2,6 +2,7 @@
 
 use super::top_speeds::has_unreached_top_speeds;
 use crate::data::model_file::ServoModelDocument;
+use servoid_identification::nonlinear::SpeedLimits;
 use servoid_identification::results::Reason;
 use servoid_identification::servo_model::{Quantity, QuantityKind, ServoModel};
 
@@ -34,7 +35,8 @@ fn beside_what_the_model_lacks(document: &ServoModelDocument) -> Vec<&'static st
     let shows_no_speed =
         speeds.any(|found| !found.determined && model.limit_of_strokes(found.kind()).is_none());
     // A motion that goes on shows no rests.
-    let comes_to_rest = model.rests_apart.is_some() || model.hysteresis.is_some();
+    let has_strokes = model.speed_limits != SpeedLimits::default();
+    let comes_to_rest = has_strokes || model.rests_apart.is_some() || model.hysteresis.is_some();
     let advice = [
         shows_no_speed.then_some(SPEED_IS_OPEN),
         (comes_to_rest && holds_alike(model)).then_some(STAIRS_DO_NOT_SEPARATE),
@@ -64,7 +66,7 @@ fn holds_alike(model: &ServoModel) -> bool {
 const LARGER_STROKES: &str = "Strokes of this recording were too small to show the top speed: record larger ones, as far as the travel allows.";
 
 /// Said where a model that lacks something of the servo has no top speed.
-const SPEED_IS_OPEN: &str = "The top speed is open, at least in one direction: random levels over most of the travel, held for random times, show it, in a recording of their own.";
+const SPEED_IS_OPEN: &str = "The top speed is open, at least in one direction: random levels over most of the travel, held for random times, show it, in a recording of their own. If this is one, what the model lacks hides it, or commands that wait for their pulses.";
 
 /// Said of a servo that a dead band or friction holds, where the record does not show which.
 const STAIRS_DO_NOT_SEPARATE: &str = "Dead band and friction rest alike, and stairs hardly distinguish them: a large slow motion that goes on does, such as \

@@ -105,10 +105,10 @@ static inline {{id}}_real {{id}}_sign({{id}}_real value)
     return value < 0 ? -1 : (value > 0 ? 1 : 0);
 }
 
-/* A-/A+ where a drive of this sign is negative. */
-static inline {{id}}_real {{id}}_side({{id}}_real drive)
+/* `ratio` where a drive of this sign is negative. */
+static inline {{id}}_real {{id}}_side({{id}}_real drive, {{id}}_real ratio)
 {
-    return drive < 0 ? {{id}}_down_to_up : 1;
+    return drive < 0 ? ratio : 1;
 }
 
 /* The drive that just holds the shaft at an end. */
@@ -126,15 +126,15 @@ static inline {{id}}_real {{id}}_held({{id}}_real angle, {{id}}_real end)
 /* The error at rest under which a drive without limit is `drive`. */
 static inline {{id}}_real {{id}}_error_of({{id}}_real drive)
 {
-    return drive / ({{id}}_stiffness * {{id}}_side(drive)) + {{id}}_sign(drive) * {{id}}_dead_band;
+    return drive / ({{id}}_stiffness * {{id}}_side(drive, {{id}}_loop_down_to_up)) + {{id}}_sign(drive) * {{id}}_dead_band;
 }
 
 /* By how much the drive at rest is more than the one that holds the shaft. */
 static inline {{id}}_real {{id}}_excess({{id}}_real command, {{id}}_real angle, {{id}}_real end)
 {
     {{id}}_real seen = {{id}}_nearer_zero(command - angle, {{id}}_dead_band);
-    {{id}}_real largest = {{id}}_full_drive * {{id}}_side(seen);
-    {{id}}_real drive = {{id}}_stiffness * {{id}}_side(seen) * seen;
+    {{id}}_real largest = {{id}}_full_drive * {{id}}_side(seen, {{id}}_down_to_up);
+    {{id}}_real drive = {{id}}_stiffness * {{id}}_side(seen, {{id}}_loop_down_to_up) * seen;
     if ({{id}}_size(drive) > largest) {
         drive = {{id}}_sign(seen) * largest;
     }
@@ -196,7 +196,7 @@ static inline void {{id}}_advance({{id}}_state *servo, {{id}}_real h, {{id}}_rea
 
     {{id}}_real ratio = 1, largest = h * {{id}}_full_drive;
     if ({{id}}_unlimited_drive(h, error, speed, loaded, 1) < 0) {
-        ratio = {{id}}_down_to_up;
+        ratio = {{id}}_loop_down_to_up;
         largest = -largest * {{id}}_down_to_up;
     }
     {{id}}_real pushed = {{id}}_push(h, error, speed, ratio), left = {{id}}_damped(h, ratio);

@@ -42,8 +42,8 @@ end
 # Rest: the shaft stays at all angles at which the drive differs from the load by no more than friction
 # holds. It rests in the middle of them; `last` is -1 for the upper end of them and 1 for the lower.
 
-"A-/A+ where a drive of this sign is negative."
-side_of(drive) = drive < 0.0 ? DOWN_TO_UP : 1.0
+"`ratio` where a drive of this sign is negative."
+side_of(drive, ratio) = drive < 0.0 ? ratio : 1.0
 
 "The drive that just holds the shaft at an end."
 function held_by(angle, last)
@@ -55,13 +55,13 @@ function held_by(angle, last)
 end
 
 "The error at rest under which a drive without limit is `drive`."
-error_of(drive) = drive / (STIFFNESS * side_of(drive)) + sign(drive) * DEAD_BAND
+error_of(drive) = drive / (STIFFNESS * side_of(drive, LOOP_DOWN_TO_UP)) + sign(drive) * DEAD_BAND
 
 "By how much the drive at rest is more than the one that holds the shaft."
 function excess(command, angle, last)
     seen = nearer_zero(command - angle, DEAD_BAND)
-    largest = FULL_DRIVE * side_of(seen)
-    return clamp(STIFFNESS * side_of(seen) * seen, -largest, largest) - held_by(angle, last)
+    largest = FULL_DRIVE * side_of(seen, DOWN_TO_UP)
+    return clamp(STIFFNESS * side_of(seen, LOOP_DOWN_TO_UP) * seen, -largest, largest) - held_by(angle, last)
 end
 
 "The angle of an end: where the shaft comes to from the command, slowly. A load that full drive does not
@@ -126,7 +126,7 @@ function advance!(servo::Servo, h, command)
 
     ratio, largest = 1.0, h * FULL_DRIVE
     if unlimited_drive(h, error, servo.speed, loaded, 1.0) < 0.0
-        ratio, largest = DOWN_TO_UP, -largest * DOWN_TO_UP
+        ratio, largest = LOOP_DOWN_TO_UP, -largest * DOWN_TO_UP
     end
     drive = unlimited_drive(h, error, servo.speed, loaded, ratio)
     if abs(drive) > abs(largest)

@@ -34,11 +34,11 @@ end
 % Rest: the shaft stays at all angles at which the drive differs from the load by no more than friction
 % holds. It rests in the middle of them; last is -1 for the upper end of them and 1 for the lower.
 
-function ratio = side_of(drive, p)
-% A-/A+ where a drive of this sign is negative.
-ratio = 1.0;
+function side = side_of(drive, ratio)
+% ratio where a drive of this sign is negative.
+side = 1.0;
 if drive < 0.0
-    ratio = p.down_to_up;
+    side = ratio;
 end
 end
 
@@ -59,14 +59,14 @@ end
 
 function error = error_of(drive, p)
 % The error at rest under which a drive without limit is this.
-error = drive / (p.stiffness * side_of(drive, p)) + sign(drive) * p.dead_band;
+error = drive / (p.stiffness * side_of(drive, p.loop_down_to_up)) + sign(drive) * p.dead_band;
 end
 
 function more = excess(command, angle, last, p)
 % By how much the drive at rest is more than the one that holds the shaft.
 seen = nearer_zero(command - angle, p.dead_band);
-largest = p.full_drive * side_of(seen, p);
-drive = p.stiffness * side_of(seen, p) * seen;
+largest = p.full_drive * side_of(seen, p.down_to_up);
+drive = p.stiffness * side_of(seen, p.loop_down_to_up) * seen;
 more = max(-largest, min(largest, drive)) - held_by(angle, last, p);
 end
 
@@ -129,7 +129,7 @@ loaded = servo.speed * (1.0 - half_motor(h, p)) - load;
 ratio = 1.0;
 largest = h * p.full_drive;
 if unlimited_drive(h, error, servo.speed, loaded, 1.0, p) < 0.0
-    ratio = p.down_to_up;
+    ratio = p.loop_down_to_up;
     largest = -largest * p.down_to_up;
 end
 drive = unlimited_drive(h, error, servo.speed, loaded, ratio, p);

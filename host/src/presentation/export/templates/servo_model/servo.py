@@ -68,9 +68,9 @@ def sign(value):
     return (value > 0) - (value < 0)
 
 
-def side_of(drive):
-    """A-/A+ where a drive of this sign is negative."""
-    return DOWN_TO_UP if drive < 0.0 else 1.0
+def side_of(drive, ratio):
+    """`ratio` where a drive of this sign is negative."""
+    return ratio if drive < 0.0 else 1.0
 
 
 def held_by(angle, end):
@@ -86,14 +86,14 @@ def held_by(angle, end):
 
 def error_of(drive):
     """The error at rest under which a drive without limit is `drive`."""
-    return drive / (STIFFNESS * side_of(drive)) + sign(drive) * DEAD_BAND
+    return drive / (STIFFNESS * side_of(drive, LOOP_DOWN_TO_UP)) + sign(drive) * DEAD_BAND
 
 
 def excess(command, angle, end):
     """By how much the drive at rest is more than the one that holds the shaft."""
     seen = nearer_zero(command - angle, DEAD_BAND)
-    largest = FULL_DRIVE * side_of(seen)
-    drive = STIFFNESS * side_of(seen) * seen
+    largest = FULL_DRIVE * side_of(seen, DOWN_TO_UP)
+    drive = STIFFNESS * side_of(seen, LOOP_DOWN_TO_UP) * seen
     return max(-largest, min(largest, drive)) - held_by(angle, end)
 
 
@@ -159,7 +159,7 @@ class Servo:
 
         ratio, largest = 1.0, h * FULL_DRIVE
         if unlimited_drive(h, error, self.speed, loaded, 1.0) < 0.0:
-            ratio, largest = DOWN_TO_UP, -largest * DOWN_TO_UP
+            ratio, largest = LOOP_DOWN_TO_UP, -largest * DOWN_TO_UP
         drive = unlimited_drive(h, error, self.speed, loaded, ratio)
         if abs(drive) > abs(largest):
             drive = pushed = largest
