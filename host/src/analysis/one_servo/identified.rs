@@ -144,7 +144,8 @@ fn name_pulses(data: &Dataset, advice: &mut [Advice]) {
         return;
     }
     for found in advice.iter_mut().filter(|found| found.is_of_linearity()) {
-        found.remedy += " Commands that wait for pulses on a clock of their own make a linear servo look so, too, and under holds of one length nothing shows it: change                          them with the pulses, or hold them for different times.";
+        found.remedy += " Commands that wait for pulses on a clock of their own make a linear servo look so, too, and under holds of one length nothing shows it: change \
+                         them with the pulses, or hold them for different times.";
     }
 }
 

@@ -50,7 +50,7 @@ pub struct Servo {
 const ALL_TERMS: &[&str] = &["limit", "two_speeds", "dead_band", "friction", "gears"];
 
 /// One with each term and each load, one without any, one that runs into its stops, and those whose speed is cut off.
-pub const SERVOS: [Servo; 14] = [
+pub const SERVOS: [Servo; 15] = [
     servo("linear", &[], "none"),
     servo("limited", &["limit"], "none"),
     servo(
@@ -77,6 +77,18 @@ pub const SERVOS: [Servo; 14] = [
         "constant",
     ),
     servo("sprung", ALL_TERMS, "spring"),
+    // As a draw may be: the directions differ in the limit alone.
+    servo(
+        "uneven",
+        &[
+            "limit",
+            "two_speeds",
+            "one_stiffness",
+            "dead_band",
+            "friction",
+        ],
+        "none",
+    ),
 ];
 
 const fn servo(name: &'static str, terms: &'static [&'static str], load: &'static str) -> Servo {
@@ -366,6 +378,7 @@ impl Servo {
         model["terms"] = json!({
             "limit": has("limit"),
             "two_speeds": has("two_speeds"),
+            "one_stiffness": has("one_stiffness"),
             "speed_limit": has("speed_limit"),
             "dead_band": has("dead_band"),
             "friction": has("friction"),
