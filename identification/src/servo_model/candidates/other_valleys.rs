@@ -1,4 +1,5 @@
-//! Servos with the same terms in other valleys of the surface, which the record hardly distinguishes from the best one.
+//! Servos in other valleys of the surface, which the record hardly distinguishes from the best one: with the same terms, but for one that the ladder
+//! does not try.
 //!
 //! The covariance of a fit knows its own valley alone. Four others are known to hide below the noise. Where all strokes are alike,
 //! a limit of the drive acts as a linear servo does: a low top speed and a stiff drive, or a soft drive that is never full. And

@@ -168,7 +168,7 @@ fn intervals(truth: &Truth, found: &ServoModel) -> Vec<Judged> {
         .collect()
 }
 
-/// The true quantities by name: outside of the class only those whose meaning does not depend on it. A lag of the drive is in the delay.
+/// The true quantities by name: of what the equation cannot be only those whose meaning does not depend on it. A lag of the drive is in the delay.
 fn truths(truth: &Truth, found: &ServoModel) -> Vec<(&'static str, f64)> {
     let middle = found.commands.map_or(0.0, |commands| commands.middle());
     let mut all = quantities::values(&truth.point, middle);
