@@ -200,8 +200,7 @@ impl<'a> Undisturbed<'a> {
             errors = simulated_whole(&without_offsets, moments, fit);
         }
         let rmse = self.estimate.rmse();
-        // At rest, errors of less than a step are mostly none, and their median says nothing of the others.
-        let step = sensor_step(complete).filter(|step| rmse < *step);
+        let step = sensor_step(complete).unwrap_or(0.0);
         // Rounding that noise hardly dithers repeats itself with the reference.
         if Quantisation::of(complete, 0.0).is_none_or(|found| rmse > found.step) {
             next.hum = hum(&errors, fit);
@@ -211,7 +210,7 @@ impl<'a> Undisturbed<'a> {
             without_hum = next.removed_from(complete);
             errors = simulated_whole(&without_hum, moments, fit);
         }
-        next.outliers = outliers(&errors, moments, fit, step.unwrap_or(0.0), smaller);
+        next.outliers = outliers(&errors, moments, fit, step, smaller);
         next
     }
 

@@ -127,7 +127,18 @@ pub fn fit_watched(
     };
     let possible = PossibleStops::of(record, &options.stops_at, shown.gain);
     let all = possible.choices().into_par_iter().map(searched).collect();
-    let found = preferred(all, &possible);
+    let mut found = preferred(all, &possible);
+    // A load of the air that is none but at the ends stands for stops.
+    let is_of_air = found.best().terms.load == LoadKind::Air;
+    if let Some(wider) = is_of_air
+        .then(|| possible.with_outermost_rests(record))
+        .flatten()
+    {
+        let further = wider.further_choices(&possible);
+        let mut all: Vec<Found> = further.into_par_iter().map(searched).collect();
+        all.push(found);
+        found = preferred(all, &wider);
+    }
     if watch.ends() {
         return Err(Error::SearchEnded);
     }

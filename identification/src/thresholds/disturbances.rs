@@ -75,13 +75,14 @@ pub const NOISY_EXCITATION: f64 = 0.6;
 
 // What is in a record beside the servo and its noise.
 
-/// Standard deviations one step ahead beyond which a sample is taken out.
+/// Samples of Gaussian noise that are expected beyond the limit from which on one is taken out, in a whole record.
 ///
-/// Protects: bounds from glitches and heavy tails, at no cost to noise without them: of 3600 Gaussian errors 0.007
-/// are beyond. Evidence: "Hard recordings".
-pub const OUTLYING: f64 = 4.75;
+/// Protects: bounds from glitches and heavy tails, at no cost to noise without them, and users of long recordings from searching for glitches
+/// that are none. The limit is 4.76 standard deviations of 3600 samples, and 5.35 of 80 000. Evidence: "Hard recordings".
+pub const OUTLYING_BY_CHANCE: f64 = 0.007;
 
-/// Share of the samples taken out that may be Gaussian noise: where there are outliers, the limit is lower than [`OUTLYING`].
+/// Share of the samples taken out that may be Gaussian noise: where there are outliers, the limit is lower than that of
+/// [`OUTLYING_BY_CHANCE`].
 ///
 /// Protects: bounds from outliers that hide behind each other. Evidence: "Hard recordings", glitches of 5 sd.
 pub const FALSELY_OUTLYING: f64 = 0.01;

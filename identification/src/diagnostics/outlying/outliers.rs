@@ -20,14 +20,19 @@ use crate::diagnostics::noise::uneven_noise::{motion, squared_speed};
 use crate::diagnostics::residuals::noise_prediction::NoisePrediction;
 use crate::diagnostics::residuals::simulation_error::{Simulated, one_step_errors};
 use crate::estimation::GlsFit;
-use crate::numerics::{chi_square_upper_tail, median, normal_cdf};
-use crate::thresholds::{FALSELY_OUTLYING, MOST_OUTLYING, OUTLYING, RESIDUAL_SIGNIFICANCE};
+use crate::numerics::{chi_square_upper_tail, median, normal_cdf, normal_upper_quantile};
+use crate::thresholds::{
+    FALSELY_OUTLYING, MOST_OUTLYING, OUTLYING_BY_CHANCE, RESIDUAL_SIGNIFICANCE,
+};
 
 /// Ratio of the median of squares to the variance, of Gaussian noise.
 const MEDIAN_OF_SQUARES: f64 = 0.4549;
 
 /// Share of the largest q above which a sample is in motion.
 const IN_MOTION: f64 = 0.05;
+
+/// Errors that each counts as where the sensor has steps: the middles of fifths are nearer to even than a median's chance.
+const SPREAD: u32 = 5;
 
 /// Number of samples.
 fn count(taken_out: &[TakenOut]) -> usize {
@@ -125,12 +130,13 @@ pub(crate) fn outliers(
     };
     let few = |count: usize| count as f64 <= MOST_OUTLYING * moments.samples() as f64;
     let are_no_errors = |seen: &Seen| few(seen.count()) && seen.is_unrelated_to_motion();
-    let mut seen = seen_beyond(OUTLYING);
+    let limit = outlying(moments.samples());
+    let mut seen = seen_beyond(limit);
     let lower = match !seen.outlying.is_empty() && are_no_errors(&seen) {
         true => lower_limit(&seen.sizes),
-        false => OUTLYING,
+        false => limit,
     };
-    let may_have_smaller = lower < OUTLYING;
+    let may_have_smaller = lower < limit;
     if smaller && may_have_smaller {
         let more = seen_beyond(lower);
         if are_no_errors(&more) {
@@ -171,12 +177,18 @@ pub(crate) fn outliers(
     found
 }
 
+/// The standard deviations beyond which a sample of so many is outlying: [`OUTLYING_BY_CHANCE`] of Gaussian noise are.
+fn outlying(samples: usize) -> f64 {
+    normal_upper_quantile(0.5 * OUTLYING_BY_CHANCE / samples.max(1) as f64)
+}
+
 /// The limit beyond which samples of these sizes (in standard deviations) are outlying where some are: the lowest at which Gaussian noise has
-/// no more than [`FALSELY_OUTLYING`] of those beyond it (Benjamini and Hochberg 1995), and [`OUTLYING`] at the most.
+/// no more than [`FALSELY_OUTLYING`] of those beyond it (Benjamini and Hochberg 1995), and the [usual](outlying) one at the most.
 ///
 /// Smaller outliers have to go, too: a point of a response rests on as many samples as the reference has edges, and two outliers among
 /// these draw the point so far that neither is outlying.
 fn lower_limit(sizes: &[f64]) -> f64 {
+    let usual = outlying(sizes.len());
     let count = sizes.len() as f64;
     let most = (MOST_OUTLYING * count) as usize;
     let mut largest = sizes.to_vec();
@@ -190,9 +202,7 @@ fn lower_limit(sizes: &[f64]) -> f64 {
     let beyond = largest.iter().zip(1..);
     let possible =
         beyond.filter(|(size, found)| falsely(**size) <= FALSELY_OUTLYING * f64::from(*found));
-    possible
-        .last()
-        .map_or(OUTLYING, |(size, _)| size.min(OUTLYING))
+    possible.last().map_or(usual, |(size, _)| size.min(usual))
 }
 
 /// Excess kurtosis of errors of these sizes; 0 where their tails are no heavier than Gaussian ones.
@@ -344,12 +354,11 @@ impl Scale {
         let mut rows: Vec<(f64, f64)> = Vec::with_capacity(samples);
         for (run, motion) in runs.iter().zip(motions) {
             let errors = one_step_errors(run.own_errors(), &fit.ar);
-            let squares = errors.iter().map(|error| error * error);
             rows.extend(
                 motion
                     .iter()
                     .copied()
-                    .zip(squares)
+                    .zip(errors)
                     .filter(|row| !row.1.is_nan()),
             );
         }
@@ -360,11 +369,12 @@ impl Scale {
             rows.iter().filter(is_chosen)
         };
         let square = |in_motion: bool| {
-            let squares = chosen(in_motion).map(|row| row.1).collect();
-            median(squares).map(|square| square / MEDIAN_OF_SQUARES)
+            let errors = chosen(in_motion).map(|row| row.1);
+            median_variance(errors, step)
         };
         let moving = square(true);
-        let even = square(false).or(moving)? + step * step;
+        let even = square(false).or(moving)?;
+        let even = even + undithered(even, step);
         let in_motion = moving.and_then(|square| {
             let motion = median(chosen(true).map(|row| row.0).collect())?;
             Some(((square - even) / motion).max(0.0))
@@ -378,10 +388,34 @@ impl Scale {
     }
 }
 
+/// The variance of Gaussian errors with the median of these, of a sensor with steps of `step`. `None` where there are none.
+///
+/// At rest they are few values, a step apart, and their median is one of these. So each counts as [`SPREAD`] errors, evenly over
+/// a step around it, which add the variance of rounding once more.
+fn median_variance(errors: impl Iterator<Item = f64>, step: f64) -> Option<f64> {
+    let within = (0..SPREAD).map(|k| step * ((f64::from(k) + 0.5) / f64::from(SPREAD) - 0.5));
+    let squares: Vec<f64> = match step > 0.0 {
+        true => errors
+            .flat_map(|error| within.clone().map(move |part| (error + part).powi(2)))
+            .collect(),
+        false => errors.map(|error| error * error).collect(),
+    };
+    let variance = median(squares)? / MEDIAN_OF_SQUARES;
+    Some((variance - step * step / 12.0).max(0.0))
+}
+
+/// What steps of a sensor add to the variance of errors at rest that have this `even` one. Errors of less than a step are mostly none, and their
+/// median says nothing of the others.
+fn undithered(even: f64, step: f64) -> f64 {
+    match even < step * step {
+        true => step * step,
+        false => 0.0,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numerics::normal_upper_quantile;
     use approx::assert_abs_diff_eq;
 
     /// Sizes of Gaussian errors at the middle of as many equal shares.
@@ -394,17 +428,17 @@ mod tests {
 
     #[test]
     fn the_limit_is_lower_where_there_are_outliers() {
-        assert_abs_diff_eq!(lower_limit(&gaussian(3600)), OUTLYING);
+        assert_abs_diff_eq!(lower_limit(&gaussian(3600)), outlying(3600));
         // One outlier hides no other.
         let one = [gaussian(3599), vec![6.0]].concat();
-        assert_abs_diff_eq!(lower_limit(&one), OUTLYING);
+        assert_abs_diff_eq!(lower_limit(&one), outlying(3600));
         // Beyond 4, Gaussian noise has 0.23 of 3600: less than a hundredth of 36.
         let many: Vec<f64> = (0..36).map(|k| 4.0 + 0.06 * f64::from(k)).collect();
         assert_abs_diff_eq!(lower_limit(&[gaussian(3564), many].concat()), 4.0);
         // More than a twentieth are no outliers, and no reason to cut the others.
         let most = [gaussian(900), vec![5.0; 100]].concat();
-        assert_abs_diff_eq!(lower_limit(&most), OUTLYING);
-        assert_abs_diff_eq!(lower_limit(&[]), OUTLYING);
+        assert_abs_diff_eq!(lower_limit(&most), outlying(1000));
+        assert_abs_diff_eq!(lower_limit(&[]), outlying(0));
     }
 
     #[test]
@@ -419,7 +453,7 @@ mod tests {
 
     /// A motion of 30 rows in each 100; the rows from `start` on, counted from the beginning of the motion, are outlying in 12 of 100 holds.
     fn unrelated(start: usize, rows: usize) -> bool {
-        let mut seen = Seen::beyond(OUTLYING);
+        let mut seen = Seen::beyond(outlying(10_000));
         for k in 0..10_000 {
             let in_hold = k % 100;
             let is_outlying = k / 100 % 8 == 0 && (start..start + rows).contains(&in_hold);
@@ -432,7 +466,7 @@ mod tests {
 
     /// A stick that moves at all times, by q from 0 to 1; single samples in each 400 are spikes, and `lasting` ones are outlying, too.
     fn lasting_are_fast(lasting: impl Fn(u32) -> bool) -> bool {
-        let mut seen = Seen::beyond(OUTLYING);
+        let mut seen = Seen::beyond(outlying(10_000));
         for k in 0..10_000u32 {
             let motion = (f64::from(k / 50) * 0.618_034).fract();
             let is_outlying = k % 400 == 25 || lasting(k);

@@ -10,7 +10,7 @@ use std::ops::Range;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
 
 use super::split_squares::{Rest, SplitSquares};
-use crate::data::column::span;
+use crate::data::column::{extent, span};
 use crate::data::{EXACTLY, Hold, Record, Run, holds, last_quarter, mean_output, sensor_step};
 use crate::diagnostics::runs::common_offset::common_offset;
 use crate::numerics::{dot, median, square_about_mean};
@@ -80,6 +80,12 @@ impl TravelEnd {
 pub fn stops_of_rests(record: &Record) -> Vec<f64> {
     let ends = TravelEnd::of_rests(record).into_iter().flatten();
     ends.map(|end| end.rest).collect()
+}
+
+/// The lowest and the highest output at which `record` comes to rest. `None` where it does not.
+pub(crate) fn outermost_rests(record: &Record) -> Option<[f64; 2]> {
+    let (low, high) = extent(rests(record).iter().map(|rest| rest.output))?;
+    Some([low, high])
 }
 
 /// Command and mean output of the holds in which the output comes to rest, by the command.

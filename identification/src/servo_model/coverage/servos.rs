@@ -28,6 +28,8 @@ pub(super) enum Kind {
     DeadBandAndFriction,
     /// As those, with limits of the drive that differ at one stiffness.
     UnequalLimits,
+    /// Within the class too: the gears take a share of what turns them, beside Coulomb friction.
+    FrictionOfGears,
     Stiction,
     Backlash,
     CurrentLimit,
@@ -37,7 +39,7 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    pub(super) const ALL: [Self; 13] = [
+    pub(super) const ALL: [Self; 14] = [
         Self::InClass,
         Self::RateLimit,
         Self::UndampedMotor,
@@ -45,6 +47,7 @@ impl Kind {
         Self::Spring,
         Self::DeadBandAndFriction,
         Self::UnequalLimits,
+        Self::FrictionOfGears,
         Self::Stiction,
         Self::Backlash,
         Self::CurrentLimit,
@@ -62,7 +65,8 @@ impl Kind {
             | Self::CutOffSpeed
             | Self::Spring
             | Self::DeadBandAndFriction
-            | Self::UnequalLimits => Beyond::Nothing,
+            | Self::UnequalLimits
+            | Self::FrictionOfGears => Beyond::Nothing,
             Self::Stiction => Beyond::Stiction {
                 excess: between(0.5, 2.0),
                 until: top_speed * between(0.002, 0.02),
@@ -95,6 +99,7 @@ impl fmt::Display for Kind {
             Self::Spring => "spring",
             Self::DeadBandAndFriction => "dead band and friction",
             Self::UnequalLimits => "unequal limits",
+            Self::FrictionOfGears => "friction of the gears",
             Self::Stiction => "stiction",
             Self::Backlash => "backlash",
             Self::CurrentLimit => "current limit",
@@ -149,6 +154,7 @@ pub(super) fn servo(kind: Kind, seed: u64) -> Truth {
         Coordinate::DeadBand => between(0.1, 0.4),
         Coordinate::Friction => between(0.05, 0.3),
         Coordinate::FrictionAtRest => between(0.0, 1.0),
+        Coordinate::FrictionOfGears => between(0.05, 0.35),
         Coordinate::ConstantLoad => between(-0.5, 0.5),
         Coordinate::Spring => between(0.02, 0.15),
         _ => 0.0,
@@ -168,7 +174,7 @@ pub(super) fn servo(kind: Kind, seed: u64) -> Truth {
 }
 
 /// Half of the servos have two speeds, a third each dead band and friction, and a third a constant load; all of one kind that of a spring. Two kinds have both, a dead band and
-/// friction. Stiction needs friction. Friction of the gears is not drawn.
+/// friction. Stiction and the friction of the gears come with friction, and the latter is drawn in its own kind alone.
 fn terms(kind: Kind, seed: u64) -> Terms {
     let loads = [LoadKind::None, LoadKind::Constant, LoadKind::None];
     let has_both = matches!(kind, Kind::DeadBandAndFriction | Kind::UnequalLimits);
@@ -178,8 +184,10 @@ fn terms(kind: Kind, seed: u64) -> Terms {
         one_stiffness: kind == Kind::UnequalLimits,
         speed_limit: kind == Kind::CutOffSpeed,
         dead_band: seed % 3 == 1 || has_both,
-        friction: seed % 3 == 2 || kind == Kind::Stiction || has_both,
-        friction_of_gears: false,
+        friction: seed % 3 == 2
+            || matches!(kind, Kind::Stiction | Kind::FrictionOfGears)
+            || has_both,
+        friction_of_gears: kind == Kind::FrictionOfGears,
         load: match kind {
             Kind::Spring => LoadKind::Spring,
             Kind::UnequalLimits => LoadKind::None,

@@ -6,7 +6,7 @@
 use super::level_crests::level_crests;
 use crate::data::Record;
 use crate::data::column::mean;
-use crate::diagnostics::stops_of_rests;
+use crate::diagnostics::{outermost_rests, stops_of_rests};
 use servoid_dynamics::Stops;
 
 /// Stops that are tried.
@@ -32,6 +32,25 @@ impl PossibleStops {
             upper: shown.upper.or(level.upper),
         };
         Self { all, shown }
+    }
+
+    /// The same with one where the servo rests farthest out, on each side that has none. `None` where it rests nowhere.
+    ///
+    /// One rest shows no stop: it is for a servo whose load is none but at the ends.
+    pub(crate) fn with_outermost_rests(&self, record: &Record) -> Option<Self> {
+        let outermost = among(record, &outermost_rests(record)?);
+        let all = Stops {
+            lower: self.all.lower.or(outermost.lower),
+            upper: self.all.upper.or(outermost.upper),
+        };
+        Some(Self { all, ..*self })
+    }
+
+    /// The choices among them that have all that are shown, and that `tried` has not.
+    pub(crate) fn further_choices(&self, tried: &Self) -> Vec<Stops> {
+        let tried = tried.choices();
+        let is_further = |choice: &Stops| self.missing(*choice) == 0 && !tried.contains(choice);
+        self.choices().into_iter().filter(is_further).collect()
     }
 
     /// The choices among them: each is taken or left by its own evidence.
@@ -131,6 +150,20 @@ mod tests {
         assert_eq!(counts(Some(-1.0), None), [0, 1]);
         assert_eq!(counts(None, Some(1.0)), [0, 1]);
         assert_eq!(counts(Some(-1.0), Some(1.0)), [0, 1, 1, 2]);
+    }
+
+    #[test]
+    fn the_outermost_rest_is_tried_beside_the_stop_that_is_shown() {
+        let record = record();
+        let possible = PossibleStops::of(&record, &[], 1.0);
+        let wider = possible.with_outermost_rests(&record).unwrap();
+        assert_eq!(
+            (wider.shown, wider.all.upper),
+            (possible.shown, possible.all.upper)
+        );
+        assert!((wider.all.lower.unwrap() + 10.0).abs() < 0.01, "{wider:?}");
+        assert_eq!(wider.further_choices(&possible), [wider.all]);
+        assert_eq!(possible.further_choices(&possible), []);
     }
 
     #[test]

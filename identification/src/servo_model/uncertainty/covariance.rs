@@ -11,7 +11,7 @@ use super::discrepancy;
 use super::hidden_parts::hidden_parts;
 use super::noise_at_rest::NoiseAtRest;
 use super::possible_servo::PossibleServo;
-use super::{rests_alike, run_offsets};
+use super::{known_beforehand, run_offsets};
 use crate::estimation::{autoregressive, noise_filter};
 use crate::numerics::{
     backward_solve, chi_square_upper_tail, cholesky, forward_solve, inverse_of_square,
@@ -160,7 +160,7 @@ pub(crate) fn uncertainty(problem: &Problem<'_>, point: &Point, blocks: usize) -
             }
         }
     }
-    let (covariance, unseen) = rests_alike::within_both(point, covariance, unseen);
+    let (covariance, unseen) = known_beforehand::within_known(point, (covariance, unseen));
     Uncertainty {
         covariance,
         seen: with_own_slopes(&normal, UNSEEN),
