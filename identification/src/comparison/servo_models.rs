@@ -157,14 +157,10 @@ pub fn compare_servo_models(
     scale_sd: f64,
     own_delay_error_s: Option<f64>,
 ) -> ServoModelComparison {
-    let [a_model, b_model] = [a, b];
     let pairs = paired(&a.quantities, &b.quantities);
     let pair = |(a, b): &(Option<&Quantity>, Option<&Quantity>)| {
         let either = a.or(*b)?;
-        let known =
-            |model: &ServoModel, of: &Quantity| of.determined && !model.only_extrapolates(of);
-        let of_a = a.filter(|of| known(a_model, of));
-        let of_b = b.filter(|of| known(b_model, of));
+        let [of_a, of_b] = [a, b].map(|of| of.filter(|of| of.determined));
         let spread = |of: Option<&Quantity>| of.and_then(|of| of.other_fits);
         Some(QuantityPair {
             name: either.name.clone(),
@@ -245,15 +241,10 @@ impl ServoModelComparison {
         }
     }
 
-    /// With the times of a stroke of `size` \[output\] by the two models; without that of one which takes it at a top speed that it extrapolates.
+    /// With the times of a stroke of `size` \[output\] by the two models.
     #[must_use]
-    pub fn with_stroke(self, [a, b]: [&ServoModel; 2], size: f64) -> Self {
-        let of = |model: &ServoModel| {
-            let mut quantities = model.quantities.iter();
-            let extrapolates = quantities.any(|quantity| model.only_extrapolates(quantity));
-            model.stroke_times_s(size).filter(|_| !extrapolates)
-        };
-        let [a_s, b_s] = [a, b].map(of);
+    pub fn with_stroke(self, both: [&ServoModel; 2], size: f64) -> Self {
+        let [a_s, b_s] = both.map(|model| model.stroke_times_s(size));
         Self {
             stroke: (a_s.or(b_s)).map(|_| StrokeTimes { size, a_s, b_s }),
             ..self

@@ -133,6 +133,17 @@ pub fn only_stroke(record: &Record) -> Option<f64> {
     (most - least <= EQUALLY_LARGE * most).then_some(most)
 }
 
+/// From the third change of the command to the last one \[samples\]. The first and the last stroke begin or end at some neutral position as no other does, after which a servo
+/// with a dead band rests elsewhere; the second begins there.
+pub(crate) fn between_ends(input: &[f64]) -> Range<usize> {
+    let pairs = input.windows(2).enumerate();
+    let mut changes = pairs
+        .filter(|(_, pair)| pair[0] != pair[1])
+        .map(|(k, _)| k + 1);
+    let third = changes.nth(2).unwrap_or(input.len());
+    third..changes.next_back().unwrap_or(third)
+}
+
 /// Mean output over `samples`, without those missing; `None` when half of them are.
 pub(crate) fn mean_output(run: &Run, samples: Range<usize>) -> Option<f64> {
     let wanted = samples.len();

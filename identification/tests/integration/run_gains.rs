@@ -1,4 +1,5 @@
-//! Runs of one servo whose gains differ a little bend the response that they have in common. That is no slow end.
+//! Runs of one servo whose gains differ a little bend the response that they have in common, and so does the first stroke of each, from neutral, of a servo
+//! that rests elsewhere after it. That is no slow end.
 
 use rand::RngExt;
 use rand_distr::StandardNormal;
@@ -70,4 +71,42 @@ fn runs_whose_gains_differ_determine_their_response_all_the_same() {
         let found = identify(&under_pulses(seed), &Options::default()).unwrap();
         assert_eq!(found.bounds.withdrawn(), None, "{seed}");
     }
+}
+
+/// Four runs of 12 s, at rest in the middle before strokes of 16. After the first one, of 8, the servo rests 0.22 short, as in a dead band; a `slow` part of the
+/// response has a time constant of 0.4 s.
+fn from_neutral(seed: u64, slow: f64) -> Record<'static> {
+    let mut random = random(seed);
+    let runs = (0..4).map(|_| {
+        let (mut level, mut input) = (8.0, vec![0.0; 250]);
+        while input.len() < 6000 {
+            input.extend(vec![level; random.random_range(150..300)]);
+            level = -level;
+        }
+        input.truncate(6000);
+        let first = input.iter().rposition(|u| *u == 0.0).unwrap();
+        let first = first..first + input[first + 1..].iter().position(|u| *u < 0.0).unwrap();
+        let (mut stages, mut creep) = ([0.0; 2], 0.0);
+        let output = input.iter().enumerate().map(|(k, u)| {
+            let edge = if first.contains(&k) { 0.22 } else { 0.0 };
+            stages[0] += 0.1 * (u - edge - stages[0]);
+            stages[1] += 0.1 * (stages[0] - stages[1]);
+            creep += (u - creep) / 200.0;
+            stages[1] + slow * creep + 0.07 * random.sample::<f64, _>(StandardNormal)
+        });
+        let output: Vec<f64> = output.collect();
+        Run::new(input, output).unwrap()
+    });
+    Record::new(0.002, runs.collect()).unwrap()
+}
+
+#[test]
+fn a_first_stroke_that_rests_elsewhere_is_no_slow_end() {
+    for seed in [1, 2, 3] {
+        let found = identify(&from_neutral(seed, 0.0), &Options::default()).unwrap();
+        assert_eq!(found.bounds.withdrawn(), None, "{seed}");
+        assert!(found.structure.settling_samples < 250, "{seed}");
+    }
+    let creeping = identify(&from_neutral(4, 0.05), &Options::default()).unwrap();
+    assert!(creeping.structure.settling_samples > 500);
 }

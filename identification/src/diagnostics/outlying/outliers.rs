@@ -31,8 +31,8 @@ const MEDIAN_OF_SQUARES: f64 = 0.4549;
 /// Share of the largest q above which a sample is in motion.
 const IN_MOTION: f64 = 0.05;
 
-/// Errors that each counts as where the sensor has steps: the middles of fifths are nearer to even than a median's chance.
-const SPREAD: u32 = 5;
+/// Errors that each counts as where the sensor has steps: the scale is within 5 % of that of even ones.
+const SPREAD: u32 = 10;
 
 /// Number of samples.
 fn count(taken_out: &[TakenOut]) -> usize {
@@ -439,6 +439,28 @@ mod tests {
         let most = [gaussian(900), vec![5.0; 100]].concat();
         assert_abs_diff_eq!(lower_limit(&most), outlying(1000));
         assert_abs_diff_eq!(lower_limit(&[]), outlying(0));
+    }
+
+    /// Noise of 0.06 at a rest of a sensor with steps of 0.05: its readings are few, and their median is one of them.
+    #[test]
+    fn the_scale_of_rounded_noise_is_that_of_the_noise_and_the_rounding() {
+        let exact = 0.06f64.powi(2) + 0.05f64.powi(2) / 12.0;
+        let sd = |rest: f64, step: f64| {
+            let noise =
+                (0..4001).map(|k| 0.06 * normal_upper_quantile((f64::from(k) + 0.5) / 4001.0));
+            let rounded = noise.map(move |noise| ((rest + noise) / 0.05).round() * 0.05 - rest);
+            (median_variance(rounded, step).unwrap() / exact).sqrt()
+        };
+        for rest in [0.0, 0.007, 0.012, 0.02, 0.025] {
+            // Of ten to a step; the first harmonic of rounding is left, too.
+            assert_abs_diff_eq!(sd(rest, 0.05), 1.0, epsilon = 0.06);
+        }
+        assert!(
+            sd(0.0, 0.0) > 1.15 && sd(0.02, 0.0) < 0.8,
+            "{} {}",
+            sd(0.007, 0.0),
+            sd(0.02, 0.0)
+        );
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //!
 //! A change is held against the scatter from block to block, whatever causes that. A motion that itself changes along the run may do as much
 //! to a servo that is not linear. So what goes with the size of the motion of a block is taken out first, and a record whose command has another
-//! range, goes another way or moves more often in its second half is not asked. The blocks at both ends of a run are left out, and those with the answer to its first or its last stroke: a run
+//! range, goes another way or moves more often in its second half is not asked. The blocks at both ends of a run are left out, and those with an answer to its first two strokes or its last one: a run
 //! begins and ends at some neutral position, with strokes that no other block has, after which a servo with a dead band rests elsewhere.
 //!
 //! What the strokes of a servo that is not linear leave in a block, they leave in that block of each run of the same [reference](References). So blocks at one place of one
@@ -17,12 +17,10 @@
 //! w' = 1/(1/w + v),     v = max(0, (Q - d) / Σ w (1 - h)),     h: leverage of a block
 //! ```
 
-use std::ops::Range;
-
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::data::column::span;
-use crate::data::{Moments, Record, References, Run};
+use crate::data::{Moments, Record, References, Run, between_ends};
 use crate::diagnostics::residuals::simulation_error::{Simulated, simulated_whole};
 use crate::estimation::GlsFit;
 use crate::thresholds::{RANGES_ALIKE, WAYS_ALIKE};
@@ -148,16 +146,6 @@ impl Block {
             weight,
         })
     }
-}
-
-/// From the second change of the command to the last one \[samples\].
-fn between_ends(input: &[f64]) -> Range<usize> {
-    let pairs = input.windows(2).enumerate();
-    let mut changes = pairs
-        .filter(|(_, pair)| pair[0] != pair[1])
-        .map(|(k, _)| k + 1);
-    let second = changes.nth(1).unwrap_or(input.len());
-    second..changes.next_back().unwrap_or(second)
 }
 
 /// Whether the command moves as far, as much and as often in both halves of a run.

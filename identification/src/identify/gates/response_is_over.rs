@@ -4,9 +4,11 @@
 //! seen. Bounds allow for a slow end in any case; where it is evident, it is shown.
 //!
 //! If not, N is the longest that the record allows. If it is not over then either, bounds lose their level, and so they do where N was
-//! given. A servo that is not linear leaves errors that look like slow ends, and so do steps of the sensor and left-out frequencies.
+//! given. A servo that is not linear leaves errors that look like slow ends, and so do steps of the sensor and left-out frequencies. With a dead band a servo rests elsewhere
+//! after the first stroke of a run, from neutral, than after all others: an end is seen without the first two and the last one, too.
 
 use super::errors_are_noise;
+use crate::data::{Run, between_ends};
 use crate::diagnostics::SlowEnd;
 use crate::error::Error;
 use crate::estimation::FsfBasis;
@@ -61,12 +63,47 @@ pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
     })
 }
 
-/// The end that is significant in the record and, of several runs, in their own fits: runs whose gains differ bend the common response,
-/// and what is bent looks like a slow end.
+/// The end that is significant in the record, between the ends of its runs and, of several runs, in their own fits: runs whose gains differ bend the common response,
+/// as a first stroke that is not like the others does, and what is bent looks like a slow end.
 fn significant(task: &Task<'_>, fitted: &Fitted, significance: f64) -> Option<SlowEnd> {
     let end = slow_columns(task, fitted)?.test();
     let p_of = |task: &Task<'_>, fitted: &Fitted| Some(slow_columns(task, fitted)?.test().p);
     let p_of_runs = || p_of_own_fits(task, fitted, p_of);
-    let is_seen = end.p < significance && p_of_runs().is_none_or(|p| p < significance);
+    if end.p < 1e-3 {
+        eprintln!(
+            "END {end:?} own {:?} between {:?} sig {significance}",
+            p_of_runs(),
+            p_between_ends(task, fitted)
+        );
+    }
+    let is_seen = end.p < significance
+        && p_of_runs().is_none_or(|p| p < significance)
+        && p_between_ends(task, fitted).is_none_or(|p| p < significance);
     is_seen.then_some(end)
+}
+
+/// The probability of the end by a fit [between the ends](between_ends) of each run. `None` where these are most of the record.
+fn p_between_ends(task: &Task<'_>, fitted: &Fitted) -> Option<f64> {
+    let record = task.record?;
+    let inner = record.with_runs(record.runs().iter().map(without_ends).collect());
+    let kept = inner.outputs().filter(|y| !y.is_nan()).count();
+    if 2 * kept < inner.outputs().count() {
+        return None;
+    }
+    let task = Task {
+        record: Some(&inner),
+        ..*task
+    };
+    let plan = &fitted.candidate.plan;
+    let candidate = fitted.candidate.with(&task, plan.basis, plan.order);
+    let fitted = Fitted::new(&task, candidate).ok()?;
+    Some(slow_columns(&task, &fitted)?.test().p)
+}
+
+/// The run with the outputs alone that are [between its ends](between_ends).
+fn without_ends<'r>(run: &Run<'r>) -> Run<'r> {
+    let inner = between_ends(run.input());
+    let outputs = run.output().iter().enumerate();
+    let kept = |(k, y): (usize, &f64)| if inner.contains(&k) { *y } else { f64::NAN };
+    run.with_output(outputs.map(kept).collect())
 }

@@ -8,6 +8,9 @@ use servoid_dynamics::{Grid, ServoParameters, Start, simulate};
 /// The part of a stroke within which it counts as ended, as settling times have it.
 const ENDED: f64 = 0.02;
 
+/// The part of a stroke by which its ends stay away from stops: there the servo brakes by itself, and where it rests depends on load and friction, too.
+const FREE: f64 = 0.05;
+
 /// Time between two outputs \[s\].
 const PERIOD_S: f64 = 0.5e-3;
 
@@ -20,7 +23,8 @@ const LONGEST_S: f64 = 3.0;
 
 impl ServoModel {
     /// The times from a change of the command until the output stays within 2 % of a stroke of `size` \[output\] from where it comes to rest, up and
-    /// down, about the middle of the commands of the record \[s\]. `None` where the servo does not end such a stroke, or where the
+    /// down, about the middle of the commands of the record, or as near to it as the stops leave it free \[s\]. `None` where the servo does not end
+    /// such a stroke, or where the
     /// record does not show how it would: its commands are narrower, or it had no stroke so fast, and its top speed is not determined.
     #[must_use]
     pub fn stroke_times_s(&self, size: f64) -> Option<[f64; 2]> {
@@ -31,8 +35,7 @@ impl ServoModel {
         if !self.predicts() || !(is_recorded || has_top_speed) {
             return None;
         }
-        let half = 0.5 * size / servo.gain;
-        let [low, high] = [-half, half].map(|from| commands.middle() + from);
+        let [low, high] = between_stops(&servo, commands.middle(), size)?;
         let reached = (self.reached).filter(|_| !has_top_speed);
         let faster = match self.terms.is_limited() {
             true => AT_TOP_SPEED.recip(),
@@ -56,6 +59,21 @@ impl ServoModel {
         let of = |kind| self.quantity(kind).is_some_and(|found| found.determined);
         of(TopSpeedUpwards) && of(TopSpeedDownwards)
     }
+}
+
+/// The commands from and to which a stroke of `size` goes, as near to the command `middle` as the stops leave it free. `None` where they are too near to each
+/// other.
+fn between_stops(servo: &ServoParameters, middle: f64, size: f64) -> Option<[f64; 2]> {
+    let reach = (0.5 + FREE) * size;
+    let lowest = servo
+        .stops
+        .lower
+        .map_or(f64::NEG_INFINITY, |stop| stop + reach);
+    let highest = servo.stops.upper.map_or(f64::INFINITY, |stop| stop - reach);
+    let output = (lowest <= highest).then(|| servo.gain * middle + servo.offset)?;
+    let middle = middle + (output.clamp(lowest, highest) - output) / servo.gain;
+    let half = 0.5 * size / servo.gain;
+    Some([middle - half, middle + half])
 }
 
 /// A stroke between two commands.
@@ -148,6 +166,31 @@ mod tests {
         };
         let stopped = ServoParameters { stops, ..servo() };
         assert!(Stroke::of(&stopped, [-30.0, 30.0], 60.0).is_none());
+    }
+
+    #[test]
+    fn a_stroke_keeps_away_from_stops() {
+        let between = |lower, upper| {
+            let stops = Stops { lower, upper };
+            let gain = 0.5;
+            between_stops(
+                &ServoParameters {
+                    stops,
+                    gain,
+                    offset: 4.0,
+                    ..servo()
+                },
+                12.0,
+                60.0,
+            )
+        };
+        // About an output of 10.
+        assert_eq!(between(None, None), Some([-48.0, 72.0]));
+        assert_eq!(between(Some(-40.0), Some(50.0)), Some([-48.0, 72.0]));
+        // Three below the stop: the middle is at -1.
+        assert_eq!(between(None, Some(32.0)), Some([-70.0, 50.0]));
+        assert_eq!(between(Some(-20.0), None), Some([-42.0, 78.0]));
+        assert_eq!(between(Some(-32.0), Some(32.0)), None);
     }
 
     /// A lag that was recorded under `command` of so many degrees by time \[s\].

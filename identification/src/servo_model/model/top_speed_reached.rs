@@ -1,7 +1,6 @@
 //! Whether a top speed was reached, or is extrapolated, and what the strokes show of it.
 
 use super::ServoModel;
-use crate::results::Reason;
 use crate::servo_model::quantities::Quantity;
 use crate::servo_model::quantities::quantity_kind::QuantityKind;
 
@@ -41,15 +40,10 @@ impl ServoModel {
         limit.filter(|_| self.covariance.valid().is_none())
     }
 
-    /// Whether a top speed stands without an interval and was not reached.
-    pub(crate) fn only_extrapolates(&self, quantity: &Quantity) -> bool {
-        self.covariance.valid().is_none() && self.stayed_below(quantity)
-    }
-
-    /// Leaves top speeds open that the servo did not surely come to, by the model or another fit, where errors that are not noise show that the model lacks something of it:
-    /// that may extrapolate to anything.
+    /// Leaves top speeds open that the servo did not surely come to, by the model or another fit, where there are no intervals: what the model lacks, or
+    /// two levels do not show, may extrapolate to anything.
     pub(crate) fn leave_extrapolated_speeds_open(&mut self) {
-        if self.covariance.withdrawn() != Some(Reason::ErrorsNotNoise) {
+        if self.covariance.valid().is_some() {
             return;
         }
         let surely = (self.reached).map(|reached| [reached.upwards, reached.downwards]);
@@ -85,7 +79,7 @@ mod tests {
     use super::*;
     use crate::data::Record;
     use crate::nonlinear::SpeedLimits;
-    use crate::results::Bounds;
+    use crate::results::{Bounds, Reason};
     use crate::servo_model::{ServoModelOptions, Spread, fit};
 
     #[test]

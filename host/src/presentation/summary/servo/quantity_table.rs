@@ -21,11 +21,11 @@ const NOT_DETERMINED: &str = "not determined by this recording";
 /// An interval whose ends are so far apart says nothing.
 const WORTH_PRINTING: f64 = 1000.0;
 
-/// Behind the names of speeds and accelerations, where there is a load among `all`: they are those under the load in the middle of the commands.
+/// What is said of speeds and accelerations, where there is a load among the kinds `all`: they are those under the load in the middle of the commands.
 pub(crate) fn under_load(
     kind: Option<QuantityKind>,
     mut all: impl Iterator<Item = QuantityKind>,
-) -> &'static str {
+) -> Option<&'static str> {
     use QuantityKind::{
         AccelerationDownwards, AccelerationUpwards, TopSpeedDownwards, TopSpeedUpwards,
     };
@@ -33,11 +33,8 @@ pub(crate) fn under_load(
         kind,
         Some(TopSpeedUpwards | TopSpeedDownwards | AccelerationUpwards | AccelerationDownwards)
     );
-    if depends && all.any(|kind| QuantityKind::OF_LOAD.contains(&kind)) {
-        ", under load"
-    } else {
-        ""
-    }
+    let mut has_load = || all.any(|kind| QuantityKind::OF_LOAD.contains(&kind));
+    (depends && has_load()).then_some("under load")
 }
 
 /// A quantity as a row of a table.
@@ -70,7 +67,10 @@ pub(crate) fn quantity_rows<'q>(
 ) -> Vec<(&'q Quantity, QuantityRow)> {
     let row = |quantity: &'q Quantity| {
         let load = under_load(quantity.kind(), all.iter().filter_map(Quantity::kind));
-        let name = format!("{}{load}", quantity.name);
+        let name = match load {
+            Some(load) => format!("{}, {load}", quantity.name),
+            None => quantity.name.clone(),
+        };
         let row = quantity_row(quantity, units);
         (quantity, QuantityRow { name, ..row })
     };

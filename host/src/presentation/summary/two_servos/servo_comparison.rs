@@ -242,7 +242,12 @@ pub(crate) fn how_servo_models_are_compared(found: &ServoModelComparison) -> &'s
 /// Each quantity: value and interval of both, and of the difference where both have intervals.
 pub(crate) fn servo_model_rows(found: &ServoModelComparison, units: Units<'_>) -> Vec<TableRow> {
     let bounds = found.bounds.valid();
-    let kinds = || found.quantities.iter().filter_map(QuantityPair::kind);
+    let of_a = |pair: &QuantityPair| pair.kind().filter(|_| pair.a.is_some());
+    let of_b = |pair: &QuantityPair| pair.kind().filter(|_| pair.b.is_some());
+    let [kinds_of_a, kinds_of_b]: [Vec<QuantityKind>; 2] = [
+        found.quantities.iter().filter_map(of_a).collect(),
+        found.quantities.iter().filter_map(of_b).collect(),
+    ];
     let row = |(index, pair): (usize, &QuantityPair)| {
         let (scale, unit) = scale_and_unit(pair.unit, units);
         let width = |interval: Option<Interval>| Some(scale * interval?.width()?);
@@ -277,18 +282,24 @@ pub(crate) fn servo_model_rows(found: &ServoModelComparison, units: Units<'_>) -
             Some(found) => [found.a, found.b, found.difference],
             None => [None; 3],
         };
-        let below = |of: Option<Interval>, value, fits| match bounds {
-            Some(_) => ends(of, value),
-            None => other_fits(fits).unwrap_or_default(),
+        let below = |of: Option<Interval>, value, fits, kinds: &[QuantityKind]| {
+            let ends = match bounds {
+                Some(_) => ends(of, value),
+                None => other_fits(fits).unwrap_or_default(),
+            };
+            let load = under_load(pair.kind(), kinds.iter().copied()).filter(|_| value.is_some());
+            let parts = [Some(ends), load.map(str::to_owned)].into_iter().flatten();
+            let parts: Vec<String> = parts.filter(|part| !part.is_empty()).collect();
+            parts.join(", ")
         };
         let mut cells = vec![
             (
                 in_unit(pair.a, of_a),
-                below(of_a, pair.a, pair.other_fits.a),
+                below(of_a, pair.a, pair.other_fits.a, &kinds_of_a),
             ),
             (
                 in_unit(pair.b, of_b),
-                below(of_b, pair.b, pair.other_fits.b),
+                below(of_b, pair.b, pair.other_fits.b, &kinds_of_b),
             ),
         ];
         if bounds.is_some() {
@@ -296,7 +307,7 @@ pub(crate) fn servo_model_rows(found: &ServoModelComparison, units: Units<'_>) -
             cells.push((less, ends(apart, apart.and_then(|found| found.value))));
         }
         TableRow {
-            label: format!("{}{}", pair.name, under_load(pair.kind(), kinds())),
+            label: pair.name.clone(),
             cells,
         }
     };

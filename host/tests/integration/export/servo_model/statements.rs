@@ -470,7 +470,10 @@ fn a_stated_frame_is_doubted_where_the_recording_is_not_of_servoid() {
             "{unknown}"
         );
         let stated = of(&foreign, &["--frame-ms", "20"]);
-        assert!(stated.contains("the servo is late by 10.00 ms"), "{stated}");
+        assert!(
+            stated.contains("this file is then 10.00 ms too late"),
+            "{stated}"
+        );
         for frame in [&[][..], &["--frame-ms", "10"]] {
             let own = of(&AIRCRAFT.file, frame);
             assert!(!own.contains("in the delay already"), "{own}");
