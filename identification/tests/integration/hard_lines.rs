@@ -310,7 +310,7 @@ fn glitches_under_a_limited_servo_are_found_and_its_own_errors_are_none() {
             .map(|found| (found.sample, found.samples))
             .collect::<Vec<_>>()
     };
-    assert!(taken_out(&output).is_empty());
+    assert_eq!(taken_out(&output), []);
     let glitches = [
         (320, -8.0),
         (650, 20.0),

@@ -69,22 +69,19 @@ fn significant(task: &Task<'_>, fitted: &Fitted, significance: f64) -> Option<Sl
     let end = slow_columns(task, fitted)?.test();
     let p_of = |task: &Task<'_>, fitted: &Fitted| Some(slow_columns(task, fitted)?.test().p);
     let p_of_runs = || p_of_own_fits(task, fitted, p_of);
-    if end.p < 1e-3 {
-        eprintln!(
-            "END {end:?} own {:?} between {:?} sig {significance}",
-            p_of_runs(),
-            p_between_ends(task, fitted)
-        );
-    }
     let is_seen = end.p < significance
         && p_of_runs().is_none_or(|p| p < significance)
         && p_between_ends(task, fitted).is_none_or(|p| p < significance);
     is_seen.then_some(end)
 }
 
-/// The probability of the end by a fit [between the ends](between_ends) of each run. `None` where these are most of the record.
+/// The probability of the end by a fit [between the ends](between_ends) of each run. `None` where no run leaves a neutral level for ever, and where these
+/// ends are most of the record.
 fn p_between_ends(task: &Task<'_>, fitted: &Fitted) -> Option<f64> {
     let record = task.record?;
+    if !record.runs().iter().any(|run| leaves_neutral(run.input())) {
+        return None;
+    }
     let inner = record.with_runs(record.runs().iter().map(without_ends).collect());
     let kept = inner.outputs().filter(|y| !y.is_nan()).count();
     if 2 * kept < inner.outputs().count() {
@@ -106,4 +103,17 @@ fn without_ends<'r>(run: &Run<'r>) -> Run<'r> {
     let outputs = run.output().iter().enumerate();
     let kept = |(k, y): (usize, &f64)| if inner.contains(&k) { *y } else { f64::NAN };
     run.with_output(outputs.map(kept).collect())
+}
+
+/// Whether the command begins at a level that it leaves for ever, and goes to and fro between others.
+fn leaves_neutral(input: &[f64]) -> bool {
+    let Some(neutral) = input.first() else {
+        return false;
+    };
+    let holds = input[between_ends(input)].chunk_by(|a, b| a == b);
+    let mut levels: Vec<f64> = holds.map(|hold| hold[0]).collect();
+    let holds = levels.len();
+    levels.sort_by(f64::total_cmp);
+    levels.dedup();
+    2 * levels.len() <= holds && !levels.contains(neutral)
 }
