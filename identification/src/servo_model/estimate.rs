@@ -146,18 +146,21 @@ pub fn fit_watched(
     Ok(describe(record, options, &shown, &found))
 }
 
-/// Of servos that predict as well as the best, one with the stops that the record [shows](PossibleStops::missing), and of these the one with the fewest numbers, each stop
-/// that is not shown being one: a load of the air stands for a stop, and a stop that nothing touches for nothing. Of those alike, the one that predicts better.
+/// Of servos that predict as well as the best, one with the stops that the record [shows](PossibleStops::missing), and of these one with the fewest that are
+/// [guesses](PossibleStops::guessed), and of these the one with the fewest numbers, each stop that is not shown being one: a load of the air stands for a stop, and a stop that nothing touches for nothing. Of those alike, the one that predicts better.
 fn preferred(mut all: Vec<Found>, possible: &PossibleStops) -> Found {
-    let missing = |found: &Found| possible.missing(found.best().stops);
+    let stops = |found: &Found| {
+        let stops = found.best().stops;
+        (possible.missing(stops), possible.guessed(stops))
+    };
     let numbers = |found: &Found| {
         let best = found.best();
         best.coordinates.len() + possible.not_shown(best.stops)
     };
     all.sort_by(|a, b| {
-        let by_shown = missing(a).cmp(&missing(b));
+        let by_stops = stops(a).cmp(&stops(b));
         let by_numbers = numbers(a).cmp(&numbers(b));
-        (by_shown.then(by_numbers)).then(a.total().total_cmp(&b.total()))
+        (by_stops.then(by_numbers)).then(a.total().total_cmp(&b.total()))
     });
     let best = (0..all.len()).min_by(|&a, &b| all[a].total().total_cmp(&all[b].total()));
     let best = &all[best.expect("a servo without stops")];

@@ -15,12 +15,20 @@ pub(super) const OF_LENGTH: f64 = 0.005;
 /// Frames of a block: with each length within [`OF_LENGTH`], pulses walk by less than a seventh of a frame in it.
 const FRAMES_OF_BLOCK: f64 = 25.0;
 
+/// The time of a pulse late in a run is rounded to this part of a row at the most.
+const ROUNDING: f64 = 1e-6;
+
 /// What a model predicts of a run, which has this number; `None` where it cannot.
 pub(super) type Predict<'a, 'r> = &'a dyn Fn(Run<'r>, usize) -> Option<Vec<f64>>;
 
 /// The run with each command in force from the next pulse on. Frame and one of the pulses are counted in rows.
 pub(super) fn with_pulses<'r>(run: &Run<'r>, [frame, pulse]: [f64; 2]) -> Option<Run<'r>> {
-    at_pulses(run, |row| (pulse - row as f64).rem_euclid(frame))
+    let wait = |row: usize| (pulse - row as f64).rem_euclid(frame);
+    at_pulses(run, |row| match wait(row) {
+        // A pulse at the row itself, but for rounding, is no frame away.
+        whole if frame - whole < ROUNDING => 0.0,
+        wait => wait,
+    })
 }
 
 /// Squared errors of a run with pulses of the stated length, at moments all over a frame.
@@ -138,5 +146,17 @@ mod tests {
         // Pulses at 0.5, 2.5 and 4.5 rows: each has the command of the row before it until the next.
         let held = with_pulses(&run, [2.0, 0.5]).unwrap();
         assert_eq!(held.input(), [0.0, 0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
+    }
+
+    #[test]
+    fn a_command_at_its_pulse_does_not_wait_for_the_next_one_by_rounding() {
+        let input: Vec<f64> = (0..20).map(|row| f64::from(row / 5)).collect();
+        let run = Run::new(input.clone(), vec![0.0; 20]).unwrap();
+        for pulse in [10.0 - 1e-12, 10.0, 10.0 + 1e-12] {
+            let held = with_pulses(&run, [5.0, pulse]).unwrap();
+            for (held, sent) in held.input().iter().zip(&input) {
+                assert!((held - sent).abs() < 1e-9, "{pulse}");
+            }
+        }
     }
 }

@@ -14,7 +14,9 @@ use servoid_dynamics::Stops;
 pub(crate) struct PossibleStops {
     /// All of them.
     pub(super) all: Stops,
-    /// Those among them that the record shows by itself.
+    /// Those among them that rests or crests speak for.
+    pub(super) seen: Stops,
+    /// Those among these that the record shows by itself.
     pub(super) shown: Stops,
 }
 
@@ -31,12 +33,16 @@ impl PossibleStops {
             lower: shown.lower.or(level.lower),
             upper: shown.upper.or(level.upper),
         };
-        Self { all, shown }
+        Self {
+            all,
+            seen: all,
+            shown,
+        }
     }
 
-    /// The same with one where the servo rests farthest out, on each side that has none. `None` where it rests nowhere.
+    /// The same with one where the servo is under the outermost command that is held, on each side that has none. `None` where nothing is held.
     ///
-    /// One rest shows no stop: it is for a servo whose load is none but at the ends.
+    /// That speaks for no stop: it is for a servo whose load is none but at the ends.
     pub(crate) fn with_outermost_rests(&self, record: &Record) -> Option<Self> {
         let outermost = among(record, &outermost_rests(record)?);
         let all = Stops {
@@ -75,6 +81,11 @@ impl PossibleStops {
     /// How many that are shown are not among the `chosen`: without one the servo has other terms in its place.
     pub(crate) fn missing(&self, chosen: Stops) -> usize {
         beyond(self.shown, chosen)
+    }
+
+    /// How many of the `chosen` are guesses, which nothing but prediction speaks for.
+    pub(crate) fn guessed(&self, chosen: Stops) -> usize {
+        beyond(chosen, self.seen)
     }
 
     /// How many of the `chosen` are not shown.
@@ -143,7 +154,12 @@ mod tests {
     fn each_stop_is_tried_with_and_without_the_other() {
         let counts = |lower, upper| {
             let all = Stops { lower, upper };
-            let choices = PossibleStops { all, shown: all }.choices();
+            let possible = PossibleStops {
+                all,
+                seen: all,
+                shown: all,
+            };
+            let choices = possible.choices();
             choices.iter().map(Stops::count).collect::<Vec<_>>()
         };
         assert_eq!(counts(None, None), [0]);
@@ -163,6 +179,10 @@ mod tests {
         );
         assert!((wider.all.lower.unwrap() + 10.0).abs() < 0.01, "{wider:?}");
         assert_eq!(wider.further_choices(&possible), [wider.all]);
+        assert_eq!(
+            (wider.guessed(wider.all), wider.guessed(possible.all)),
+            (1, 0)
+        );
         assert_eq!(possible.further_choices(&possible), []);
     }
 
