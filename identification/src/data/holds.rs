@@ -133,6 +133,19 @@ pub fn only_stroke(record: &Record) -> Option<f64> {
     (most - least <= EQUALLY_LARGE * most).then_some(most)
 }
 
+/// Whether the command begins at a level that it leaves for ever, and goes to and fro between others.
+pub(crate) fn leaves_neutral(input: &[f64]) -> bool {
+    let Some(neutral) = input.first() else {
+        return false;
+    };
+    let holds = input[between_ends(input)].chunk_by(|a, b| a == b);
+    let mut levels: Vec<f64> = holds.map(|hold| hold[0]).collect();
+    let holds = levels.len();
+    levels.sort_by(f64::total_cmp);
+    levels.dedup();
+    2 * levels.len() <= holds && !levels.contains(neutral)
+}
+
 /// From the third change of the command to the last one \[samples\]. The first and the last stroke begin or end at some neutral position as no other does, after which a servo
 /// with a dead band rests elsewhere; the second begins there.
 pub(crate) fn between_ends(input: &[f64]) -> Range<usize> {

@@ -1,5 +1,6 @@
 //! Findings on the errors: whether they are noise, and whether the noise model fits them.
 
+use crate::data::leaves_neutral;
 use crate::diagnostics::advice::evidence::Evidence;
 use crate::diagnostics::linearity::Linearity;
 use crate::diagnostics::misfit::slow_errors::SlowErrors;
@@ -246,10 +247,22 @@ pub(super) fn not_linear(evidence: &Evidence<'_>) -> Option<Advice> {
         MATERIAL_MISFIT_PERCENT,
         format!(
             "Compare only what was recorded with the same reference; look at strokes up and down and at the \
-             limits of speed and travel apart.{}",
+             limits of speed and travel apart.{}{}",
+            from_neutral(evidence),
             one_order(evidence)
         ),
     ))
+}
+
+/// That the first stroke of a run is not like the others.
+fn from_neutral(evidence: &Evidence<'_>) -> &'static str {
+    let runs = evidence.recorded.map_or(&[][..], |record| record.runs());
+    match runs.iter().any(|run| leaves_neutral(run.input())) {
+        true => {
+            " The first stroke is not like the others, as it leaves a level for ever: behind a dead band it is answered in another way. Begin a run at one of the other levels, or cut it off."
+        }
+        false => "",
+    }
 }
 
 /// What several runs of one reference are worth of a servo that is not linear.

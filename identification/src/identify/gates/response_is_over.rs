@@ -8,7 +8,7 @@
 //! after the first stroke of a run, from neutral, than after all others: an end is seen without the first two and the last one, too.
 
 use super::errors_are_noise;
-use crate::data::{Run, between_ends};
+use crate::data::{Run, between_ends, leaves_neutral};
 use crate::diagnostics::SlowEnd;
 use crate::error::Error;
 use crate::estimation::FsfBasis;
@@ -103,17 +103,4 @@ fn without_ends<'r>(run: &Run<'r>) -> Run<'r> {
     let outputs = run.output().iter().enumerate();
     let kept = |(k, y): (usize, &f64)| if inner.contains(&k) { *y } else { f64::NAN };
     run.with_output(outputs.map(kept).collect())
-}
-
-/// Whether the command begins at a level that it leaves for ever, and goes to and fro between others.
-fn leaves_neutral(input: &[f64]) -> bool {
-    let Some(neutral) = input.first() else {
-        return false;
-    };
-    let holds = input[between_ends(input)].chunk_by(|a, b| a == b);
-    let mut levels: Vec<f64> = holds.map(|hold| hold[0]).collect();
-    let holds = levels.len();
-    levels.sort_by(f64::total_cmp);
-    levels.dedup();
-    2 * levels.len() <= holds && !levels.contains(neutral)
 }

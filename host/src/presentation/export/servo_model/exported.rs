@@ -71,7 +71,12 @@ impl ExportedServo {
                 what_lacks(export, program, terms)
             )
         })?;
-        Ok(found.warned_of_lack(export, program, terms))
+        Ok(found.warned_where_far(export, || {
+            format!(
+                "{}; c, python, julia and matlab have all of it",
+                what_lacks(export, program, terms)
+            )
+        }))
     }
 
     /// The same, unless a servo that stands still is closer to the servo model, or a stroke that is held or broken off once is wrong by
@@ -94,14 +99,19 @@ impl ExportedServo {
         }
     }
 
-    fn warned_of_lack(self, export: &ServoExport<'_>, program: &str, terms: &[Term]) -> Self {
+    /// The same with a warning where it is [`FAR`] from the servo model; `why` says why, and what to do.
+    pub(super) fn warned_where_far(
+        self,
+        export: &ServoExport<'_>,
+        why: impl FnOnce() -> String,
+    ) -> Self {
         let is_far = self.largest_difference >= FAR * self.trial.largest_travel(&export.parameters);
         let warning = is_far.then(|| {
             format!(
-                "this file is up to {} % of the largest stroke away from the servo model in repeated reversals ({} % in strokes that are held or broken off once): {}; c, python, julia and matlab have all of it",
+                "this file is up to {} % of the largest stroke away from the servo model in repeated reversals ({} % in strokes that are held or broken off once): {}",
                 export.percent_of_largest(&self),
                 export.percent_of_strokes(&self),
-                what_lacks(export, program, terms)
+                why()
             )
         });
         self.warned(warning)

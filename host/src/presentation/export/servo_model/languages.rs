@@ -131,9 +131,13 @@ impl ServoExport<'_> {
             ("ID", id.to_ascii_uppercase()),
             ("id", id),
         ];
-        ExportedServo::new(fill(language.template, &values), difference)?.that_follows(self, || {
+        let file = ExportedServo::new(fill(language.template, &values), difference)?;
+        let file = file.that_follows(self, || {
             "as its steps are too long for it: choose a shorter --step-ms".to_owned()
-        })
+        })?;
+        Ok(file.warned_where_far(self, || {
+            "its steps are too long for it: choose a shorter --step-ms".to_owned()
+        }))
     }
 
     /// The parameters of the equation, a line each; terms that the servo does not have get values without effect.

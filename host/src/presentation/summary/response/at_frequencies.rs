@@ -7,7 +7,7 @@ use servoid_identification::Error;
 use servoid_identification::results::{
     Bounds, FrequencyResponse, Interval, Model, Reason, with_unit,
 };
-use servoid_identification::servo_model::ServoModel;
+use servoid_identification::servo_model::{QuantityKind, ServoModel};
 use std::f64::consts::TAU;
 
 /// Frequencies up to one that is asked for along which its phase is followed: a phase alone does not say how many turns it lacks.
@@ -121,8 +121,12 @@ fn of_machine(servo: &ServoModel, of: &ModelMetadata, hertz: f64, amplitude: f64
         _ => String::new(),
     };
     let small = small_for_its_rests(servo, of, amplitude);
+    let at_rest = servo.quantity(QuantityKind::Gain);
+    let at_rest = at_rest
+        .filter(|gain| gain.determined)
+        .map(|gain| gain.value);
     format!("\n  {name:22} {:>10}       {head}\n", "value")
-        + &lines(&found, of, hertz)
+        + &lines(&found, of, hertz, at_rest)
         + &open
         + &small
 }
@@ -246,7 +250,7 @@ fn of_linear_model(
             continue;
         }
         text += &match sine_of_linear_model(model, hertz)? {
-            Ok(found) => lines(&found, of, hertz),
+            Ok(found) => lines(&found, of, hertz, model.metrics.dc_gain.value),
             Err(why) => format!(
                 "  {:22} {:>10}       {why}\n",
                 format!("gain at {hertz} Hz"),
@@ -257,7 +261,8 @@ fn of_linear_model(
     Ok(text)
 }
 
-fn lines(found: &GainAndPhase, of: &ModelMetadata, hertz: f64) -> String {
+/// Gain and phase, and the share of the gain `at_rest` that is left, where that is known.
+fn lines(found: &GainAndPhase, of: &ModelMetadata, hertz: f64, at_rest: Option<f64>) -> String {
     let digits = decimals(found.gain.value.unwrap_or(1.0), 4);
     let unit = of.units().gain().unwrap_or_default();
     let late_ms = found.lag_deg().map(|degrees| degrees / 360.0 / hertz * 1e3);
@@ -270,7 +275,14 @@ fn lines(found: &GainAndPhase, of: &ModelMetadata, hertz: f64) -> String {
     });
     let gain = line(&format!("gain at {hertz} Hz"), &found.gain, &unit, digits);
     let phase = line(&format!("phase at {hertz} Hz"), &found.phase_deg, "deg", 1);
-    format!("  {gain}\n  {phase}{late}\n")
+    let share = found.gain.value.zip(at_rest);
+    let share = share.map_or_else(String::new, |(gain, at_rest)| {
+        format!(
+            "  = {} % of that at rest",
+            fixed(100.0 * gain / at_rest.abs(), 0)
+        )
+    });
+    format!("  {gain}{share}\n  {phase}{late}\n")
 }
 
 fn line(name: &str, interval: &Interval, unit: &str, digits: usize) -> String {

@@ -75,28 +75,40 @@ fn load_of_one(a: &str, b: &str, found: &ServoModelComparison, units: Units<'_>)
         pair.kind()
             .is_some_and(|kind| QuantityKind::OF_LOAD.contains(&kind))
     };
-    let mut loads = found.quantities.iter().filter(is_load);
-    let [of_a, of_b] = [
-        loads.clone().find(|pair| pair.a.is_some()),
-        loads.find(|pair| pair.b.is_some()),
+    let loads = || found.quantities.iter().filter(is_load);
+    let [has_a, has_b] = [
+        loads().any(|pair| pair.a.is_some()),
+        loads().any(|pair| pair.b.is_some()),
     ];
-    let differences = &found.bounds.valid()?.differences;
-    let ends_of = |pair: &QuantityPair| differences.iter().find(|sure| sure.name == pair.name);
-    let (with, without, pair, value, interval) = match (of_a, of_b) {
-        (Some(pair), None) => (a, b, pair, pair.a?, ends_of(pair)?.a?),
-        (None, Some(pair)) => (b, a, pair, pair.b?, ends_of(pair)?.b?),
+    let (with, without) = match (has_a, has_b) {
+        (true, false) => (a, b),
+        (false, true) => (b, a),
         _ => return None,
     };
-    let (scale, unit) = scale_and_unit(pair.unit, units);
-    let value = with_unit(four_digits(scale * value), &unit);
-    let looks_like_it = match pair.kind() {
-        Some(QuantityKind::LoadAtMiddle) => format!("; {LOOKS_LIKE_A_LOAD}"),
+    let differences = &found.bounds.valid()?.differences;
+    let sure = |pair: &&QuantityPair| {
+        let ends = differences.iter().find(|of| of.name == pair.name);
+        let interval = ends.and_then(|ends| if has_a { ends.a } else { ends.b });
+        interval.is_some_and(|interval| !interval.contains(0.0))
+    };
+    let sure: Vec<&QuantityPair> = loads().filter(sure).collect();
+    let in_words = |pair: &&QuantityPair| {
+        let (scale, unit) = scale_and_unit(pair.unit, units);
+        let value = if has_a { pair.a } else { pair.b }?;
+        let value = with_unit(four_digits(scale * value), &unit);
+        Some(format!("{} {value}", pair.name))
+    };
+    let words: Vec<String> = sure.iter().filter_map(in_words).collect();
+    let looks_like_it = match sure.as_slice() {
+        [one] if one.kind() == Some(QuantityKind::LoadAtMiddle) => {
+            format!("; {LOOKS_LIKE_A_LOAD}")
+        }
         _ => String::new(),
     };
-    (!interval.contains(0.0)).then(|| {
+    (!words.is_empty()).then(|| {
         format!(
-            "The model of {with} has a load ({} {value}{looks_like_it}), and in that of {without} none shows.",
-            pair.name
+            "The model of {with} has a load ({}{looks_like_it}), and in that of {without} none shows.",
+            words.join(", ")
         )
     })
 }
