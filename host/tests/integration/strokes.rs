@@ -30,7 +30,7 @@ fn strokes_of_one_size_are_not_said_to_show_whether_a_servo_is_linear() {
     let dir = tempfile::tempdir().unwrap();
     let one_size = recorded(dir.path(), "one.csv", ["bench", "5", "1"]);
     let text = run(&["identify", "-q", arg(&one_size)]);
-    let remark = "all of 10 deg, for which the bounds hold: whether the servo is linear, steps of several sizes show";
+    let remark = "of 10 deg, for which the bounds hold: whether the servo is linear, steps of several sizes show";
     let in_one_line = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(in_one_line(&text).contains(remark), "{text}");
     let page = dir.path().join("one.html");
@@ -84,7 +84,7 @@ fn one_servo_under_strokes_of_two_sizes_is_not_called_two() {
     for (file, model) in [&small, &large].into_iter().zip(&models) {
         let text = run(&["identify", "-q", arg(file), "-o", arg(model)]);
         assert!(
-            text.contains(", the only size recorded, the servo passes 5 %"),
+            text.contains(", the size that was recorded, the servo passes 5 %"),
             "{text}"
         );
     }

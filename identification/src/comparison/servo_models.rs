@@ -379,7 +379,6 @@ fn difference(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::nonlinear::SpeedLimits;
     use crate::results::Reason;
     use crate::servo_model::{ServoModelOptions, fit};
     use crate::{Record, Run};
@@ -418,26 +417,6 @@ mod tests {
             text.contains(r#""stops":{"a":{},"b":{"upper":6.0},"differ":false}"#),
             "{text}"
         );
-    }
-
-    #[test]
-    fn a_top_speed_that_a_model_without_intervals_extrapolates_is_not_compared() {
-        let kind = Some(QuantityKind::TopSpeedUpwards);
-        let compares = |times: f64| {
-            let mut model = model(0.5);
-            let reached = model.reached.unwrap().measured()[0];
-            model.covariance = Bounds::Withdrawn(Reason::ErrorsNotNoise);
-            model.speed_limits = SpeedLimits::default();
-            let mut quantities = model.quantities.iter_mut();
-            let speed = quantities.find(|of| of.kind() == kind).unwrap();
-            (speed.determined, speed.value) = (true, times * reached);
-            let found = compare_servo_models(&model, &model, 0.0, None);
-            let mut pairs = found.quantities.into_iter();
-            let pair = pairs.find(|pair| pair.kind() == kind).unwrap();
-            pair.a.is_some() && pair.b.is_some()
-        };
-        assert!(compares(1.05));
-        assert!(!compares(1.2));
     }
 
     #[test]

@@ -1,11 +1,15 @@
 //! Whether a top speed was reached, or is extrapolated, and what the strokes show of it.
 
 use super::ServoModel;
-use crate::servo_model::quantities::Quantity;
+use crate::results::Reason;
 use crate::servo_model::quantities::quantity_kind::QuantityKind;
+use crate::servo_model::quantities::{Quantity, Spread};
 
 /// A servo above this part of its top speed is at it: it comes near without end, and means over 20 ms are some percent below their peak.
 pub(super) const AT_TOP_SPEED: f64 = 0.9;
+
+/// Other fits to the record that are within this part of it of each other have one value: it is what counts as the same where servos are compared.
+const SAME_IN_FITS: f64 = 0.05;
 
 impl ServoModel {
     /// Whether a `quantity` is a top speed below which the servo stayed in all of the record, so that it is extrapolated. Where larger strokes were no
@@ -40,8 +44,20 @@ impl ServoModel {
         limit.filter(|_| self.covariance.valid().is_none())
     }
 
-    /// Leaves top speeds open that the servo did not surely come to, by the model or another fit, where there are no intervals: what the model lacks, or
-    /// two levels do not show, may extrapolate to anything.
+    /// Whether all fits have one value of a `quantity` without an interval. Where errors show that the model lacks something, or nothing shows what is noise, their figures may all
+    /// stand for that.
+    #[must_use]
+    pub fn fits_agree_on(&self, quantity: &Quantity) -> bool {
+        let is_of_errors = matches!(
+            self.covariance.withdrawn(),
+            Some(Reason::ErrorsNotNoise | Reason::NeverAtRest | Reason::QuantisationAboveNoise)
+        );
+        let same = |fits: Spread| fits.most - fits.least <= SAME_IN_FITS * quantity.value;
+        !is_of_errors && quantity.other_fits.is_some_and(same)
+    }
+
+    /// Leaves top speeds without intervals open that the servo did not surely come to, by the model or another fit, and on which the fits do not
+    /// [agree](Self::fits_agree_on): what the model lacks, or two levels do not show, may extrapolate to anything.
     pub(crate) fn leave_extrapolated_speeds_open(&mut self) {
         if self.covariance.valid().is_some() {
             return;
@@ -50,7 +66,8 @@ impl ServoModel {
         let all = self.quantities.iter();
         let extrapolates = |quantity: &Quantity| {
             let other_fits = quantity.other_fits.map_or(f64::NAN, |fits| fits.most);
-            self.was_below(quantity, quantity.value.max(other_fits), surely)
+            !self.fits_agree_on(quantity)
+                && self.was_below(quantity, quantity.value.max(other_fits), surely)
         };
         let extrapolated: Vec<bool> = all.map(extrapolates).collect();
         for (quantity, extrapolated) in self.quantities.iter_mut().zip(extrapolated) {
@@ -79,8 +96,8 @@ mod tests {
     use super::*;
     use crate::data::Record;
     use crate::nonlinear::SpeedLimits;
-    use crate::results::{Bounds, Reason};
-    use crate::servo_model::{ServoModelOptions, Spread, fit};
+    use crate::results::Bounds;
+    use crate::servo_model::{ServoModelOptions, fit};
 
     #[test]
     fn a_top_speed_without_an_interval_is_open_where_the_servo_stayed_below_it() {

@@ -3,11 +3,11 @@
 use crate::data::model_metadata::ModelMetadata;
 use servoid_identification::results::{Model, six_digits};
 
-/// " of 10 deg, the only size recorded but at the ends of runs,": a servo that is limited in speed or torque answers steps of other sizes differently, and nothing
+/// " of 10 deg, the size that was recorded,": a servo that is limited in speed or torque answers steps of other sizes differently, and nothing
 /// in such a recording shows whether this one is.
 pub(crate) fn which_step(of: &ModelMetadata) -> String {
     stroke_in_words(of).map_or_else(String::new, |stroke| {
-        format!(" of {stroke}, the only size recorded but at the ends of runs,")
+        format!(" of {stroke}, the size that was recorded,")
     })
 }
 
@@ -17,7 +17,7 @@ pub(crate) fn of_one_size(model: &Model, of: &ModelMetadata) -> Option<String> {
     let stroke = stroke_in_words(of)?;
     (model.linear && model.bounds.valid().is_some()).then(|| {
         format!(
-            "all of {stroke}, for which the bounds hold: whether the servo is linear, steps of several sizes show, such as random levels"
+            "of {stroke}, for which the bounds hold: whether the servo is linear, steps of several sizes show, such as random levels"
         )
     })
 }
