@@ -150,8 +150,9 @@ pub fn fit_watched(
 /// [guesses](PossibleStops::guessed), and of these the one with the fewest numbers, each stop that is not shown being one: a load of the air stands for a stop, and a stop that nothing touches for nothing. Of those alike, the one that predicts better.
 fn preferred(mut all: Vec<Found>, possible: &PossibleStops) -> Found {
     let stops = |found: &Found| {
-        let stops = found.best().stops;
-        (possible.missing(stops), possible.guessed(stops))
+        let best = found.best();
+        let servo = best.physics(0, |_, value| value);
+        (possible.missing(best.stops), possible.guessed(&servo))
     };
     let numbers = |found: &Found| {
         let best = found.best();

@@ -5,9 +5,9 @@
 
 use super::level_crests::level_crests;
 use crate::data::Record;
-use crate::data::column::mean;
+use crate::data::column::{extent, mean};
 use crate::diagnostics::{outermost_rests, stops_of_rests};
-use servoid_dynamics::Stops;
+use servoid_dynamics::{ServoParameters, Stops};
 
 /// Stops that are tried.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,6 +18,8 @@ pub(crate) struct PossibleStops {
     pub(super) seen: Stops,
     /// Those among these that the record shows by itself.
     pub(super) shown: Stops,
+    /// The least and the largest command of the record.
+    pub(super) commands: (f64, f64),
 }
 
 impl PossibleStops {
@@ -37,6 +39,7 @@ impl PossibleStops {
             all,
             seen: all,
             shown,
+            commands: extent(record.inputs()).unwrap_or_default(),
         }
     }
 
@@ -83,9 +86,26 @@ impl PossibleStops {
         beyond(self.shown, chosen)
     }
 
-    /// How many of the `chosen` are guesses, which nothing but prediction speaks for.
-    pub(crate) fn guessed(&self, chosen: Stops) -> usize {
-        beyond(chosen, self.seen)
+    /// How many stops of a `servo` are guesses, which nothing but prediction speaks for: neither rests nor crests, nor a command that leads beyond them by more
+    /// than a dead band and friction hold the shaft off.
+    pub(crate) fn guessed(&self, servo: &ServoParameters) -> usize {
+        let off = servo.dead_band.unwrap_or_default() + servo.resting_error().unwrap_or_default();
+        let [least, largest] = servo.range();
+        let (low, high) = (
+            self.commands.0 + off < least,
+            self.commands.1 - off > largest,
+        );
+        let [lower, upper] = if servo.gain < 0.0 {
+            [high, low]
+        } else {
+            [low, high]
+        };
+        let Stops { lower: a, upper: b } = servo.stops;
+        let not_passed = Stops {
+            lower: a.filter(|_| !lower),
+            upper: b.filter(|_| !upper),
+        };
+        beyond(not_passed, self.seen)
     }
 
     /// How many of the `chosen` are not shown.
@@ -117,6 +137,7 @@ fn among(record: &Record, at: &[f64]) -> Stops {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use servoid_dynamics::{Friction, Load};
 
     /// Levels that are held for 40 samples behind a lag of three, up to a stop at 6.
     fn record() -> Record<'static> {
@@ -158,6 +179,7 @@ mod tests {
                 all,
                 seen: all,
                 shown: all,
+                commands: (0.0, 0.0),
             };
             let choices = possible.choices();
             choices.iter().map(Stops::count).collect::<Vec<_>>()
@@ -179,10 +201,32 @@ mod tests {
         );
         assert!((wider.all.lower.unwrap() + 10.0).abs() < 0.01, "{wider:?}");
         assert_eq!(wider.further_choices(&possible), [wider.all]);
-        assert_eq!(
-            (wider.guessed(wider.all), wider.guessed(possible.all)),
-            (1, 0)
-        );
+        let guessed = |stops, friction| {
+            let friction = Friction {
+                coulomb: friction,
+                at_rest: None,
+                of_gears: 0.0,
+            };
+            wider.guessed(&ServoParameters {
+                delay_s: 0.0,
+                stiffness: 100.0,
+                damping: 20.0,
+                gain: 0.9,
+                offset: 0.0,
+                limit: None,
+                speed_limit: None,
+                dead_band: Some(0.3),
+                friction: Some(friction),
+                load: Load::None,
+                stops,
+            })
+        };
+        // The command of -10 leads to -9, which is not as far as -10, and to half a unit beyond a stop at -8.5.
+        assert_eq!(guessed(wider.all, 0.0), 1);
+        assert_eq!(guessed(possible.all, 0.0), 0);
+        let lower = Some(-8.5);
+        assert_eq!(guessed(Stops { lower, ..wider.all }, 10.0), 0);
+        assert_eq!(guessed(Stops { lower, ..wider.all }, 50.0), 1);
         assert_eq!(possible.further_choices(&possible), []);
     }
 
