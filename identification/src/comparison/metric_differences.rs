@@ -12,8 +12,8 @@ pub(super) struct MetricsOfSide {
     pub(super) at_stated_delay: Metrics,
 }
 
-/// Metric by metric. The interval of a difference contains the scatter of the `runs`, where these serve for that, and the errors of
-/// both delays where they are `two_delay_errors`: each is a limit, so that they add up. That of the gain contains that the second output may be off
+/// Metric by metric. The intervals of both sides and of their difference contain the scatter of the `runs`, where these serve for that. That of a difference contains the errors
+/// of both delays where they are `two_delay_errors`: each is a limit, so that they add up. That of the gain contains that the second output may be off
 /// by the share `scale_error` in terms of the first.
 pub(super) fn metric_differences(
     [a, b]: &[MetricsOfSide; 2],
@@ -41,13 +41,19 @@ pub(super) fn metric_differences(
         if metric == "dc_gain" {
             between = with_error(between, shown_b.value.map(|gain| scale_error * gain));
         }
-        let bounds = |of: &Interval| of.lower.zip(of.upper).map(<[f64; 2]>::from);
+        let bounds = |side: usize, of: Interval| {
+            let of = match runs {
+                Some(runs) => of.at_least_as_wide(runs.metric_half_of(side, place)),
+                None => of,
+            };
+            of.lower.zip(of.upper).map(<[f64; 2]>::from)
+        };
         MetricDifference {
             metric: metric.to_owned(),
             a: shown_a.value,
-            a_bounds: bounds(&shown_a),
+            a_bounds: bounds(0, shown_a),
             b: shown_b.value,
-            b_bounds: bounds(&shown_b),
+            b_bounds: bounds(1, shown_b),
             difference: between.value,
             lower: between.lower,
             upper: between.upper,

@@ -7,7 +7,7 @@
 use super::difference::Curves;
 use super::pair::Identified;
 use super::shift::shift;
-use super::welch::Welch;
+use super::welch::{Welch, half_width_of_mean};
 use crate::error::Error;
 use crate::identify::identify_runs;
 use crate::numerics::{pointwise_critical, student_critical};
@@ -73,12 +73,19 @@ impl RunMeans {
     /// Half the width of the interval of the difference of a metric, which has this place among [`Metrics::named`]; `None` where a run has
     /// no such metric.
     pub(super) fn metric_half(&self, place: usize) -> Option<f64> {
-        let [a, b] = [0, 1].map(|side| {
-            let runs = self.metrics[side].iter();
-            runs.map(|run| run.named()[place].1.value)
-                .collect::<Option<Vec<f64>>>()
-        });
+        let [a, b] = [0, 1].map(|side| self.metric_of_runs(side, place));
         Some(half_width(&a?, &b?, self.level))
+    }
+
+    /// The same of that metric of one side, 0 or 1, as the mean of its runs.
+    pub(super) fn metric_half_of(&self, side: usize, place: usize) -> Option<f64> {
+        let runs = self.metric_of_runs(side, place)?;
+        Some(half_width_of_mean(&runs, self.level))
+    }
+
+    fn metric_of_runs(&self, side: usize, place: usize) -> Option<Vec<f64>> {
+        let runs = self.metrics[side].iter();
+        runs.map(|run| run.named()[place].1.value).collect()
     }
 
     fn each(&self, side: usize, of: impl Fn(&Curves) -> f64) -> Vec<f64> {

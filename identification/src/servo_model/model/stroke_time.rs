@@ -70,7 +70,7 @@ fn between_stops(servo: &ServoParameters, middle: f64, size: f64) -> Option<[f64
         .lower
         .map_or(f64::NEG_INFINITY, |stop| stop + reach);
     let highest = servo.stops.upper.map_or(f64::INFINITY, |stop| stop - reach);
-    let output = (lowest <= highest).then(|| servo.gain * middle + servo.offset)?;
+    let output = (lowest <= highest).then_some(servo.gain * middle + servo.offset)?;
     let middle = middle + (output.clamp(lowest, highest) - output) / servo.gain;
     let half = 0.5 * size / servo.gain;
     Some([middle - half, middle + half])
