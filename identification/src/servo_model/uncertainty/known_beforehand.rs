@@ -13,23 +13,27 @@ use crate::servo_model::descent::coordinates::{Coordinate, Point};
 use faer::Mat;
 
 /// The covariance of the coordinates of a servo, and the changes of all that no output shows.
-type Spread = (Mat<f64>, Vec<Vec<f64>>);
+type Unknowns = (Mat<f64>, Vec<Vec<f64>>);
 
 /// The same of the coordinates of `point`, no wider than what is known beforehand.
-pub(super) fn within_known(point: &Point, spread: Spread) -> Spread {
+pub(super) fn within_known(point: &Point, unknowns: Unknowns) -> Unknowns {
     let place = |wanted| point.coordinates.iter().position(|at| *at == wanted);
-    let mut spread = spread;
+    let mut unknowns = unknowns;
     if let Some(both) = place(Coordinate::DeadBand).zip(place(Coordinate::Friction)) {
-        spread = with_rests_alike(point, spread, both);
+        unknowns = with_rests_alike(point, unknowns, both);
     }
     if let Some(share) = place(Coordinate::FrictionOfGears) {
-        spread = with_share_of_one(point, spread, share);
+        unknowns = with_share_of_one(point, unknowns, share);
     }
-    spread
+    unknowns
 }
 
 /// With the difference of dead band and friction, the coordinates `w` and `c`, no wider than their sum leaves it.
-fn with_rests_alike(point: &Point, (covariance, unseen): Spread, (w, c): (usize, usize)) -> Spread {
+fn with_rests_alike(
+    point: &Point,
+    (covariance, unseen): Unknowns,
+    (w, c): (usize, usize),
+) -> Unknowns {
     let (sum, difference) = (
         point.values[c] + point.values[w],
         point.values[c] - point.values[w],
@@ -44,21 +48,21 @@ fn with_rests_alike(point: &Point, (covariance, unseen): Spread, (w, c): (usize,
 }
 
 /// With the share `at` no wider than from 0 to 1.
-fn with_share_of_one(point: &Point, spread: Spread, at: usize) -> Spread {
+fn with_share_of_one(point: &Point, unknowns: Unknowns, at: usize) -> Unknowns {
     let most = 1.0 / 12.0 + (point.values[at] - 0.5).powi(2);
     let is_of_share = |change: &[f64]| change[at].abs() > f64::EPSILON.sqrt();
     let mut of = vec![0.0; point.values.len()];
     of[at] = 1.0;
-    no_wider(spread, (&of, most), is_of_share)
+    no_wider(unknowns, (&of, most), is_of_share)
 }
 
 /// With the variance of the combination `of` the coordinates no larger than `most`, also where it is among what no output shows, as the
 /// changes are that `shown_by` it.
 fn no_wider(
-    (mut covariance, unseen): Spread,
+    (mut covariance, unseen): Unknowns,
     (of, most): (&[f64], f64),
     shown_by: impl Fn(&[f64]) -> bool,
-) -> Spread {
+) -> Unknowns {
     let size = covariance.nrows();
     let (shown, unseen): (Vec<_>, Vec<_>) = unseen.into_iter().partition(|change| shown_by(change));
     for change in shown {
