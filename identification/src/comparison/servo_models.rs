@@ -157,10 +157,14 @@ pub fn compare_servo_models(
     scale_sd: f64,
     own_delay_error_s: Option<f64>,
 ) -> ServoModelComparison {
+    let [a_model, b_model] = [a, b];
     let pairs = paired(&a.quantities, &b.quantities);
     let pair = |(a, b): &(Option<&Quantity>, Option<&Quantity>)| {
         let either = a.or(*b)?;
-        let [of_a, of_b] = [a, b].map(|of| of.filter(|of| of.determined));
+        let known =
+            |model: &ServoModel, of: &Quantity| of.determined && !model.only_extrapolates(of);
+        let of_a = a.filter(|of| known(a_model, of));
+        let of_b = b.filter(|of| known(b_model, of));
         let spread = |of: Option<&Quantity>| of.and_then(|of| of.other_fits);
         Some(QuantityPair {
             name: either.name.clone(),
@@ -241,10 +245,15 @@ impl ServoModelComparison {
         }
     }
 
-    /// With the times of a stroke of `size` \[output\] by the two models.
+    /// With the times of a stroke of `size` \[output\] by the two models; without that of one which takes it at a top speed that it extrapolates.
     #[must_use]
-    pub fn with_stroke(self, both: [&ServoModel; 2], size: f64) -> Self {
-        let [a_s, b_s] = both.map(|model| model.stroke_times_s(size));
+    pub fn with_stroke(self, [a, b]: [&ServoModel; 2], size: f64) -> Self {
+        let of = |model: &ServoModel| {
+            let mut quantities = model.quantities.iter();
+            let extrapolates = quantities.any(|quantity| model.only_extrapolates(quantity));
+            model.stroke_times_s(size).filter(|_| !extrapolates)
+        };
+        let [a_s, b_s] = [a, b].map(of);
         Self {
             stroke: (a_s.or(b_s)).map(|_| StrokeTimes { size, a_s, b_s }),
             ..self
@@ -379,6 +388,7 @@ fn difference(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::nonlinear::SpeedLimits;
     use crate::results::Reason;
     use crate::servo_model::{ServoModelOptions, fit};
     use crate::{Record, Run};
@@ -417,6 +427,26 @@ mod tests {
             text.contains(r#""stops":{"a":{},"b":{"upper":6.0},"differ":false}"#),
             "{text}"
         );
+    }
+
+    #[test]
+    fn a_top_speed_that_a_model_without_intervals_extrapolates_is_not_compared() {
+        let kind = Some(QuantityKind::TopSpeedUpwards);
+        let compares = |times: f64| {
+            let mut model = model(0.5);
+            let reached = model.reached.unwrap().measured()[0];
+            model.covariance = Bounds::Withdrawn(Reason::ErrorsNotNoise);
+            model.speed_limits = SpeedLimits::default();
+            let mut quantities = model.quantities.iter_mut();
+            let speed = quantities.find(|of| of.kind() == kind).unwrap();
+            (speed.determined, speed.value) = (true, times * reached);
+            let found = compare_servo_models(&model, &model, 0.0, None);
+            let mut pairs = found.quantities.into_iter();
+            let pair = pairs.find(|pair| pair.kind() == kind).unwrap();
+            pair.a.is_some() && pair.b.is_some()
+        };
+        assert!(compares(1.05));
+        assert!(!compares(1.2));
     }
 
     #[test]

@@ -56,18 +56,22 @@ impl ServoModel {
         !is_of_errors && quantity.other_fits.is_some_and(same)
     }
 
-    /// Leaves top speeds without intervals open that the servo did not surely come to, by the model or another fit, and on which the fits do not
-    /// [agree](Self::fits_agree_on): what the model lacks, or two levels do not show, may extrapolate to anything.
+    /// Whether a top speed stands without an interval and was not reached.
+    pub(crate) fn only_extrapolates(&self, quantity: &Quantity) -> bool {
+        self.covariance.valid().is_none() && self.stayed_below(quantity)
+    }
+
+    /// Leaves top speeds open that the servo did not surely come to, by the model or another fit, where errors that are not noise show that the model lacks something of it:
+    /// that may extrapolate to anything.
     pub(crate) fn leave_extrapolated_speeds_open(&mut self) {
-        if self.covariance.valid().is_some() {
+        if self.covariance.withdrawn() != Some(Reason::ErrorsNotNoise) {
             return;
         }
         let surely = (self.reached).map(|reached| [reached.upwards, reached.downwards]);
         let all = self.quantities.iter();
         let extrapolates = |quantity: &Quantity| {
             let other_fits = quantity.other_fits.map_or(f64::NAN, |fits| fits.most);
-            !self.fits_agree_on(quantity)
-                && self.was_below(quantity, quantity.value.max(other_fits), surely)
+            self.was_below(quantity, quantity.value.max(other_fits), surely)
         };
         let extrapolated: Vec<bool> = all.map(extrapolates).collect();
         for (quantity, extrapolated) in self.quantities.iter_mut().zip(extrapolated) {
