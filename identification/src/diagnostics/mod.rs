@@ -86,7 +86,7 @@ pub(crate) use runs::servo_mean::allow_for_scatter;
 pub(crate) use times::time_fault::TimeFault;
 pub use travel::arrival::{Approach, Arrival};
 pub(crate) use travel::flat_end::TravelEnd;
-pub(crate) use travel::flat_end::outermost_rests;
 pub use travel::flat_end::stops_of_rests;
+pub(crate) use travel::outermost_rests::outermost_rests;
 pub use travel::servo_stopped::ServoStopped;
 pub(crate) use validity::{Validity, ValidityEvidence};

@@ -5,7 +5,7 @@
 
 use super::fitted::Fitted;
 use super::task::Task;
-use crate::data::Run;
+use crate::data::{Record, Run};
 use crate::numerics::chi_square_upper_tail;
 
 /// The probability `p_of` of all runs, each by a fit of its own: -2 Σ ln p is χ² of two degrees of freedom a run (Fisher, 1932).
@@ -16,21 +16,28 @@ pub(super) fn p_of_own_fits(
     p_of: impl Fn(&Task<'_>, &Fitted) -> Option<f64>,
 ) -> Option<f64> {
     let record = task.record.filter(|record| record.runs().len() > 1)?;
-    let plan = &fitted.candidate.plan;
-    let of_run = |run: &Run<'_>| {
-        let alone = record.with_runs(vec![run.clone()]);
-        let task = Task {
-            record: Some(&alone),
-            ..*task
-        };
-        let candidate = fitted.candidate.with(&task, plan.basis, plan.order);
-        let fitted = Fitted::new(&task, candidate).ok()?;
-        p_of(&task, &fitted)
-    };
+    let of_run =
+        |run: &Run<'_>| p_of_fit_to(&record.with_runs(vec![run.clone()]), (task, fitted), &p_of);
     let found: Vec<f64> = record.runs().iter().filter_map(of_run).collect();
     let sum: f64 = found
         .iter()
         .map(|p| -2.0 * p.max(f64::MIN_POSITIVE).ln())
         .sum();
     (!found.is_empty()).then(|| chi_square_upper_tail(sum, 2 * found.len()))
+}
+
+/// The probability `p_of` of another `record` by a fit of its own, with the structure of the one that was `fitted`.
+pub(super) fn p_of_fit_to(
+    record: &Record<'_>,
+    (task, fitted): (&Task<'_>, &Fitted),
+    p_of: impl Fn(&Task<'_>, &Fitted) -> Option<f64>,
+) -> Option<f64> {
+    let task = Task {
+        record: Some(record),
+        ..*task
+    };
+    let plan = &fitted.candidate.plan;
+    let candidate = fitted.candidate.with(&task, plan.basis, plan.order);
+    let fitted = Fitted::new(&task, candidate).ok()?;
+    p_of(&task, &fitted)
 }

@@ -10,7 +10,7 @@ use std::ops::Range;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
 
 use super::split_squares::{Rest, SplitSquares};
-use crate::data::column::{extent, span};
+use crate::data::column::span;
 use crate::data::{EXACTLY, Hold, Record, Run, holds, last_quarter, mean_output, sensor_step};
 use crate::diagnostics::runs::common_offset::common_offset;
 use crate::numerics::{dot, median, square_about_mean};
@@ -80,22 +80,6 @@ impl TravelEnd {
 pub fn stops_of_rests(record: &Record) -> Vec<f64> {
     let ends = TravelEnd::of_rests(record).into_iter().flatten();
     ends.map(|end| end.rest).collect()
-}
-
-/// The outputs at the end of the holds of the lowest and of the highest command, each a median. `None` where nothing is held.
-pub(crate) fn outermost_rests(record: &Record) -> Option<[f64; 2]> {
-    let of_run = |run: &Run<'_>| {
-        let end = |hold: Hold| Some((hold.level, mean_output(run, last_quarter(&hold.samples))?));
-        let ends = holds(run, EXACTLY).into_iter().filter_map(end);
-        ends.collect::<Vec<(f64, f64)>>()
-    };
-    let ends: Vec<(f64, f64)> = record.runs().iter().flat_map(of_run).collect();
-    let (low, high) = extent(ends.iter().map(|(command, _)| *command))?;
-    let at = |level: f64| {
-        let of_level = ends.iter().filter(|(command, _)| *command == level);
-        median(of_level.map(|(_, output)| *output).collect())
-    };
-    Some([at(low)?, at(high)?])
 }
 
 /// Command and mean output of the holds in which the output comes to rest, by the command.

@@ -13,7 +13,7 @@ use crate::diagnostics::SlowEnd;
 use crate::error::Error;
 use crate::estimation::FsfBasis;
 use crate::identify::fitted::Fitted;
-use crate::identify::own_fits::p_of_own_fits;
+use crate::identify::own_fits::{p_of_fit_to, p_of_own_fits};
 use crate::identify::slow_end_allowance::slow_columns;
 use crate::identify::task::Task;
 use crate::selection::Choice;
@@ -67,8 +67,7 @@ pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
 /// as a first stroke that is not like the others does, and what is bent looks like a slow end.
 fn significant(task: &Task<'_>, fitted: &Fitted, significance: f64) -> Option<SlowEnd> {
     let end = slow_columns(task, fitted)?.test();
-    let p_of = |task: &Task<'_>, fitted: &Fitted| Some(slow_columns(task, fitted)?.test().p);
-    let p_of_runs = || p_of_own_fits(task, fitted, p_of);
+    let p_of_runs = || p_of_own_fits(task, fitted, p_of_end);
     let is_seen = end.p < significance
         && p_of_runs().is_none_or(|p| p < significance)
         && p_between_ends(task, fitted).is_none_or(|p| p < significance);
@@ -87,14 +86,11 @@ fn p_between_ends(task: &Task<'_>, fitted: &Fitted) -> Option<f64> {
     if 2 * kept < inner.outputs().count() {
         return None;
     }
-    let task = Task {
-        record: Some(&inner),
-        ..*task
-    };
-    let plan = &fitted.candidate.plan;
-    let candidate = fitted.candidate.with(&task, plan.basis, plan.order);
-    let fitted = Fitted::new(&task, candidate).ok()?;
-    Some(slow_columns(&task, &fitted)?.test().p)
+    p_of_fit_to(&inner, (task, fitted), p_of_end)
+}
+
+fn p_of_end(task: &Task<'_>, fitted: &Fitted) -> Option<f64> {
+    Some(slow_columns(task, fitted)?.test().p)
 }
 
 /// The run with the outputs alone that are [between its ends](between_ends).

@@ -2,14 +2,11 @@
 
 use super::ServoModel;
 use crate::results::Reason;
+use crate::servo_model::quantities::Quantity;
 use crate::servo_model::quantities::quantity_kind::QuantityKind;
-use crate::servo_model::quantities::{Quantity, Spread};
 
 /// A servo above this part of its top speed is at it: it comes near without end, and means over 20 ms are some percent below their peak.
 pub(super) const AT_TOP_SPEED: f64 = 0.9;
-
-/// Other fits to the record that are within this part of it of each other have one value: it is what counts as the same where servos are compared.
-const SAME_IN_FITS: f64 = 0.05;
 
 impl ServoModel {
     /// Whether a `quantity` is a top speed below which the servo stayed in all of the record, so that it is extrapolated. Where larger strokes were no
@@ -42,18 +39,6 @@ impl ServoModel {
             _ => None,
         };
         limit.filter(|_| self.covariance.valid().is_none())
-    }
-
-    /// Whether all fits have one value of a `quantity` without an interval. Where errors show that the model lacks something, or nothing shows what is noise, their figures may all
-    /// stand for that.
-    #[must_use]
-    pub fn fits_agree_on(&self, quantity: &Quantity) -> bool {
-        let is_of_errors = matches!(
-            self.covariance.withdrawn(),
-            Some(Reason::ErrorsNotNoise | Reason::NeverAtRest | Reason::QuantisationAboveNoise)
-        );
-        let same = |fits: Spread| fits.most - fits.least <= SAME_IN_FITS * quantity.value;
-        !is_of_errors && quantity.other_fits.is_some_and(same)
     }
 
     /// Whether a top speed stands without an interval and was not reached.
@@ -101,7 +86,7 @@ mod tests {
     use crate::data::Record;
     use crate::nonlinear::SpeedLimits;
     use crate::results::Bounds;
-    use crate::servo_model::{ServoModelOptions, fit};
+    use crate::servo_model::{ServoModelOptions, Spread, fit};
 
     #[test]
     fn a_top_speed_without_an_interval_is_open_where_the_servo_stayed_below_it() {

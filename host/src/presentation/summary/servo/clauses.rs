@@ -5,7 +5,10 @@ use crate::data::units::Units;
 use crate::presentation::summary::wording::layout::listed_words;
 use crate::presentation::summary::wording::numbers::{digits, four_digits};
 use crate::presentation::summary::wording::speed_words::{reached_speed, speed_in_words, upwards};
-use servoid_identification::servo_model::{LoadKind, Quantity, QuantityKind, ServoModel, Stops};
+use servoid_identification::results::Reason;
+use servoid_identification::servo_model::{
+    LoadKind, Quantity, QuantityKind, ServoModel, Spread, Stops,
+};
 
 /// "runs into a stop at 12.01 deg", where the recording shows that.
 pub(super) fn stopped(model: &ServoModel, units: Units<'_>) -> Option<String> {
@@ -54,14 +57,28 @@ pub(super) fn below_any_limit(model: &ServoModel, units: Units<'_>) -> Option<St
     Some(format!("{moved} without reaching a limit"))
 }
 
-/// Top speeds without intervals on which all fits agree, and which the servo has not surely exceeded: a limit that was exceeded is none.
+/// Other fits to the record whose top speeds are within this part of it of each other have one top speed: it is what counts as the same where
+/// servos are compared.
+const SAME_SPEED: f64 = 0.05;
+
+/// Top speeds without intervals on which all fits agree, and which the servo has not surely exceeded: a limit that was exceeded is none. Where errors show that the model lacks something, speeds may stand for that.
 pub(super) fn agreed<'q>(
     model: &ServoModel,
     speeds: [&'q Quantity; 2],
 ) -> Option<[&'q Quantity; 2]> {
+    let reason = model.covariance.withdrawn();
+    if matches!(
+        reason,
+        Some(Reason::ErrorsNotNoise | Reason::NeverAtRest | Reason::QuantisationAboveNoise)
+    ) {
+        return None;
+    }
     let reached = model.reached?;
-    let of =
-        |(found, reached): (&Quantity, f64)| found.value >= reached && model.fits_agree_on(found);
+    let of = |(found, reached): (&Quantity, f64)| {
+        let fits = found.other_fits;
+        let same = |fits: Spread| fits.most - fits.least <= SAME_SPEED * found.value;
+        found.value >= reached && fits.is_some_and(same)
+    };
     let all = speeds.into_iter().zip([reached.upwards, reached.downwards]);
     all.into_iter().all(of).then_some(speeds)
 }
