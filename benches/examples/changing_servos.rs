@@ -71,6 +71,9 @@ fn lines() -> Vec<ChangingServo> {
             scale: 3.0,
             ..line(base, 5, frequency(0.04))
         },
+        line(Kind::LimitedDrive, 4, frequency(0.01)),
+        line(Kind::LimitedDrive, 5, frequency(0.03)),
+        line(Kind::LimitedDrive, 10, frequency(0.02)),
     ]);
     lines
 }

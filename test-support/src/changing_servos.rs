@@ -3,12 +3,14 @@
 //! Supply and temperature change gain, delay, natural frequency and damping of every run at random. The truth is the mean response of all
 //! such servos, by a quadrature over what changes, and the figures are those of that mean.
 
+use faer::c64;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use servoid_identification::results::Model;
 use servoid_identification::{Options, Record, Run, identify};
 
+use crate::limited_drive::{LimitedDrive, STROKE};
 use crate::metrics_coverage::{exact_in_order, in_order};
 use crate::plants::{Noise, normal, random};
 use crate::servos::{Linear, figures_of};
@@ -28,6 +30,37 @@ pub enum Kind {
     Lagged(f64, f64, f64),
     /// One lag \[s\].
     First(f64),
+    /// A drive at its limit, under strokes of one size.
+    LimitedDrive,
+}
+
+/// One that a run has.
+enum Servo {
+    Linear(Linear),
+    LimitedDrive(LimitedDrive),
+}
+
+impl Servo {
+    fn gain(&self) -> f64 {
+        match self {
+            Self::Linear(servo) => servo.gain,
+            Self::LimitedDrive(servo) => servo.gain,
+        }
+    }
+
+    fn step(&self, t: f64) -> f64 {
+        match self {
+            Self::Linear(servo) => servo.step(t),
+            Self::LimitedDrive(servo) => servo.step(t),
+        }
+    }
+
+    fn response(&self, omega: f64) -> c64 {
+        match self {
+            Self::Linear(servo) => servo.response(omega),
+            Self::LimitedDrive(servo) => servo.response(omega),
+        }
+    }
 }
 
 /// Standard deviations between runs.
@@ -37,7 +70,7 @@ pub struct Changes {
     pub gain: f64,
     /// Of the delay \[ms\].
     pub delay_ms: f64,
-    /// Of the natural frequency, as a share of it.
+    /// Of the natural frequency or of a limited drive, as a share of it.
     pub frequency: f64,
     pub damping: f64,
 }
@@ -79,7 +112,7 @@ pub struct Held {
 
 impl ChangingServo {
     /// The servo with changes of so many standard deviations: gain, delay, frequency, damping.
-    fn servo(&self, z: [f64; 4]) -> Linear {
+    fn servo(&self, z: [f64; 4]) -> Servo {
         let [gain, delay_ms, frequency, damping] = self.changes.in_order();
         let gain = 0.97 * (1.0 + gain * z[0]);
         let delay_s = 0.0133 + 1e-3 * delay_ms * z[1];
@@ -87,15 +120,18 @@ impl ChangingServo {
         let second = |omega: f64, zeta: f64| {
             Linear::second_order(gain, delay_s, zeta + damping * z[3], omega * faster)
         };
-        match self.kind {
+        Servo::Linear(match self.kind {
             Kind::Second(omega, zeta) => second(omega, zeta),
             Kind::Lagged(omega, zeta, lag_s) => second(omega, zeta).with_lag(lag_s),
             Kind::First(lag_s) => Linear::first_order(gain, delay_s, lag_s / faster),
-        }
+            Kind::LimitedDrive => {
+                return Servo::LimitedDrive(LimitedDrive::new(gain, delay_s, faster));
+            }
+        })
     }
 
     /// Servos with weights whose mean is that of all: the rule of Gauss and Hermite with three points for each change.
-    fn population(&self) -> Vec<(f64, Linear)> {
+    fn population(&self) -> Vec<(f64, Servo)> {
         let changes = self.changes.in_order();
         let mut points = vec![(1.0, [0.0; 4])];
         for (i, _) in changes.iter().enumerate().filter(|(_, sd)| **sd > 0.0) {
@@ -117,29 +153,45 @@ impl ChangingServo {
     fn record(&self, random: &mut ChaCha8Rng) -> Record<'static> {
         let runs = (0..self.runs).map(|_| {
             let servo = self.servo(std::array::from_fn(|_| normal(random)));
-            let mut edges = vec![(0, 0.0)];
-            let mut input = Vec::with_capacity(SAMPLES);
-            while input.len() < SAMPLES {
-                let level = random.random_range(-10.0..10.0);
-                let before = input.last().copied().unwrap_or(0.0);
-                edges.push((input.len(), level - before));
-                let hold = random.random_range(0.15..0.5) / PERIOD;
-                input.extend(std::iter::repeat_n(level, hold as usize));
-            }
-            input.truncate(SAMPLES);
+            let (rest, input) = self.command(random);
+            let before = std::iter::once(&rest).chain(&input);
+            let changes = input.iter().zip(before).map(|(now, before)| now - before);
+            let edges: Vec<(usize, f64)> = changes
+                .enumerate()
+                .filter(|(_, size)| *size != 0.0)
+                .collect();
             let noise = self.noise.samples(random, SAMPLES);
             let answer = |k: usize| -> f64 {
                 let past = edges.iter().take_while(|(edge, _)| *edge <= k);
-                past.map(|(edge, size)| size * servo.step((k - edge) as f64 * PERIOD))
-                    .sum()
+                let moved = past.map(|(edge, size)| size * servo.step((k - edge) as f64 * PERIOD));
+                servo.gain() * rest + moved.sum::<f64>()
             };
             let output = noise.iter().enumerate();
             let output: Vec<f64> = output.map(|(k, v)| answer(k) + self.scale * v).collect();
             Run::new(input, output)
                 .expect("one length")
-                .with_input_at_rest(0.0)
+                .with_input_at_rest(rest)
         });
         Record::new(PERIOD, runs.collect()).expect("it moves")
+    }
+
+    /// Levels at random, or strokes of one size to and fro; after what it was before.
+    fn command(&self, random: &mut ChaCha8Rng) -> (f64, Vec<f64>) {
+        let to_and_fro = matches!(self.kind, Kind::LimitedDrive);
+        let shortest = if to_and_fro { 0.3 } else { 0.15 };
+        let rest = if to_and_fro { -STROKE / 2.0 } else { 0.0 };
+        let mut level = rest;
+        let mut input = Vec::with_capacity(SAMPLES);
+        while input.len() < SAMPLES {
+            level = match to_and_fro {
+                true => -level,
+                false => random.random_range(-10.0..10.0),
+            };
+            let hold = random.random_range(shortest..0.5) / PERIOD;
+            input.extend(std::iter::repeat_n(level, hold as usize));
+        }
+        input.truncate(SAMPLES);
+        (rest, input)
     }
 
     /// Identifies so many records; record k has the seed `seed` + k.
@@ -181,12 +233,19 @@ impl std::fmt::Display for ChangingServo {
                 1e3 * lag_s
             )?,
             Kind::First(lag_s) => write!(f, "| a lag of {} ms", 1e3 * lag_s)?,
+            Kind::LimitedDrive => write!(f, "| a limited drive, strokes of {STROKE}")?,
         }
         let [gain, delay_ms, frequency, damping] = self.changes.in_order();
         let changes = [
             (gain, format!("gain {} %", 100.0 * gain)),
             (delay_ms, format!("delay {delay_ms} ms")),
-            (frequency, format!("frequency {} %", 100.0 * frequency)),
+            (
+                frequency,
+                match self.kind {
+                    Kind::LimitedDrive => format!("drive {} %", 100.0 * frequency),
+                    _ => format!("frequency {} %", 100.0 * frequency),
+                },
+            ),
             (damping, format!("damping {damping}")),
         ];
         let changes: Vec<String> = (changes.into_iter())
@@ -211,7 +270,7 @@ struct Truth {
 }
 
 impl Truth {
-    fn of(population: &[(f64, Linear)]) -> Self {
+    fn of(population: &[(f64, Servo)]) -> Self {
         let mean = |t: f64| {
             population
                 .iter()
@@ -226,7 +285,7 @@ impl Truth {
         };
         let gain = population
             .iter()
-            .map(|(weight, servo)| weight * servo.gain)
+            .map(|(weight, servo)| weight * servo.gain())
             .sum();
         let figures = figures_of(mean, response, gain);
         Self {

@@ -1,6 +1,6 @@
 //! Shared by the tests, examples, benches and fuzz targets of the workspace.
 //!
-//! - [`plants`] and [`servos`]: simulated servos with exactly known answers, references and noises. They
+//! - [`plants`], [`servos`] and [`limited_drive`]: simulated servos with exactly known answers, references and noises. They
 //!   know nothing of the crates under test.
 //! - [`coverage`], [`figures_coverage`], [`metrics_coverage`]: how often bounds hold the exact answer. The
 //!   tests run few seeds, the examples of the same names run hundreds and print the documentation's tables.
@@ -39,6 +39,7 @@ pub mod figures_coverage;
 pub mod hard_lines;
 #[cfg(feature = "rig")]
 pub mod hello;
+pub mod limited_drive;
 pub mod loggers;
 pub mod low_order_coverage;
 pub mod metrics_coverage;

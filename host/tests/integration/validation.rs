@@ -104,6 +104,27 @@ fn commands_that_wait_for_pulses_are_held_at_them_where_their_frame_is_stated() 
 }
 
 #[test]
+fn commands_that_stand_at_their_pulses_are_said_to_where_a_frame_is_stated() {
+    let dir = tempfile::tempdir().unwrap();
+    let [model, other] = model_and_other(dir.path());
+    let table = dir.path().join("table.csv");
+    changed(&other, &table, |row| row);
+    let said = run(&[
+        "validate",
+        "-q",
+        "--frame-ms",
+        "20",
+        arg(&model),
+        arg(&table),
+    ]);
+    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        said.contains("what holds is a validation without --frame-ms"),
+        "{said}"
+    );
+}
+
+#[test]
 fn milliseconds_under_a_name_in_seconds_come_before_all_that_follows_from_them() {
     let dir = tempfile::tempdir().unwrap();
     let files = model_and_other(dir.path());

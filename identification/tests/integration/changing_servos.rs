@@ -46,3 +46,15 @@ fn the_mean_of_servos_whose_damping_changes_is_in_the_bounds() {
     };
     assert_holds(&line(Kind::Second(50.0, 0.6), 10, changes).measure(RECORDS, 12_000_000));
 }
+
+/// With gain, delay, spring and damping alone TODO.
+#[test]
+fn the_mean_of_limited_drives_whose_supply_changes_is_in_the_bounds() {
+    let changes = Changes {
+        frequency: 0.03,
+        ..Changes::default()
+    };
+    let found = line(Kind::LimitedDrive, 4, changes).measure(RECORDS, 16_000_000);
+    assert_holds(&found);
+    assert!(found.magnitude > 0.98 && found.phase > 0.98, "{found:?}");
+}

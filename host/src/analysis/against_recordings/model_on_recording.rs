@@ -68,7 +68,7 @@ impl<'d> ModelOnRecording<'d> {
             "the model can be held against none of the runs, so that no pulses are found: a validation without --frame-ms says why"
         })?;
         let record = found.held(&self.record)?;
-        let pulses = StatedPulses::of(found, frame_s);
+        let pulses = StatedPulses::of(found, frame_s, &self.record);
         Ok(Self {
             record: Cow::Owned(record),
             pulses: Some(pulses),

@@ -8,6 +8,7 @@ use crate::data::model_metadata::{PULSE_FRAMES_S, SHORTEST_FRAME_S};
 use crate::presentation::summary::{four_digits, with_unit};
 use anyhow::{Result, bail};
 use serde::Serialize;
+use servoid_identification::Record;
 use servoid_identification::results::six_digits;
 
 /// How far the length of a frame may be from the stated one \[%\].
@@ -27,14 +28,18 @@ pub struct StatedPulses {
     pub rmse: [f64; 2],
     /// The least with pulses of the stated length \[output\].
     pub rmse_as_stated: f64,
+    /// Whether all changes of the command are whole frames apart, as if they stood at their pulses.
+    pub changes_whole_frames_apart: bool,
     /// A change of the length that matters \[s\].
     #[serde(skip)]
     frame_step_s: f64,
 }
 
 impl StatedPulses {
-    pub(super) fn of(found: ClosestPulses, stated_frame_s: f64) -> Self {
+    /// Of the commands of `record`.
+    pub(super) fn of(found: ClosestPulses, stated_frame_s: f64, record: &Record) -> Self {
         Self {
+            changes_whole_frames_apart: are_whole_frames_apart(record, stated_frame_s),
             frame_s: found.frame_s,
             stated_frame_s,
             first_pulse_s: found.first_pulse_s,
@@ -69,8 +74,37 @@ impl StatedPulses {
                 " If those of the model's own recording waited for pulses too, half a frame is in its delay already, and counts twice here."
             }
         };
-        format!("{closest}{twice}")
+        let at_pulses = match self.changes_whole_frames_apart {
+            false => "",
+            true => {
+                " But all commands change whole frames apart, so they may stand at their pulses already. Then they wait for nothing, and the moments that were looked for \
+                 hide a wrong delay of the model: what holds is a validation without --frame-ms."
+            }
+        };
+        format!("{closest}{twice}{at_pulses}")
     }
+}
+
+/// The probability below which chance does not bring changes of the command a whole number of frames apart.
+const NOT_BY_CHANCE: f64 = 1e-3;
+
+/// Whether the changes of each command are whole frames apart, to a row, which those that are written at any row are by chance one time in so many rows as a frame has.
+fn are_whole_frames_apart(record: &Record, frame_s: f64) -> bool {
+    let rows_of_frame = frame_s / record.sample_period_s();
+    let apart = |input: &[f64]| -> Vec<f64> {
+        let changes = (1..input.len()).filter(|&k| input[k] != input[k - 1]);
+        let changes: Vec<usize> = changes.collect();
+        changes
+            .windows(2)
+            .map(|pair| (pair[1] - pair[0]) as f64 / rows_of_frame)
+            .collect()
+    };
+    let all: Vec<f64> = (record.runs().iter())
+        .flat_map(|run| apart(run.input()))
+        .collect();
+    let by_chance = rows_of_frame.recip().powi(all.len() as i32);
+    by_chance < NOT_BY_CHANCE
+        && (all.iter()).all(|frames| (frames - frames.round()).abs() * rows_of_frame < 1.0)
 }
 
 /// Frames that users state, in seconds.
@@ -94,6 +128,29 @@ pub(super) fn frame_s(frame_ms: f64, recorded_s: Option<f64>) -> Result<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Levels of some rows of 2 ms each.
+    fn record(rows: &[usize]) -> Record<'static> {
+        let held = rows.iter().zip([1.0, -1.0].into_iter().cycle());
+        let input: Vec<f64> = held
+            .flat_map(|(rows, level)| std::iter::repeat_n(level, *rows))
+            .collect();
+        Record::of_run(0.002, input.clone(), input).unwrap()
+    }
+
+    #[test]
+    fn commands_that_change_whole_frames_apart_are_told_from_others() {
+        let apart = |rows: &[usize]| are_whole_frames_apart(&record(rows), 0.02);
+        assert!(apart(&[3, 100, 200, 50, 110, 70]));
+        assert!(!apart(&[3, 100, 205, 45, 110, 70]));
+        // Three of ten rows are on one grid by chance in one of a hundred recordings.
+        assert!(!apart(&[3, 100, 200, 70]));
+        // A row of a frame each has nothing else.
+        assert!(!are_whole_frames_apart(
+            &record(&[3, 100, 200, 50, 110, 70]),
+            0.002
+        ));
+    }
 
     #[test]
     fn frames_that_no_servo_has_are_refused() {

@@ -1,7 +1,7 @@
 //! The bounds of the servo's mean, from three runs on.
 //!
 //! From run to run a servo changes, with its supply, its temperature and the phase of its clock. The model of R runs has the mean. The error of run
-//! r on what [gain, delay, spring and damping](crate::diagnostics::runs::changed_servo) change, b_j, is q_rj; these are made independent of each other under the noise,
+//! r on what [gain, delay, spring, damping and speed](crate::diagnostics::runs::changed_servo) change, b_j, is q_rj; these are made independent of each other under the noise,
 //! and what the noise of R runs determines together is one. So a run moves the mean by d_r = sum_j b_j q_rj, and the covariance of its response
 //! is that of the noise and
 //!
@@ -17,7 +17,7 @@
 //!
 //! No test decides whether they scatter: one that finds nothing in strong noise leaves a scatter as large as the noise
 //! out. Nor is the noise subtracted: Student's t holds for the whole mean square of a few runs, and not for what is left
-//! of it. The price is that noise along the b_j counts twice. It is why there are four of them only: along all that a response may be, three runs
+//! of it. The price is that noise along the b_j counts twice. It is why there are five of them only: along all that a response may be, three runs
 //! would widen the bounds of noise fourfold. Two runs show that they differ, but not by how much runs do.
 
 use faer::Mat;

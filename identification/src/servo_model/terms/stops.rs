@@ -86,15 +86,14 @@ impl PossibleStops {
         beyond(self.shown, chosen)
     }
 
-    /// How many stops of a `servo` are guesses, which nothing but prediction speaks for: neither rests nor crests, nor a command that leads beyond them by more
-    /// than a dead band and friction hold the shaft off.
+    /// How many stops of a `servo` are guesses, which nothing but prediction speaks for: neither rests nor crests, nor a command under which the servo stays
+    /// nowhere but beyond them.
     pub(crate) fn guessed(&self, servo: &ServoParameters) -> usize {
-        let off = servo.dead_band.unwrap_or_default() + servo.resting_error().unwrap_or_default();
         let [least, largest] = servo.range();
-        let (low, high) = (
-            self.commands.0 + off < least,
-            self.commands.1 - off > largest,
-        );
+        let free = servo.without_stops();
+        let [_, highest_below] = free.staying_angles(self.commands.0);
+        let [lowest_above, _] = free.staying_angles(self.commands.1);
+        let (low, high) = (highest_below < least, lowest_above > largest);
         let [lower, upper] = if servo.gain < 0.0 {
             [high, low]
         } else {
@@ -201,7 +200,7 @@ mod tests {
         );
         assert!((wider.all.lower.unwrap() + 10.0).abs() < 0.01, "{wider:?}");
         assert_eq!(wider.further_choices(&possible), [wider.all]);
-        let guessed = |stops, friction| {
+        let guessed = |stops, friction, load| {
             let friction = Friction {
                 coulomb: friction,
                 at_rest: None,
@@ -217,16 +216,20 @@ mod tests {
                 speed_limit: None,
                 dead_band: Some(0.3),
                 friction: Some(friction),
-                load: Load::None,
+                load: Load::Constant(load),
                 stops,
             })
         };
         // The command of -10 leads to -9, which is not as far as -10, and to half a unit beyond a stop at -8.5.
-        assert_eq!(guessed(wider.all, 0.0), 1);
-        assert_eq!(guessed(possible.all, 0.0), 0);
+        assert_eq!(guessed(wider.all, 0.0, 0.0), 1);
+        assert_eq!(guessed(possible.all, 0.0, 0.0), 0);
         let lower = Some(-8.5);
-        assert_eq!(guessed(Stops { lower, ..wider.all }, 10.0), 0);
-        assert_eq!(guessed(Stops { lower, ..wider.all }, 50.0), 1);
+        let before = Stops { lower, ..wider.all };
+        assert_eq!(guessed(before, 10.0, 0.0), 0);
+        assert_eq!(guessed(before, 50.0, 0.0), 1);
+        // A load that pushes to smaller angles adds to the command, the other one holds the shaft off.
+        assert_eq!(guessed(before, 50.0, 40.0), 0);
+        assert_eq!(guessed(before, 10.0, -40.0), 1);
         assert_eq!(possible.further_choices(&possible), []);
     }
 
