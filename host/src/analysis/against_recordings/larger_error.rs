@@ -14,6 +14,8 @@ pub(super) struct Times {
     pub(super) polled: bool,
     /// Whether commands are taken to wait for pulses.
     pub(super) frame_is_stated: bool,
+    /// What commands within a row of a pulse may make of the error (rms), where they are.
+    pub(super) beside_pulses: f64,
 }
 
 /// A model whose error is so many times that of its own recording misses what it knew there: noise alone changes far less from one
@@ -24,7 +26,7 @@ const LARGER_ERROR: f64 = 2.0;
 /// its own recording: a servo that is slower in larger strokes is later, too, and a shift leaves the rest of that.
 const OF_A_CAUSE: f64 = 0.5;
 
-/// That a model does not hold for a recording, with an error of `rmse`, as it did for its own. `misfit` is asked for only then. The times of model and
+/// That a model does not hold for a recording, with an error of `rmse`, as it did for its own, beyond what commands beside pulses may make. `misfit` is asked for only then. The times of model and
 /// recording are `known` to each other.
 pub(super) fn larger_error(
     kind: &str,
@@ -33,7 +35,8 @@ pub(super) fn larger_error(
     (unit, known): (&str, Times),
 ) -> Option<Advice> {
     let times = rmse / own_rmse;
-    (times > LARGER_ERROR).then(|| {
+    let of_model = (rmse.powi(2) - known.beside_pulses.powi(2)).max(0.0).sqrt();
+    (of_model > LARGER_ERROR * own_rmse).then(|| {
         let in_unit = |error: f64| with_unit(four_digits(error), unit);
         Advice::new(
             Check::Prediction,
@@ -57,6 +60,7 @@ fn cause(
         open_s,
         polled,
         frame_is_stated,
+        ..
     }: Times,
     in_unit: impl Fn(f64) -> String,
 ) -> String {
@@ -255,6 +259,7 @@ mod tests {
             open_s,
             polled: false,
             frame_is_stated: false,
+            beside_pulses: 0.0,
         };
         larger_error("linear", [0.8, 0.05], || misfit, ("deg", known))
             .unwrap()
@@ -295,6 +300,7 @@ mod tests {
             open_s: 0.012,
             polled: true,
             frame_is_stated: false,
+            beside_pulses: 0.0,
         };
         let found = larger_error("linear", [0.8, 0.05], misfit, ("deg", polled)).unwrap();
         assert_eq!(found.remedy, ANOTHER_MOTION);

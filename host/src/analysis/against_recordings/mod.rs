@@ -1,5 +1,6 @@
 //! A model against recordings that it was not identified from.
 
+mod beside_pulses;
 pub(super) mod error_by_octave;
 mod larger_error;
 pub(super) mod misfit;

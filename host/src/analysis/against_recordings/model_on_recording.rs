@@ -1,5 +1,6 @@
 //! The models of a file with the recording that they are held against.
 
+use super::beside_pulses::rms_beside_pulses;
 use super::misfit::{Line, Misfit};
 use super::pulse_search::closest_pulses;
 use super::pulses::StatedPulses;
@@ -68,7 +69,8 @@ impl<'d> ModelOnRecording<'d> {
             "the model can be held against none of the runs, so that no pulses are found: a validation without --frame-ms says why"
         })?;
         let record = found.held(&self.record)?;
-        let pulses = StatedPulses::of(found, frame_s, &self.record);
+        let beside = rms_beside_pulses(&self.record, &found, &predict).unwrap_or_default();
+        let pulses = StatedPulses::of(found, frame_s, &self.record, beside);
         Ok(Self {
             record: Cow::Owned(record),
             pulses: Some(pulses),

@@ -28,6 +28,8 @@ pub struct StatedPulses {
     pub rmse: [f64; 2],
     /// The least with pulses of the stated length \[output\].
     pub rmse_as_stated: f64,
+    /// So far predictions with commands of one row sooner or later are from the one with these pulses (rms): within a row of a pulse a command may have met it or the next \[output\].
+    pub rms_beside_pulses: f64,
     /// Whether all changes of the command are whole frames apart, as if they stood at their pulses.
     pub changes_whole_frames_apart: bool,
     /// A change of the length that matters \[s\].
@@ -36,9 +38,15 @@ pub struct StatedPulses {
 }
 
 impl StatedPulses {
-    /// Of the commands of `record`.
-    pub(super) fn of(found: ClosestPulses, stated_frame_s: f64, record: &Record) -> Self {
+    /// Of the commands of `record`; those within a row of a pulse make up to `rms_beside_pulses`.
+    pub(super) fn of(
+        found: ClosestPulses,
+        stated_frame_s: f64,
+        record: &Record,
+        rms_beside_pulses: f64,
+    ) -> Self {
         Self {
+            rms_beside_pulses,
             changes_whole_frames_apart: are_whole_frames_apart(record, stated_frame_s),
             frame_s: found.frame_s,
             stated_frame_s,
@@ -68,6 +76,13 @@ impl StatedPulses {
                 1e3 * self.frame_s
             ),
         };
+        let beside = match self.rms_beside_pulses > 0.0 {
+            true => format!(
+                " Commands within a row of a pulse may have met it or the next: up to {} rms of the error may be of that.",
+                with_unit(four_digits(self.rms_beside_pulses), unit.unwrap_or(""))
+            ),
+            false => String::new(),
+        };
         let twice = match has_own_frame {
             true => "",
             false => {
@@ -81,7 +96,7 @@ impl StatedPulses {
                  hide a wrong delay of the model: what holds is a validation without --frame-ms."
             }
         };
-        format!("{closest}{twice}{at_pulses}")
+        format!("{closest}{beside}{twice}{at_pulses}")
     }
 }
 

@@ -165,6 +165,7 @@ fn on_models(
         open_s: file.metadata.sensor_delay_uncertainty_s + data.about.sensor_delay_uncertainty_s,
         polled: data.about.polled,
         frame_is_stated: held.pulses.is_some(),
+        beside_pulses: (held.pulses.as_ref()).map_or(0.0, |pulses| pulses.rms_beside_pulses),
     };
     let is_linear = file.model.linear && servo.is_none_or(|servo| servo.model.is_linear());
     let of_linear = of_linear.as_ref().and_then(|found| {
