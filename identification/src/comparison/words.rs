@@ -177,8 +177,8 @@ fn feel(found: &Comparison, options: &ComparisonOptions) -> String {
 fn by_time_alone(found: &Comparison) -> String {
     match ShiftIs::of(found) {
         ShiftIs::All => {
-            " Apart from that shift in time these recordings show no difference. A servo that answers later makes such a shift, and so does a recording in which \
-             commands and positions have the times of two different clocks."
+            " Apart from that shift in time these recordings show no difference. A servo that answers later makes such a shift, and so do commands \
+             that wait for the next pulse, and a recording in which commands and positions have the times of two different clocks."
                 .to_owned()
         }
         ShiftIs::NotAll(left) => format!(

@@ -29,7 +29,8 @@ fn lacking(unexcited_hz: f64, highest_hz: f64) -> (String, String) {
         // Of equal steps at even samples alone, as many upwards as downwards, the transform is 0 there.
         true => (
             format!("at {unexcited_hz:.1} Hz, the highest frequency that these samples show,"),
-            "Sample faster; or vary the holds, since holds of an even number of samples each have no power there."
+            "Sample twice as fast: there the response is over. Holds of an even number of samples each have no power there, and odd ones among them have \
+             some, which is enough where the noise is low."
                 .to_owned(),
         ),
         false => (

@@ -416,7 +416,7 @@ impl Ladder<'_> {
             return self.with_speed_cut_off(from, plain);
         }
         if from.terms.load == terms.load {
-            return vec![plain];
+            return with_shared_rest(from, plain);
         }
         match terms.load {
             LoadKind::None | LoadKind::Constant | LoadKind::Pendulum => vec![plain],
@@ -453,4 +453,19 @@ impl Ladder<'_> {
             watch: self.watch,
         }
     }
+}
+
+/// The servo `plain`, which was made from another one, and the same with half of how far that rests off in each of dead band and friction, where it has both and the other one
+/// had not: a small one beside the whole of the other is in another valley.
+fn with_shared_rest(from: &Point, plain: Point) -> Vec<Point> {
+    let both = |terms: Terms| terms.dead_band && terms.friction;
+    if both(from.terms) || !both(plain.terms) {
+        return vec![plain];
+    }
+    let rest = [Coordinate::DeadBand, Coordinate::Friction].map(|at| from.get(at));
+    let half = 0.5 * rest.into_iter().flatten().sum::<f64>();
+    let mut shared = plain.clone();
+    shared.set(Coordinate::DeadBand, half);
+    shared.set(Coordinate::Friction, half);
+    vec![plain, shared]
 }

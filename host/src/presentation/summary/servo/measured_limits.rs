@@ -56,7 +56,7 @@ fn both_ways_in_words(
         [Some(up), Some(down)] if of(up) == of(down) => Some(format!("{} both ways", of(up))),
         [Some(up), Some(down)] => {
             let alike = match may_be_alike && are_alike([up, down]) {
-                true => " (alike, as far as their strokes show)",
+                true => " (whether they differ, these strokes do not show)",
                 false => "",
             };
             let (up, down) = (of(up), of(down));
@@ -125,7 +125,7 @@ mod tests {
             downwards: Some(29.0),
             ..both
         };
-        let words = "30 deg/s (2.000 s/60°) upwards and 29 deg/s (2.069 s/60°) downwards (alike, as far as their strokes show)";
+        let words = "30 deg/s (2.000 s/60°) upwards and 29 deg/s (2.069 s/60°) downwards (whether they differ, these strokes do not show)";
         assert_eq!(
             limits_in_words(&model(alike), DEGREES).as_deref(),
             Some(words)
