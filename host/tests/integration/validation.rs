@@ -109,14 +109,9 @@ fn commands_that_stand_at_their_pulses_are_said_to_where_a_frame_is_stated() {
     let [model, other] = model_and_other(dir.path());
     let table = dir.path().join("table.csv");
     changed(&other, &table, |row| row);
-    let said = run(&[
-        "validate",
-        "-q",
-        "--frame-ms",
-        "20",
-        arg(&model),
-        arg(&table),
-    ]);
+    let named = "--input command --output position_deg --time t_s --frame-ms 20".split(' ');
+    let args = ["validate", "-q", arg(&model), arg(&table)];
+    let said = run(&args.into_iter().chain(named).collect::<Vec<_>>());
     let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(
         said.contains("what holds is a validation without --frame-ms"),

@@ -47,7 +47,7 @@ fn the_mean_of_servos_whose_damping_changes_is_in_the_bounds() {
     assert_holds(&line(Kind::Second(50.0, 0.6), 10, changes).measure(RECORDS, 12_000_000));
 }
 
-/// With gain, delay, spring and damping alone TODO.
+/// What another supply changes of a drive at its limit is neither spring nor damping.
 #[test]
 fn the_mean_of_limited_drives_whose_supply_changes_is_in_the_bounds() {
     let changes = Changes {
