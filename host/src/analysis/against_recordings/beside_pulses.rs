@@ -40,8 +40,10 @@ pub(super) fn rms_beside_pulses<'r>(
 fn moved<'r>(run: &Run<'r>, rows: isize) -> Option<Run<'r>> {
     let last = run.len().checked_sub(1)?;
     let from = |k: usize| k.saturating_add_signed(-rows).min(last);
-    let input = (0..run.len()).map(|k| run.input()[from(k)]).collect();
-    run.with_input(input).ok()
+    let input: Option<_> = (0..run.len())
+        .map(|k| run.input().get(from(k)).copied())
+        .collect();
+    run.with_input(input?).ok()
 }
 
 #[cfg(test)]

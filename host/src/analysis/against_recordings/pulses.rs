@@ -107,11 +107,11 @@ const NOT_BY_CHANCE: f64 = 1e-3;
 fn are_whole_frames_apart(record: &Record, frame_s: f64) -> bool {
     let rows_of_frame = frame_s / record.sample_period_s();
     let apart = |input: &[f64]| -> Vec<f64> {
-        let changes = (1..input.len()).filter(|&k| input[k] != input[k - 1]);
-        let changes: Vec<usize> = changes.collect();
-        changes
-            .windows(2)
-            .map(|pair| (pair[1] - pair[0]) as f64 / rows_of_frame)
+        let pairs = input.iter().zip(input.iter().skip(1)).enumerate();
+        let changes = pairs.filter(|(_, (before, now))| before != now);
+        let changes: Vec<usize> = changes.map(|(row, _)| row).collect();
+        (changes.iter().zip(changes.iter().skip(1)))
+            .map(|(earlier, later)| (later - earlier) as f64 / rows_of_frame)
             .collect()
     };
     let all: Vec<f64> = (record.runs().iter())
