@@ -66,7 +66,7 @@ impl LimitedDrive {
         self.gain * (before + place.fract() * (after - before))
     }
 
-    /// That of the lines between the points: each moves evenly for [`POINT_S`].
+    /// That of the lines between the points: each moves evenly for its half millisecond.
     #[must_use]
     pub fn response(&self, omega: f64) -> c64 {
         let half = omega * POINT_S / 2.0;

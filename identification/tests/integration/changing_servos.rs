@@ -56,5 +56,10 @@ fn the_mean_of_limited_drives_whose_supply_changes_is_in_the_bounds() {
     };
     let found = line(Kind::LimitedDrive, 4, changes).measure(RECORDS, 16_000_000);
     assert_holds(&found);
-    assert!(found.magnitude > 0.98 && found.phase > 0.98, "{found:?}");
+    // A record is missed at most frequencies together, and two of 40 may be.
+    let least = 1.0 - 2.0 / RECORDS as f64;
+    assert!(
+        found.magnitude >= least && found.phase >= least,
+        "{found:?}"
+    );
 }
