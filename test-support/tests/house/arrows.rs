@@ -170,6 +170,7 @@ pub const ROOMS: [(&str, &[&str]); 11] = [
             "tools",
             "plants",
             "servos",
+            "limited_drive",
             "trial",
             "loggers",
             "drifting_servos",

@@ -154,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn commands_that_change_whole_frames_apart_are_told_from_others() {
+    fn commands_that_change_whole_frames_apart_differ_from_others() {
         let apart = |rows: &[usize]| are_whole_frames_apart(&record(rows), 0.02);
         assert!(apart(&[3, 100, 200, 50, 110, 70]));
         assert!(!apart(&[3, 100, 205, 45, 110, 70]));
