@@ -120,14 +120,12 @@ impl ChangingServo {
         let second = |omega: f64, zeta: f64| {
             Linear::second_order(gain, delay_s, zeta + damping * z[3], omega * faster)
         };
-        Servo::Linear(match self.kind {
-            Kind::Second(omega, zeta) => second(omega, zeta),
-            Kind::Lagged(omega, zeta, lag_s) => second(omega, zeta).with_lag(lag_s),
-            Kind::First(lag_s) => Linear::first_order(gain, delay_s, lag_s / faster),
-            Kind::LimitedDrive => {
-                return Servo::LimitedDrive(LimitedDrive::new(gain, delay_s, faster));
-            }
-        })
+        match self.kind {
+            Kind::Second(omega, zeta) => Servo::Linear(second(omega, zeta)),
+            Kind::Lagged(omega, zeta, lag_s) => Servo::Linear(second(omega, zeta).with_lag(lag_s)),
+            Kind::First(lag_s) => Servo::Linear(Linear::first_order(gain, delay_s, lag_s / faster)),
+            Kind::LimitedDrive => Servo::LimitedDrive(LimitedDrive::new(gain, delay_s, faster)),
+        }
     }
 
     /// Servos with weights whose mean is that of all: the rule of Gauss and Hermite with three points for each change.
@@ -236,16 +234,14 @@ impl std::fmt::Display for ChangingServo {
             Kind::LimitedDrive => write!(f, "| a limited drive, strokes of {STROKE}")?,
         }
         let [gain, delay_ms, frequency, damping] = self.changes.in_order();
+        let faster = match self.kind {
+            Kind::LimitedDrive => "drive",
+            _ => "frequency",
+        };
         let changes = [
             (gain, format!("gain {} %", 100.0 * gain)),
             (delay_ms, format!("delay {delay_ms} ms")),
-            (
-                frequency,
-                match self.kind {
-                    Kind::LimitedDrive => format!("drive {} %", 100.0 * frequency),
-                    _ => format!("frequency {} %", 100.0 * frequency),
-                },
-            ),
+            (frequency, format!("{faster} {} %", 100.0 * frequency)),
             (damping, format!("damping {damping}")),
         ];
         let changes: Vec<String> = (changes.into_iter())

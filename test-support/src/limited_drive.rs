@@ -33,7 +33,7 @@ pub struct LimitedDrive {
 }
 
 impl LimitedDrive {
-    /// With so many times the usual acceleration at the same no-load speed per acceleration, as another supply gives.
+    /// With so many times the usual acceleration and no-load speed, as another supply gives.
     #[must_use]
     pub fn new(gain: f64, delay_s: f64, drive: f64) -> Self {
         let acceleration = ACCELERATION * drive;
@@ -42,8 +42,8 @@ impl LimitedDrive {
         let points = (0..POINTS).map(|_| {
             let now = position / STROKE;
             for _ in 0..STEPS {
-                let drive = PER_DEG * (STROKE - position) - PER_DEG_S * speed;
-                let force = acceleration * drive.clamp(-1.0, 1.0);
+                let wanted = PER_DEG * (STROKE - position) - PER_DEG_S * speed;
+                let force = acceleration * wanted.clamp(-1.0, 1.0);
                 let next = speed + dt * (force - ACCELERATION / NO_LOAD_SPEED * speed);
                 position += dt * f64::midpoint(speed, next);
                 speed = next;

@@ -29,16 +29,23 @@ fn model_and_other(dir: &Path) -> [PathBuf; 2] {
 }
 
 /// What validation says of the recording with this change, in one line.
-fn said(
+fn said(dir: &Path, files: &[PathBuf; 2], change: impl Fn([f64; 3]) -> [f64; 3]) -> String {
+    said_with(dir, files, change, &[])
+}
+
+/// The same with more options.
+fn said_with(
     dir: &Path,
     [model, other]: &[PathBuf; 2],
     change: impl Fn([f64; 3]) -> [f64; 3],
+    more: &[&str],
 ) -> String {
     let table = dir.join("table.csv");
     changed(other, &table, change);
     let named = "--input command --output position_deg --time t_s".split(' ');
     let args = ["validate", "-q", arg(model), arg(&table)];
-    let args: Vec<&str> = args.into_iter().chain(named).collect();
+    let args = args.into_iter().chain(named).chain(more.iter().copied());
+    let args: Vec<&str> = args.collect();
     run(&args).split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
@@ -106,13 +113,8 @@ fn commands_that_wait_for_pulses_are_held_at_them_where_their_frame_is_stated() 
 #[test]
 fn commands_that_stand_at_their_pulses_are_said_to_where_a_frame_is_stated() {
     let dir = tempfile::tempdir().unwrap();
-    let [model, other] = model_and_other(dir.path());
-    let table = dir.path().join("table.csv");
-    changed(&other, &table, |row| row);
-    let named = "--input command --output position_deg --time t_s --frame-ms 20".split(' ');
-    let args = ["validate", "-q", arg(&model), arg(&table)];
-    let said = run(&args.into_iter().chain(named).collect::<Vec<_>>());
-    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    let files = model_and_other(dir.path());
+    let said = said_with(dir.path(), &files, |row| row, &["--frame-ms", "20"]);
     assert!(
         said.contains("what holds is a validation without --frame-ms"),
         "{said}"

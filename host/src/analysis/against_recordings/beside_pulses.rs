@@ -27,8 +27,9 @@ pub(super) fn rms_beside_pulses<'r>(
     let as_recorded = predicted(0)?;
     let farther = |rows: isize| {
         let other = predicted(rows)?;
-        let runs = as_recorded.iter().flatten().zip(other.iter().flatten());
-        let squares = runs.flat_map(|(a, b)| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)));
+        let runs = as_recorded.iter().zip(&other);
+        let known = runs.filter_map(|(a, b)| a.as_ref().zip(b.as_ref()));
+        let squares = known.flat_map(|(a, b)| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)));
         let known: Vec<f64> = squares.filter(|square| square.is_finite()).collect();
         let mean = known.iter().sum::<f64>() / known.len() as f64;
         mean.is_finite().then(|| mean.sqrt())

@@ -15,7 +15,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use servoid_dynamics::{Grid, Start, Stops, simulate};
 
-use super::{ServoModelOptions, fit, quantities};
+use super::{ServoModel, ServoModelOptions, fit, quantities};
 use crate::data::Record;
 use crate::servo_model::descent::coordinates::{Coordinate, FRICTION_SPEED_SHARE, Point, Terms};
 
@@ -107,6 +107,11 @@ fn require_intervals(servo: &Point, names: &[&str], seed: u64) {
     let input = strokes(3000);
     let record = Record::of_run(PERIOD_S, &input, noisy(servo, &input, seed)).unwrap();
     let found = fit(&record, &ServoModelOptions::default()).unwrap();
+    require_held(&found, servo, names);
+}
+
+/// What the model `found` says of the `servo` by these names.
+fn require_held(found: &ServoModel, servo: &Point, names: &[&str]) {
     for (name, truth) in quantities::values(servo, 0.0) {
         let mut named = found.quantities.iter().filter(|found| found.name == name);
         if !names.contains(&name) {
