@@ -226,6 +226,7 @@ fn loaded_runs() -> Record<'static> {
     const RUN_PERIOD: f64 = 0.02;
     let servo = ServoParameters {
         delay_s: 0.03,
+        pulse_end: None,
         stiffness: 900.0,
         damping: 45.0,
         gain: 1.0,

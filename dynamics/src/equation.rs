@@ -4,7 +4,7 @@
 //! measured output. θ (in units of the command) is the angle of the shaft and ω its speed:
 //!
 //! ```text
-//! r(t)  = u(t - d)
+//! r(t)  = u(t - d)                                       where the servo knows a pulse at its end, d grows with that pulse
 //! e     = r - θ beyond a dead band of ±w, and counts from its edge
 //! drive = k e - (c - B) ω, between -A- and A+            acceleration; k and c - B are A-/A+ times as large where it is negative
 //! ω'    = drive - B ω - friction - load(θ)            0 where ω is at its limit, V+ or -V-, and this would take it beyond
@@ -275,11 +275,30 @@ impl Stops {
     }
 }
 
+/// A servo that takes pulses knows each at its end: a longer one acts later by what it is longer. The delay is that of the neutral command.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PulseEnd {
+    /// What the pulse is longer by for each unit of the command \[s\]; negative where a longer pulse is a smaller command.
+    pub s_per_command: f64,
+    /// The command whose pulse ends with the delay \[units of the command\].
+    pub neutral: f64,
+}
+
+impl PulseEnd {
+    /// How much later than the neutral command `command` acts \[s\].
+    #[must_use]
+    pub fn later_s(self, command: f64) -> f64 {
+        self.s_per_command * (command - self.neutral)
+    }
+}
+
 /// A servo, as numbers or with derivatives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ServoParameters<S = f64> {
     /// d \[s\].
     pub delay_s: S,
+    /// Where it knows a command at the end of its pulse: what the length of that adds to d.
+    pub pulse_end: Option<PulseEnd>,
     /// k (1/s²).
     pub stiffness: S,
     /// c (1/s).
@@ -447,6 +466,7 @@ impl<S: Scalar> ServoParameters<S> {
         let load = |n: usize, value: S| number(place::LOAD + n, value);
         ServoParameters {
             delay_s: number(place::DELAY, self.delay_s),
+            pulse_end: self.pulse_end,
             stiffness: number(place::STIFFNESS, self.stiffness),
             damping: number(place::DAMPING, self.damping),
             gain: number(place::GAIN, self.gain),

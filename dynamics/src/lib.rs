@@ -9,6 +9,7 @@
 //! // 30 rad/s, well damped, 10 ms late, linear.
 //! let servo = ServoParameters {
 //!     delay_s: 0.01,
+//!     pulse_end: None,
 //!     stiffness: 900.0,
 //!     damping: 60.0,
 //!     gain: 1.0,
@@ -37,7 +38,8 @@ mod stepper;
 
 pub use dual::{Dual, Scalar};
 pub use equation::{
-    AtRest, DriveLimit, Friction, Load, PARAMETERS, ServoParameters, Slopes, SpeedLimit, Stops,
+    AtRest, DriveLimit, Friction, Load, PARAMETERS, PulseEnd, ServoParameters, Slopes, SpeedLimit,
+    Stops,
 };
 pub use simulation::{Grid, Start, simulate, simulate_with_slopes};
 pub use stepper::{State, Stepper};

@@ -211,6 +211,7 @@ mod tests {
     fn servo() -> ServoParameters {
         ServoParameters {
             delay_s: 0.0,
+            pulse_end: None,
             stiffness: 2500.0,
             damping: 80.0,
             gain: 2.0,

@@ -1,7 +1,7 @@
 //! The motion of the servo under a sampled command.
 
 use crate::dual::Scalar;
-use crate::equation::{ServoParameters, Slopes};
+use crate::equation::{PulseEnd, ServoParameters, Slopes};
 use crate::sloped_stepper::{SlopedCommand, SlopedState, SlopedStepper};
 use crate::stepper::{Advance, State, Stepper};
 
@@ -93,17 +93,22 @@ pub fn simulate<S: Scalar>(
     input: &[f64],
     mut each: impl FnMut(usize, S),
 ) {
-    let edge = DelayedEdge::new(physics.delay_s, grid);
     let whole_s = S::constant(grid.step_s());
+    let edge_of = |later_s: f64| {
+        let place = DelayedEdge::new(physics.delay_s + S::constant(later_s), grid);
+        Edge {
+            periods: place.periods,
+            step: place.step,
+            until: Stepper::new(physics, place.until_s),
+            after: Stepper::new(physics, whole_s - place.until_s),
+        }
+    };
     let period = Period {
         sample_s: grid.period_s,
         bandwidth: physics.stiffness.value().sqrt(),
-        periods: edge.periods,
-        step: edge.step,
         steps: grid.steps,
         whole: Stepper::new(physics, whole_s),
-        until: Stepper::new(physics, edge.until_s),
-        after: Stepper::new(physics, whole_s - edge.until_s),
+        edges: Edges::new(physics.pulse_end, edge_of),
     };
     let per_output = S::constant(1.0) / physics.gain;
     let state = State {
@@ -127,17 +132,22 @@ pub fn simulate_with_slopes(
     input: &[f64],
     mut each: impl FnMut(usize, f64, &Slopes, f64),
 ) {
-    let edge = DelayedEdge::new(physics.delay_s, grid);
     let whole_s = grid.step_s();
+    let edge_of = |later_s: f64| {
+        let place = DelayedEdge::new(physics.delay_s + later_s, grid);
+        Edge {
+            periods: place.periods,
+            step: place.step,
+            until: SlopedStepper::new(physics, place.until_s, 1.0),
+            after: SlopedStepper::new(physics, whole_s - place.until_s, -1.0),
+        }
+    };
     let period = Period {
         sample_s: grid.period_s,
         bandwidth: physics.stiffness.sqrt(),
-        periods: edge.periods,
-        step: edge.step,
         steps: grid.steps,
         whole: SlopedStepper::new(physics, whole_s, 0.0),
-        until: SlopedStepper::new(physics, edge.until_s, 1.0),
-        after: SlopedStepper::new(physics, whole_s - edge.until_s, -1.0),
+        edges: Edges::new(physics.pulse_end, edge_of),
     };
     let state = SlopedState::new(physics, start.output, start.rate);
     let held = state.holding_command(physics);
@@ -154,30 +164,63 @@ pub fn simulate_with_slopes(
     });
 }
 
-/// A sample period, in which the delayed input may change once.
-struct Period<A> {
-    /// Its length \[s\].
-    sample_s: f64,
-    /// ω of the servo at small signals \[rad/s\].
-    bandwidth: f64,
-    /// Whole sample periods between a sample of the input and the period in which it acts. Negative where the output is sampled
+/// Where a change of the delayed input falls, and the step of the integration that it parts.
+struct Edge<A> {
+    /// Whole sample periods between the sample of the input and the period in which it acts. Negative where the output is sampled
     /// after the edge, and the delay is shorter than that.
     periods: isize,
-    /// The step of the integration that the edge falls into.
+    /// The step of the integration that it falls into.
     step: usize,
-    /// Steps of the integration.
-    steps: usize,
-    /// One of them.
-    whole: A,
-    /// The part of the step before the edge.
+    /// The part of that step before it.
     until: A,
     /// The part after it.
     after: A,
 }
 
-impl<A: Advance> Period<A> {
+/// The edges of all commands.
+struct Edges<A, F> {
+    /// That of every command, or of the neutral one where `pulse_end` makes others differ.
+    of_neutral: Edge<A>,
+    pulse_end: Option<PulseEnd>,
+    /// The edge of a command that acts so many seconds later.
+    later: F,
+}
+
+impl<A, F: Fn(f64) -> Edge<A>> Edges<A, F> {
+    fn new(pulse_end: Option<PulseEnd>, later: F) -> Self {
+        Self {
+            of_neutral: later(0.0),
+            pulse_end,
+            later,
+        }
+    }
+
+    /// The edge of `command`. Where it has one of its own, that is kept in `own`, until it acts.
+    #[inline(always)]
+    fn of<'a>(&'a self, command: f64, own: &'a mut Option<Edge<A>>) -> &'a Edge<A> {
+        match self.pulse_end {
+            None => &self.of_neutral,
+            Some(end) => own.get_or_insert_with(|| (self.later)(end.later_s(command))),
+        }
+    }
+}
+
+/// A sample period, in which the delayed input may change.
+struct Period<A, F> {
+    /// Its length \[s\].
+    sample_s: f64,
+    /// ω of the servo at small signals \[rad/s\].
+    bandwidth: f64,
+    /// Steps of the integration.
+    steps: usize,
+    /// One of them.
+    whole: A,
+    edges: Edges<A, F>,
+}
+
+impl<A: Advance, F: Fn(f64) -> Edge<A>> Period<A, F> {
     /// Moves `state` through all of `input`, and hands it to `each` at each sample. The command is `before` until the first sample
-    /// of the input acts.
+    /// of the input acts. Of two that fall into one step of the integration, which pulses do not, the second acts at its end.
     #[inline(always)]
     fn repeat(
         &self,
@@ -186,37 +229,42 @@ impl<A: Advance> Period<A> {
         input: &[f64],
         mut each: impl FnMut(usize, &A::State),
     ) {
-        // The sample of the input that acts after the edge in sample period `k`; none before the first one.
-        let acting = |k: isize| -> Option<f64> {
-            let index = usize::try_from(k - self.periods).ok()?;
-            input.get(index).or(input.last()).copied()
-        };
-        let mut held = acting(-1);
-        let mut command = held.map_or(before, A::command);
         let still = STILL * range(input);
-        let mut rests = false;
+        let (mut held, mut command) = (None, before);
+        let mut inputs = input.iter().copied().enumerate().peekable();
+        let (mut own, mut rests) = (None, false);
         for k in 0..input.len() {
             each(k, &state);
-            let new = acting(k as isize).filter(|new| held != Some(*new));
-            if rests && new.is_none() {
+            let speed = A::speed(&state);
+            let (mut step, mut is_new) = (0, false);
+            loop {
+                while inputs.next_if(|(_, same)| held == Some(*same)).is_some() {}
+                let Some(&(index, new)) = inputs.peek() else {
+                    break;
+                };
+                let edge = self.edges.of(new, &mut own);
+                let from_period = index as isize + edge.periods - k as isize;
+                if from_period > 0 {
+                    break;
+                }
+                if from_period == 0 && edge.step >= step {
+                    for _ in step..edge.step {
+                        self.whole.advance(&mut state, command);
+                    }
+                    edge.until.advance(&mut state, command);
+                    edge.after.advance(&mut state, A::command(new));
+                    step = edge.step + 1;
+                }
+                (held, command, is_new) = (Some(new), A::command(new), true);
+                own = None;
+            }
+            if rests && !is_new {
                 continue;
             }
-            let speed = A::speed(&state);
-            for _ in 0..self.step {
+            for _ in step..self.steps {
                 self.whole.advance(&mut state, command);
             }
-            match new {
-                Some(new) => {
-                    self.until.advance(&mut state, command);
-                    (held, command) = (Some(new), A::command(new));
-                    self.after.advance(&mut state, command);
-                }
-                None => self.whole.advance(&mut state, command),
-            }
-            for _ in self.step + 1..self.steps {
-                self.whole.advance(&mut state, command);
-            }
-            rests = new.is_none() && self.is_still([speed, A::speed(&state)], still);
+            rests = !is_new && self.is_still([speed, A::speed(&state)], still);
         }
     }
 

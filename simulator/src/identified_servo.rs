@@ -118,7 +118,16 @@ fn next_grid_point(since: Duration) -> Duration {
 
 impl Servo for MachineServo {
     fn command(&mut self, at: Duration, pulse: Option<PulseWidth>) {
-        self.commands.push(at, pulse);
+        let end = self.parameters.servo.pulse_end.zip(pulse);
+        let later_s = end.map_or(0.0, |(end, pulse)| {
+            end.later_s(self.parameters.command(pulse))
+        });
+        let later = Duration::from_secs_f64(later_s.abs());
+        let known = match later_s < 0.0 {
+            true => at.saturating_sub(later),
+            false => at + later,
+        };
+        self.commands.push(known, pulse);
     }
 
     fn angle(&mut self, at: Duration) -> f64 {
@@ -134,7 +143,7 @@ impl Servo for MachineServo {
 mod tests {
     use super::*;
     use crate::linear::{LinearParameters, LinearServo};
-    use servoid_dynamics::{AtRest, DriveLimit, Friction, Load, Stops};
+    use servoid_dynamics::{AtRest, DriveLimit, Friction, Load, PulseEnd, Stops};
 
     fn ms(t: u64) -> Duration {
         Duration::from_millis(t)
@@ -152,6 +161,7 @@ mod tests {
     fn linear(p: LinearParameters) -> ServoParameters {
         ServoParameters {
             delay_s: p.delay.as_secs_f64(),
+            pulse_end: None,
             stiffness: p.natural_frequency * p.natural_frequency,
             damping: 2.0 * p.damping * p.natural_frequency,
             gain: p.gain,
@@ -224,6 +234,32 @@ mod tests {
         late.angle(Duration::from_micros(21_500));
         late.command(ms(20), Some(PulseWidth(1550)));
         assert_eq!(early.angle(ms(70)), late.angle(ms(70)));
+    }
+
+    #[test]
+    fn a_longer_pulse_acts_later_where_pulses_are_known_at_their_ends() {
+        let constant = linear(LinearParameters::default());
+        let at_its_end = ServoParameters {
+            pulse_end: Some(PulseEnd {
+                s_per_command: -1e-5,
+                neutral: 0.0,
+            }),
+            ..constant
+        };
+        // 1550 us are 5 degrees: 0.05 ms earlier.
+        for (us, pulse, earlier) in [(20_000_u64, 1550, 50_i64), (20_050, 1450, -50)] {
+            let mut known_early = MachineServo::new(in_degrees(at_its_end), Duration::ZERO);
+            let mut other = MachineServo::new(in_degrees(constant), Duration::ZERO);
+            let begins = Duration::from_micros(us);
+            known_early.command(begins, Some(PulseWidth(pulse)));
+            let acts = Duration::from_micros(us.saturating_add_signed(-earlier));
+            other.command(acts, Some(PulseWidth(pulse)));
+            let reached = [&mut known_early, &mut other].map(|servo| servo.angle(ms(70)));
+            assert!(
+                (reached[0] - reached[1]).abs() < 1e-9 && reached[0].abs() > 1.0,
+                "{reached:?}"
+            );
+        }
     }
 
     /// Leapfrog errs by (ωh)²/24 of the phase ωt: 1.5e-6 ωt with ωh = 0.006, and the shape over the 60 ms of a transient

@@ -19,7 +19,7 @@ use crate::servo_model::motion::reached_speeds::ReachedSpeeds;
 use crate::servo_model::motion::simulated_motion::largest_error;
 use crate::servo_model::quantities::limit_at_work::LimitsAtWork;
 use crate::servo_model::stretches::{Stretch, stretches};
-use crate::servo_model::terms::ladder::{Climbed, Ladder, Rung, misses};
+use crate::servo_model::terms::ladder::{Climbed, Ladder, Rung, beats, misses};
 use crate::servo_model::terms::stops::PossibleStops;
 use crate::servo_model::uncertainty::covariance::Uncertainty;
 use crate::servo_model::uncertainty::possible_servo::PossibleServo;
@@ -28,7 +28,7 @@ use crate::servo_model::uncertainty::validity::against;
 use crate::thresholds::RUN_OFFSETS_LEAVE;
 use faer::Mat;
 use rayon::prelude::*;
-use servoid_dynamics::{Grid, Stops};
+use servoid_dynamics::{Grid, PulseEnd, Stops};
 
 /// Longest step of the integration in the search from far away \[s\], and the most steps in a sample period: what is faster does
 /// not show in samples so far apart.
@@ -59,6 +59,9 @@ pub struct ServoModelOptions {
     pub radians_per_command: Option<f64>,
     /// What is known to speak against bounds of any model of the record; see [`Reason::is_of_the_record`].
     pub against: Option<Reason>,
+    /// Where commands are pulse widths or stand for them: how much longer the pulse is for each unit of the command, and the neutral one. Whether the servo knows
+    /// a pulse at its end is for the record to say.
+    pub pulses: Option<PulseEnd>,
     /// Outputs at which the servo is known to stop \[output\]; those that its rests show, or its crests, are found without.
     pub stops_at: Vec<f64>,
 }
@@ -70,6 +73,7 @@ impl Default for ServoModelOptions {
             level: 0.99,
             radians_per_command: None,
             against: None,
+            pulses: None,
             stops_at: Vec::new(),
         }
     }
@@ -114,36 +118,25 @@ pub fn fit_watched(
     watch: &dyn Watch,
 ) -> Result<ServoModel, Error> {
     let (parts, fold_of) = usable_stretches(record, options)?;
-    let shown = Shown::by(&parts, record.sample_period_s());
-    let searched = |stops: Stops| {
-        let search = Search {
-            shown: shown.with_stops(stops),
-            record,
-            options,
-            fold_of: &fold_of,
-            watch,
-        };
-        search.found_with_runs(parts.clone())
+    let search = Search {
+        shown: Shown::by(&parts, record.sample_period_s()),
+        record,
+        options,
+        fold_of: &fold_of,
+        watch,
     };
-    let possible = PossibleStops::of(record, &options.stops_at, shown.gain);
-    let all = possible.choices().into_par_iter().map(searched).collect();
-    let mut found = preferred(all, &possible);
-    // A load of the air that is none but at the ends stands for stops.
-    let is_of_air = found.best().terms.load == LoadKind::Air;
-    if let Some(wider) = is_of_air
-        .then(|| possible.with_outermost_rests(record))
-        .flatten()
-    {
-        let further = wider.further_choices(&possible);
-        let mut all: Vec<Found> = further.into_par_iter().map(searched).collect();
-        all.push(found);
-        found = preferred(all, &wider);
+    let mut found = search.found_with_stops(&parts);
+    if let Some(pulses) = options.pulses.filter(|end| search.shows(*end, &found)) {
+        let shown = search.shown.with_pulse_end(Some(pulses));
+        let at_its_end = Search { shown, ..search }.found_with_stops(&parts);
+        if beats(at_its_end.held_out(), found.held_out()) {
+            found = at_its_end;
+        }
     }
     if watch.ends() {
         return Err(Error::SearchEnded);
     }
-    let shown = shown.with_stops(found.best().stops);
-    Ok(describe(record, options, &shown, &found))
+    Ok(describe(record, options, &found))
 }
 
 /// Of servos that predict as well as the best, one with the stops that the record [shows](PossibleStops::missing), and of these one with the fewest that are
@@ -180,6 +173,7 @@ fn preferred(mut all: Vec<Found>, possible: &PossibleStops) -> Found {
 }
 
 /// What a servo is looked for with.
+#[derive(Clone, Copy)]
 struct Search<'a> {
     record: &'a Record<'a>,
     options: &'a ServoModelOptions,
@@ -187,6 +181,9 @@ struct Search<'a> {
     shown: Shown,
     watch: &'a dyn Watch,
 }
+
+/// Steps of the descent that shows whether a servo knows a pulse at its end.
+const PULSE_END_STEPS: usize = 20;
 
 /// What a search finds.
 struct Found {
@@ -218,6 +215,44 @@ impl Found {
 }
 
 impl Search<'_> {
+    /// The servo behind `parts`, with the stops that predict.
+    fn found_with_stops(&self, parts: &[Stretch]) -> Found {
+        let searched = |stops: Stops| {
+            let shown = self.shown.with_stops(stops);
+            Search { shown, ..*self }.found_with_runs(parts.to_vec())
+        };
+        let possible = PossibleStops::of(self.record, &self.options.stops_at, self.shown.gain);
+        let all = possible.choices().into_par_iter().map(searched).collect();
+        let found = preferred(all, &possible);
+        // A load of the air that is none but at the ends stands for stops.
+        let is_of_air = found.best().terms.load == LoadKind::Air;
+        let wider = is_of_air.then(|| possible.with_outermost_rests(self.record));
+        let Some(wider) = wider.flatten() else {
+            return found;
+        };
+        let further = wider.further_choices(&possible);
+        let mut all: Vec<Found> = further.into_par_iter().map(searched).collect();
+        all.push(found);
+        preferred(all, &wider)
+    }
+
+    /// Whether the servo that was `found` follows the record better by more than scatter where it is taken to know pulses at their ends. What a wrong load or
+    /// friction made of that before, the descent takes away.
+    fn shows(&self, pulses: PulseEnd, found: &Found) -> bool {
+        let descent = self.descent(found.best());
+        let problem = descent.problem(&found.parts);
+        let mut other = Point {
+            pulse_end: Some(pulses),
+            ..found.best().clone()
+        };
+        problem.descend(&mut other, PULSE_END_STEPS);
+        let blocks = self.fold_of.len();
+        beats(
+            &problem.by_block(&other, blocks),
+            &problem.by_block(found.best(), blocks),
+        )
+    }
+
     /// The servo behind `parts`, with an offset of each run where that is what its errors say.
     fn found_with_runs(&self, parts: Vec<Stretch>) -> Found {
         let found = self.found(parts.clone(), &[]);
@@ -404,12 +439,7 @@ fn radians(record: &Record) -> f64 {
 }
 
 /// The result in people's terms.
-fn describe(
-    record: &Record,
-    options: &ServoModelOptions,
-    shown: &Shown,
-    servo: &Found,
-) -> ServoModel {
+fn describe(record: &Record, options: &ServoModelOptions, servo: &Found) -> ServoModel {
     let Found {
         parts,
         climbed,
@@ -476,7 +506,8 @@ fn describe(
         rests_apart: None,
         missed_rests: Vec::new(),
         delay_by_noise: None,
-        stops: shown.stops,
+        stops: point.stops,
+        pulse_end: point.pulse_end,
         run_offsets: point.run_offsets.clone(),
         fit: fit_of(servo, record, spread),
         noise: Noise {

@@ -45,5 +45,5 @@ pub use quantities::quantity_kind::QuantityKind;
 pub use quantities::{Quantity, Spread, Unit};
 pub use search_progress::Watch;
 pub use servoid_dynamics::{
-    AtRest, DriveLimit, Friction, Load, ServoParameters, SpeedLimit, Stops,
+    AtRest, DriveLimit, Friction, Load, PulseEnd, ServoParameters, SpeedLimit, Stops,
 };

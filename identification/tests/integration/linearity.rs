@@ -113,6 +113,7 @@ fn with_friction(resting_error: f64, input: &[f64]) -> Vec<f64> {
     let stiffness = 45.0 * 45.0;
     let servo = ServoParameters {
         delay_s: 0.012,
+        pulse_end: None,
         stiffness,
         damping: 72.0,
         gain: 1.0,
@@ -143,6 +144,7 @@ fn with_friction(resting_error: f64, input: &[f64]) -> Vec<f64> {
 fn a_limited_speed_that_the_noise_model_hides_takes_the_level() {
     let servo = ServoParameters {
         delay_s: 0.0224,
+        pulse_end: None,
         stiffness: 1563.0,
         damping: 61.8,
         gain: 1.0,

@@ -21,6 +21,7 @@ fn with_limited_speed(input: &[f64]) -> Vec<f64> {
 fn with_dead_band(dead_band: f64, input: &[f64]) -> Vec<f64> {
     let servo = ServoParameters {
         delay_s: 0.007,
+        pulse_end: None,
         stiffness: 2500.0,
         damping: 85.0,
         gain: 1.06,

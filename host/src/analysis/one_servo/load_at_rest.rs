@@ -44,6 +44,7 @@ mod tests {
     fn a_load_is_the_cause_where_the_zero_is_not() {
         let servo = |offset: f64, load: Load<f64>| ServoParameters {
             delay_s: 0.02,
+            pulse_end: None,
             stiffness: 2000.0,
             damping: 80.0,
             gain: 1.0,

@@ -4,6 +4,7 @@ use super::identified::identified;
 use crate::data::dataset::Dataset;
 use crate::data::held_out::{HeldOut, HeldOutPrediction};
 use crate::data::model_file::ServoModelDocument;
+use crate::data::pulse_widths::pulses;
 use crate::presentation::summary::sixty_degrees;
 use servoid_identification::comparison::{Comparison, Verdict};
 use servoid_identification::diagnostics::TakenOut;
@@ -172,6 +173,11 @@ fn fit(
         level,
         radians_per_command: radians,
         against: (linear.model().level().withdrawn()).filter(|reason| reason.is_of_the_record()),
+        pulses: pulses(
+            data.about.units(),
+            data.about.recorded.map(|found| found.commands),
+            data.about.us_per_degree,
+        ),
         stops_at: linear.model().stops.clone(),
     };
     let model = match linear {

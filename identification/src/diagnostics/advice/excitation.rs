@@ -68,7 +68,7 @@ pub(super) fn excitation(evidence: &Evidence<'_>) -> Option<Advice> {
         Check::Excitation,
         format!(
             "No bounds can be given, because the reference has too little power {frequencies} to \
-             determine the response there, where much of the detail of a step is. Metrics that depend on it are left out.{of_runs}"
+             determine the response there beside the noise of this recording, where much of the detail of a step is. Metrics that depend on it are left out.{of_runs}"
         ),
         unexcited,
         highest,

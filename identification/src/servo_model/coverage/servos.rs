@@ -168,6 +168,7 @@ pub(super) fn servo(kind: Kind, seed: u64) -> Truth {
         friction_speed_share: FRICTION_SPEED_SHARE,
         run_offsets: Vec::new(),
         stops: Stops::default(),
+        pulse_end: None,
     };
     let beyond = kind.beyond(top_speed, &mut between);
     Truth { point, beyond }

@@ -6,7 +6,7 @@
 use crate::servo_model::stretches::Stretch;
 use serde::{Deserialize, Serialize};
 use servoid_dynamics::{
-    AtRest, DriveLimit, Friction, Load, Scalar, ServoParameters, SpeedLimit, Stops,
+    AtRest, DriveLimit, Friction, Load, PulseEnd, Scalar, ServoParameters, SpeedLimit, Stops,
 };
 
 /// One number that the fit moves.
@@ -229,6 +229,8 @@ pub(crate) struct Point {
     pub(crate) run_offsets: Vec<f64>,
     /// Stops that the record shows by itself, at the common offset.
     pub(crate) stops: Stops,
+    /// Where the servo knows a pulse at its end, what its length adds to the delay.
+    pub(crate) pulse_end: Option<PulseEnd>,
 }
 
 impl Point {
@@ -262,6 +264,7 @@ impl Point {
             friction_speed_share: self.friction_speed_share,
             run_offsets: self.run_offsets.clone(),
             stops: self.stops,
+            pulse_end: self.pulse_end,
         }
     }
 
@@ -324,6 +327,7 @@ impl Point {
         let constant = get(ConstantLoad) * shared;
         ServoParameters {
             delay_s: get(Delay),
+            pulse_end: self.pulse_end,
             stiffness,
             damping,
             gain: get(Gain) / of_loop,

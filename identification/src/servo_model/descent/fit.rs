@@ -341,6 +341,7 @@ mod tests {
                 lower: None,
                 upper: Some(3.25),
             },
+            pulse_end: None,
         };
         (record, point)
     }

@@ -6,7 +6,7 @@
 use super::coordinates::{Coordinate, FRICTION_SPEED_SHARE, Point, Terms};
 use super::fit::Problem;
 use crate::servo_model::stretches::Stretch;
-use servoid_dynamics::Stops;
+use servoid_dynamics::{PulseEnd, Stops};
 
 /// Descents that are continued after the grid.
 const CONTINUED: usize = 3;
@@ -39,6 +39,8 @@ pub(crate) struct Shown {
     pub(super) top_speed: f64,
     /// The stops.
     pub(crate) stops: Stops,
+    /// Whether the servo knows a pulse at its end.
+    pub(crate) pulse_end: Option<PulseEnd>,
     /// Sample period \[s\].
     period_s: f64,
 }
@@ -80,6 +82,7 @@ impl Shown {
             offset: y - gain * u,
             top_speed: speed / gain.abs(),
             stops: Stops::default(),
+            pulse_end: None,
             period_s,
         }
     }
@@ -87,6 +90,11 @@ impl Shown {
     /// The same with stops.
     pub(crate) fn with_stops(self, stops: Stops) -> Self {
         Self { stops, ..self }
+    }
+
+    /// The same of a servo that knows a pulse at its end.
+    pub(crate) fn with_pulse_end(self, pulse_end: Option<PulseEnd>) -> Self {
+        Self { pulse_end, ..self }
     }
 
     /// A value for a coordinate that a servo did not have before.
@@ -133,6 +141,7 @@ impl Shown {
             friction_speed_share: FRICTION_SPEED_SHARE,
             run_offsets: run_offsets.to_vec(),
             stops: self.stops,
+            pulse_end: self.pulse_end,
         }
     }
 }

@@ -3,6 +3,7 @@
 pub(super) mod hysteresis;
 pub(super) mod old_quantities;
 pub(super) mod prediction;
+mod pulse_end;
 pub(super) mod sine_response;
 pub(super) mod stroke_time;
 mod top_speed_reached;
@@ -24,7 +25,7 @@ use crate::servo_model::stretches::stretches;
 use crate::servo_model::uncertainty::run_offsets;
 use crate::thresholds::{LINEAR_MODEL_ADVANTAGE, SERVO_ERROR_BEYOND_RECORD};
 use serde::{Deserialize, Serialize};
-use servoid_dynamics::{Dual, Grid, Scalar, ServoParameters, Start, Stops, simulate};
+use servoid_dynamics::{Dual, Grid, PulseEnd, Scalar, ServoParameters, Start, Stops, simulate};
 
 /// Controllers on one mechanism, at the most.
 pub(super) const MOST_CONTROLLERS: usize = MOST - 15;
@@ -94,6 +95,9 @@ pub struct ServoModel {
         skip_serializing_if = "Stops::are_none"
     )]
     pub stops: Stops,
+    /// Where the record shows that the servo knows a pulse at its end: what the length of that adds to the delay, which is that of the neutral command.
+    #[serde(default, with = "pulse_end", skip_serializing_if = "Option::is_none")]
+    pub pulse_end: Option<PulseEnd>,
     /// What the offset of each run of the record is above the quantity `offset`, their mean \[output\]; empty where the runs do not
     /// differ beyond chance.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -263,6 +267,7 @@ impl ServoModel {
             friction_speed_share: self.friction_speed_share,
             run_offsets: Vec::new(),
             stops: self.stops,
+            pulse_end: self.pulse_end,
         }
     }
 
@@ -460,6 +465,8 @@ impl ServoModel {
             && (1..=MOST_CONTROLLERS).contains(&self.controllers)
             && self.radians_per_command.is_finite()
             && self.stops.have_travel()
+            && (self.pulse_end)
+                .is_none_or(|end| end.later_s(0.0).is_finite() && end.s_per_command.is_finite())
             && self.friction_speed_share > 0.0
             && sized(self.terms, &self.coordinates, &self.values)
             && own

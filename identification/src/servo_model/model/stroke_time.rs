@@ -117,6 +117,7 @@ mod tests {
     fn servo() -> ServoParameters {
         ServoParameters {
             delay_s: 0.02,
+            pulse_end: None,
             stiffness: 6400.0,
             damping: 160.0,
             gain: 1.0,

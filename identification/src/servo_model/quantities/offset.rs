@@ -65,6 +65,7 @@ mod tests {
     fn the_edge_is_known_where_load_or_friction_decide_it() {
         let servo = |load: f64, coulomb: f64| ServoParameters {
             delay_s: 0.01,
+            pulse_end: None,
             stiffness: 100.0,
             damping: 20.0,
             gain: -2.0,
@@ -111,6 +112,7 @@ mod tests {
     fn a_stop_does_not_move_the_offset() {
         let in_pulses = ServoParameters {
             delay_s: 0.01,
+            pulse_end: None,
             stiffness: 100.0,
             damping: 20.0,
             gain: 0.09,

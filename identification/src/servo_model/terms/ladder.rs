@@ -54,7 +54,7 @@ impl Rung {
 }
 
 /// [`Rung::beats`] of the errors by block.
-fn beats(mine: &[f64], theirs: &[f64]) -> bool {
+pub(crate) fn beats(mine: &[f64], theirs: &[f64]) -> bool {
     let advantage = |(mine, theirs): (&f64, &f64)| (theirs / mine).ln();
     let gains: Vec<f64> = (mine.iter().zip(theirs))
         .map(advantage)

@@ -208,6 +208,7 @@ mod tests {
             };
             wider.guessed(&ServoParameters {
                 delay_s: 0.0,
+                pulse_end: None,
                 stiffness: 100.0,
                 damping: 20.0,
                 gain: 0.9,

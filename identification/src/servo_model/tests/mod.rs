@@ -5,6 +5,7 @@ mod equation;
 mod no_intervals;
 mod offsets;
 mod poor_recordings;
+mod pulse_end;
 mod recovery;
 mod sines;
 mod speed_limit;
@@ -31,6 +32,7 @@ fn point(terms: Terms, value: impl Fn(Coordinate) -> f64) -> Point {
         friction_speed_share: FRICTION_SPEED_SHARE,
         run_offsets: Vec::new(),
         stops: Stops::default(),
+        pulse_end: None,
     }
 }
 

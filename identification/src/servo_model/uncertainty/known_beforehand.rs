@@ -109,6 +109,7 @@ mod tests {
             friction_speed_share: FRICTION_SPEED_SHARE,
             run_offsets: Vec::new(),
             stops: Stops::default(),
+            pulse_end: None,
         };
         (point, w, c)
     }
@@ -173,6 +174,7 @@ mod tests {
             friction_speed_share: FRICTION_SPEED_SHARE,
             run_offsets: Vec::new(),
             stops: Stops::default(),
+            pulse_end: None,
         };
         let mut change = vec![0.0; size];
         (change[g], change[k]) = (1.0, 1.25);

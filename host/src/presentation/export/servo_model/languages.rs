@@ -113,7 +113,10 @@ impl ServoExport<'_> {
             number(1e3 * step_s)
         ));
         about.extend(self.stops_in_words("this file"));
-        about.push("Left out: nothing; the equation is here with all of its terms.".to_owned());
+        about.push(match self.parameters.pulse_end {
+            None => "Left out: nothing; the equation is here with all of its terms.".to_owned(),
+            Some(_) => "Left out: that longer pulses act later; the equation is here with all of its terms but that.".to_owned(),
+        });
         about.push(self.difference(&difference, Comparison::SameSteps));
         let name = |name: &str| (language.name)(&id, name);
         let sine = matches!(self.parameters.load, Load::Pendulum { .. });

@@ -53,6 +53,7 @@ mod tests {
     fn friction_and_dead_band_hold_what_they_say() {
         let servo = ServoParameters {
             delay_s: 0.01,
+            pulse_end: None,
             stiffness: 900.0,
             damping: 60.0,
             gain: 20.0,

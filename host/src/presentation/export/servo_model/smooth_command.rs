@@ -218,6 +218,7 @@ mod tests {
     fn a_sine_uses_the_drive_up_to_its_share() {
         let servo = ServoParameters {
             delay_s: 0.0,
+            pulse_end: None,
             stiffness: 900.0,
             damping: 60.0,
             gain: 1.0,

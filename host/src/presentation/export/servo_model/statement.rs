@@ -13,8 +13,8 @@ use crate::presentation::export::target::Target;
 use crate::presentation::export::text::number;
 use crate::presentation::export::unseen_limit::no_limit;
 use crate::presentation::summary;
-use crate::presentation::summary::four_digits;
 use crate::presentation::summary::recorded::{self, beside};
+use crate::presentation::summary::{digits, four_digits};
 use servoid_identification::results::{Bounds, six_digits};
 use servoid_identification::servo_model::QuantityKind;
 
@@ -186,9 +186,30 @@ impl ServoExport<'_> {
         ]);
         let offset = summary::run_offsets_in_words(self.model, self.metadata.units());
         paragraphs.extend(offset.map(|sentence| format!("Offset: {sentence}")));
+        paragraphs.extend(self.pulse_end());
         paragraphs.extend(self.metadata.open_delay());
         paragraphs.push(self.quality());
         paragraphs
+    }
+
+    /// That the file has one delay for all pulses, where the servo has not.
+    fn pulse_end(&self) -> Option<String> {
+        let end = self.parameters.pulse_end?;
+        let neutral = four_digits(end.neutral);
+        let unit = self.command_unit();
+        let largest_s = self.model.commands.map(|range| {
+            let ends = [range.least, range.largest].map(|command| end.later_s(command).abs());
+            ends[0].max(ends[1])
+        });
+        let far = largest_s.map_or_else(String::new, |s| {
+            format!(
+                ", which is up to {} ms off within the recorded commands",
+                digits(1e3 * s, 2)
+            )
+        });
+        Some(format!(
+            "Pulses: the recorded servo knows a pulse at its end, so a longer one acts later by what it is longer. This file has the delay of {neutral} {unit} for all{far}."
+        ))
     }
 
     /// The equation, with what few servos have.

@@ -26,6 +26,7 @@ impl ServoRemarks {
         let before = [
             of_intervals(model, units),
             run_offsets_in_words(model, units),
+            of_pulse_end(model, units),
             of_stops(model, units),
             of_missed_rests(model, units),
         ];
@@ -89,6 +90,15 @@ fn whose_controller(document: &ServoModelDocument) -> Option<String> {
     (!others.is_empty()).then(|| format!(
         "Bandwidth, damping ratio, error of full drive and what is left at rest are those with the controller {first}; {}.",
         others.join(", ")
+    ))
+}
+
+/// That longer pulses act later.
+fn of_pulse_end(model: &ServoModel, units: Units<'_>) -> Option<String> {
+    let end = model.pulse_end?;
+    let neutral = with_unit(four_digits(end.neutral), units.input.unwrap_or("us"));
+    Some(format!(
+        "The servo knows a pulse at its end: one that is 100 us longer acts 0.1 ms later. The delay is that of {neutral}, from the beginning of the pulse."
     ))
 }
 
