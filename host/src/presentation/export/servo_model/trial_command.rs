@@ -362,6 +362,7 @@ mod tests {
         let travel = |gain: f64, lower: Option<f64>, upper: Option<f64>| {
             trial.largest_travel(&ServoParameters {
                 delay_s: 0.0,
+                pulse_end: None,
                 stiffness: 900.0,
                 damping: 60.0,
                 gain,
