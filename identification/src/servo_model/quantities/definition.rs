@@ -60,7 +60,7 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         QuantityKind::Gain,
         Unit::OutputPerCommand,
         Domain::Any,
-        |p, _| Some(p.gain * of_command_at_rest(p)),
+        |p, middle| Some(p.gain * p.stiffness / stiffness_under_load(p, middle)?),
     ),
     define(
         QuantityKind::Offset,
@@ -171,14 +171,6 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         },
     ),
 ];
-
-/// The share of a change of the command that the shaft follows at rest, where a spring does not change along the way; 1 under other loads.
-fn of_command_at_rest(p: &ServoParameters<f64>) -> f64 {
-    match p.load {
-        Load::Spring { rate, .. } => p.stiffness / (p.stiffness + rate),
-        _ => 1.0,
-    }
-}
 
 /// The stiffness of loop and load together at the angle `middle` (1/s²); `None` where the load turns the shaft away.
 fn stiffness_under_load(p: &ServoParameters<f64>, middle: f64) -> Option<f64> {
