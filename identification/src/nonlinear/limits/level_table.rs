@@ -58,8 +58,14 @@ pub(super) struct LevelMean {
 }
 
 impl Table {
-    /// The table of `visits` that are held for at least `needed_s`, of a sensor with steps of `step`, which is 0 where noise dithers them.
-    pub(super) fn new(visits: &[Visit], needed_s: f64, step: f64, level: Option<f64>) -> Self {
+    /// The table of `visits` that are held for at least `needed_s`, of a sensor with steps of `step`, which is 0 where noise dithers them. So many `zeros` of runs
+    /// were taken out of their rests.
+    pub(super) fn new(
+        (visits, zeros): (Vec<Visit>, usize),
+        needed_s: f64,
+        step: f64,
+        level: Option<f64>,
+    ) -> Self {
         let cell_of = |visit: &Visit| {
             let from = match visit.is_from_below() {
                 true => Side::Below,
@@ -77,11 +83,11 @@ impl Table {
             rounding: 0.5 * step,
             needed_s,
         };
-        table.fill(&visits);
+        table.fill(&visits, zeros);
         table
     }
 
-    fn fill(&mut self, visits: &[(f64, Side, f64)]) {
+    fn fill(&mut self, visits: &[(f64, Side, f64)], zeros: usize) {
         let mut commands: Vec<f64> = visits.iter().map(|visit| visit.0).collect();
         commands.sort_by(f64::total_cmp);
         commands.dedup();
@@ -110,6 +116,7 @@ impl Table {
                 visits: all.len(),
             });
         }
+        self.degrees = self.degrees.saturating_sub(zeros);
         self.variance = if self.degrees > 0 {
             square / self.degrees as f64
         } else {

@@ -78,10 +78,12 @@ impl Limits {
         let reversed = model.impulse_response().iter().sum::<f64>() < 0.0;
         let [up, down] = strokes_by_direction(record, rests.settling, reversed);
         let table = rests.table(Some(level));
+        let of_one_zero = rests.seen_from_one_zero();
         Self {
             rate_up: Rate::new("up", &up, level),
             rate_down: Rate::new("down", &down, level),
-            hysteresis: table.hysteresis().beside(rests.apart(level)),
+            hysteresis: (of_one_zero.table(Some(level)).hysteresis())
+                .beside(of_one_zero.apart(level)),
             ends: table.ends().map(|ends| with_stops(ends, &model.stops)),
             levels: table.cells,
         }
@@ -101,7 +103,7 @@ impl Hysteresis {
         model: &Model,
         level: f64,
     ) -> (Self, Option<Interval>) {
-        let rests = Rests::of(record, model);
+        let rests = Rests::of(record, model).seen_from_one_zero();
         (rests.table(Some(level)).hysteresis(), rests.apart(level))
     }
 
@@ -142,7 +144,7 @@ fn with_stops(ends: [RangeEnd; 2], stops: &[f64]) -> [RangeEnd; 2] {
 /// `model` of the record gives the length of a response.
 #[must_use]
 pub fn rests_apart(record: &Record, model: &Model, level: f64) -> Option<Interval> {
-    Rests::of(record, model).apart(level)
+    Rests::of(record, model).seen_from_one_zero().apart(level)
 }
 
 /// Of the lowest and the highest command under which the servo comes to rest, those whose rests in `simulated`, run by run, are off by more than 1 % of the way
@@ -159,13 +161,17 @@ pub fn missed_rests(
     let by_model = pairs.map(|(run, output)| run.with_output(output.clone()));
     let by_model: Vec<Run> = by_model.collect();
     let settling = settling(record, model);
-    let [measured, modelled] = [record.runs(), &by_model].map(|runs| visits(runs, settling));
+    let [measured, modelled] =
+        [record.runs(), &by_model].map(|runs| visits(runs, settling).concat());
     missed_rests::missed(&measured, &modelled, apart)
 }
 
 /// Where a servo rests in a record: what the level table and the distance of rests are made of.
 struct Rests {
-    visits: Vec<Visit>,
+    /// Those of each run.
+    visits: Vec<Vec<Visit>>,
+    /// Zeros of runs that were taken out.
+    zeros_taken_out: usize,
     /// Samples that the response takes to settle.
     settling: usize,
     sample_period_s: f64,
@@ -178,21 +184,37 @@ impl Rests {
         let settling = settling(record, model);
         Self {
             visits: visits(&runs_at_rest(record, model), settling),
+            zeros_taken_out: 0,
             settling,
             sample_period_s: record.sample_period_s(),
             step: sensor_step(record).unwrap_or(0.0),
         }
     }
 
+    /// The same for distances between rests, to which the zero of the sensor, or of a linkage, is nothing: where all runs make the same strokes, each has a zero
+    /// of its own taken out. Their mean and every distance stay; what is left scatters as rests within a run do.
+    fn seen_from_one_zero(mut self) -> Self {
+        if let Some(zeros_taken_out) = visits::with_one_zero(&mut self.visits) {
+            self.zeros_taken_out = zeros_taken_out;
+        }
+        self
+    }
+
     fn table(&self, level: Option<f64>) -> level_table::Table {
         // The last quarter of such a hold begins when the response is over.
         let needed = self.settling + self.settling.div_ceil(3) + 1;
         let needed_s = needed as f64 * self.sample_period_s;
-        level_table::Table::new(&self.visits, needed_s, self.step, level)
+        let visits = (self.visits.concat(), self.zeros_taken_out);
+        level_table::Table::new(visits, needed_s, self.step, level)
     }
 
     fn apart(&self, level: f64) -> Option<Interval> {
-        rests_apart::rests_apart(&self.visits, self.step, level)
+        rests_apart::rests_apart(
+            &self.visits.concat(),
+            self.zeros_taken_out,
+            self.step,
+            level,
+        )
     }
 }
 

@@ -45,12 +45,17 @@ impl Arrivals<'_> {
     }
 }
 
-/// The largest distance between two rests under one command, from all `visits`, with bounds at the `level`; `None` where no command is reached from both sides, or
+/// The largest distance between two rests under one command, from all `visits`, out of which so many `zeros` of runs were taken, with bounds at the `level`; `None` where no command is reached from both sides, or
 /// no stroke is made again. Outputs are steps of `step` at the most.
-pub(super) fn rests_apart(visits: &[Visit], step: f64, level: f64) -> Option<Interval> {
+pub(super) fn rests_apart(
+    visits: &[Visit],
+    zeros: usize,
+    step: f64,
+    level: f64,
+) -> Option<Interval> {
     let cells = cells(visits);
     let pairs = pairs(&cells);
-    let degrees = visits.len() - cells.len();
+    let degrees = (visits.len() - cells.len()).saturating_sub(zeros);
     let are_of_both_sides =
         |[a, b]: &[&Arrivals; 2]| a.stroke.is_from_below() != b.stroke.is_from_below();
     if degrees < FEWEST_DEGREES || !pairs.iter().any(are_of_both_sides) {
@@ -107,6 +112,7 @@ fn pairs<'c, 'v>(cells: &'c [Arrivals<'v>]) -> Vec<[&'c Arrivals<'v>; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::nonlinear::limits::visits::with_one_zero;
 
     /// Stairs over five levels, each stroke between neighbours twice and one of the whole range; a shaft with `play` that overshoots in strokes of more than 5 rests at
     /// the far side of it.
@@ -132,12 +138,46 @@ mod tests {
     #[test]
     fn play_is_found_where_some_strokes_overshoot_and_none_is_where_there_is_none() {
         for play in [0.0, 0.2, 0.6] {
-            let found = rests_apart(&worn(play, 0.01), 0.0, 0.99).unwrap();
+            let found = rests_apart(&worn(play, 0.01), 0, 0.0, 0.99).unwrap();
             assert!(found.contains(play), "{play}: {found:?}");
             assert!(found.upper.unwrap() < play + 0.04, "{play}: {found:?}");
         }
-        let stepped = rests_apart(&worn(0.0, 0.0), 0.03, 0.99).unwrap();
+        let stepped = rests_apart(&worn(0.0, 0.0), 0, 0.03, 0.99).unwrap();
         assert_eq!((stepped.lower, stepped.upper), (Some(0.0), Some(0.03)));
+    }
+
+    /// Three runs of the same strokes, each of whose zeros lies elsewhere by far more than the play, and runs that share but a few of their strokes.
+    #[test]
+    fn play_is_found_in_runs_whose_zeros_differ() {
+        let play = 0.2;
+        let moved = |visits: &[Visit], by: f64| -> Vec<Visit> {
+            let visit = |visit: &Visit| Visit {
+                rest: visit.rest + by,
+                ..*visit
+            };
+            visits.iter().map(visit).collect()
+        };
+        let all = worn(play, 0.01);
+        let mut runs: Vec<Vec<Visit>> = (all.chunks(24).zip([0.0, 0.9, -0.6]))
+            .map(|(run, zero)| moved(run, zero))
+            .collect();
+        assert!(
+            rests_apart(&runs.concat(), 0, 0.0, 0.99)
+                .unwrap()
+                .lower
+                .unwrap()
+                < 0.01
+        );
+        assert_eq!(with_one_zero(&mut runs), Some(2));
+        let found = rests_apart(&runs.concat(), 2, 0.0, 0.99).unwrap();
+        assert!(
+            found.contains(play) && found.lower.unwrap() > 0.9 * play,
+            "{found:?}"
+        );
+        let mut unlike = vec![all[..24].to_vec(), moved(&all[24..40], 0.9)];
+        let before = unlike.clone();
+        assert_eq!(with_one_zero(&mut unlike), None);
+        assert_eq!(unlike, before);
     }
 
     #[test]
@@ -150,14 +190,14 @@ mod tests {
                 visit.moved = -0.25;
             }
         }
-        let found = rests_apart(&visits, 0.0, 0.99).unwrap();
+        let found = rests_apart(&visits, 0, 0.0, 0.99).unwrap();
         assert!(found.contains(0.06), "{found:?}");
     }
 
     #[test]
     fn two_levels_and_strokes_that_are_made_once_show_nothing() {
         let all = worn(0.2, 0.01);
-        assert_eq!(rests_apart(&all[..8], 0.0, 0.99), None);
+        assert_eq!(rests_apart(&all[..8], 0, 0.0, 0.99), None);
         let two = |from: fn(usize) -> f64| -> Vec<Visit> {
             let visit = |k: usize| Visit {
                 command: [5.0, -5.0][k % 2],
@@ -168,12 +208,12 @@ mod tests {
             (0..20).map(visit).collect()
         };
         let back_and_forth = |k: usize| [-5.0, 5.0][k % 2];
-        assert_eq!(rests_apart(&two(back_and_forth), 0.0, 0.99), None);
+        assert_eq!(rests_apart(&two(back_and_forth), 0, 0.0, 0.99), None);
         // The first stroke of each of two runs begins at a rest between the levels: two strokes to one level, of one direction.
         let from_between = |k: usize| match k % 10 {
             0 => 0.0,
             _ => [-5.0, 5.0][k % 2],
         };
-        assert_eq!(rests_apart(&two(from_between), 0.0, 0.99), None);
+        assert_eq!(rests_apart(&two(from_between), 0, 0.0, 0.99), None);
     }
 }
