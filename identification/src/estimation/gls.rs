@@ -283,6 +283,15 @@ impl GlsFit {
         covariance
     }
 
+    /// The least squares of the same bank as if the noise were white; `None` where the rows do not determine it.
+    pub(crate) fn in_white_noise(&self, information: &RowInformation) -> Option<Self> {
+        Some(Self {
+            solution: information.solve(&self.coordinates, &[])?,
+            ar: Vec::new(),
+            ..self.clone()
+        })
+    }
+
     /// The offset c of y = G u + c; that of the solution is relative to the centre of the moments.
     pub fn offset(&self, information: &RowInformation) -> f64 {
         let gain: f64 = self.impulse().iter().sum();

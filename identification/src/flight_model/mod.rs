@@ -38,6 +38,7 @@ mod slow_end;
 mod starting_points;
 
 use crate::data::Record;
+use crate::diagnostics::trend_at;
 use crate::error::Error;
 use crate::results::Model;
 use fitter::{FittedOrder, Fitter};
@@ -83,12 +84,29 @@ pub fn fit(
     model: &Model,
     options: &FlightModelOptions,
 ) -> Result<FlightModel, Error> {
+    let record = &without_runs_own(record, model);
     let projection = match (model.band(), &model.band_estimate) {
         (Some(_), Some(estimate)) => in_band::in_band(record, model, estimate),
         (Some(_), None) => Err(Error::OfBandAlone),
         (None, _) => Projection::of_record(record, model),
     };
     choose(projection?, model, options)
+}
+
+/// `record` without the offset and the drift of each run by which `model` was identified.
+fn without_runs_own<'a>(record: &Record<'a>, model: &Model) -> Record<'a> {
+    if model.run_offsets.is_empty() && model.run_slopes.is_empty() {
+        return record.clone();
+    }
+    let of = |all: &[f64], run: usize| all.get(run).copied().unwrap_or(0.0);
+    let runs = record.runs().iter().enumerate().map(|(number, run)| {
+        let offset = of(&model.run_offsets, number);
+        let slope = of(&model.run_slopes, number) * record.sample_period_s();
+        let output = (0..).zip(run.output());
+        let output = output.map(|(k, y)| y - offset - slope * trend_at(run, k));
+        run.with_output(output.collect())
+    });
+    record.with_runs(runs.collect())
 }
 
 /// [`fit`] without the record, from θ and its covariance alone.

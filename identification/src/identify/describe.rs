@@ -184,6 +184,10 @@ pub(super) fn model(
             covariance: rows,
         }),
         offset: fit.offset(information),
+        run_offsets: task.disturbances.offsets.clone(),
+        run_slopes: (task.disturbances.trends.iter())
+            .map(|slope| slope / period)
+            .collect(),
         noise: Noise {
             ar: fit.ar.clone(),
             sigma: fit.variance.sqrt(),

@@ -8,13 +8,14 @@ use super::disturbances::Disturbances;
 use super::estimate::Estimate;
 use crate::data::{HELD, Moments, Quantisation, Record, sensor_step, usual_hold};
 use crate::diagnostics::{
-    LevelEffects, Outliers, RunTrends, drift, hum, outliers, run_offsets, simulated,
+    LevelEffects, Outliers, RunTrends, Simulated, drift, hum, outliers, run_offsets, simulated,
     simulated_whole, slopes_left,
 };
 use crate::error::Error;
 use crate::options::{Detrend, Options};
 use crate::selection::odd_at_most;
 use crate::thresholds::IMMATERIAL_ERROR;
+use std::borrow::Cow;
 
 /// Turns of fit and search.
 const TURNS: usize = 5;
@@ -190,10 +191,21 @@ impl<'a> Undisturbed<'a> {
             without_trends = next.removed_from(complete);
             errors = simulated_whole(&without_trends, moments, fit);
         }
+        let offsets = |errors: &[Simulated<'_>], wanted: bool| {
+            let taken_out = self.disturbances.offsets.as_slice();
+            // Before any are taken out, they are noise to the noise model, which hides them.
+            let white = (taken_out.is_empty()).then(|| fit.in_white_noise(information));
+            let fit = white.flatten().map_or(Cow::Borrowed(fit), Cow::Owned);
+            let left = simulated_whole(&self.record, moments, &fit);
+            let left = (left.as_slice(), taken_out);
+            // Slopes are found beside the response, too: both at once would take what is one error out twice.
+            let beside = (!drifts).then_some((left, moments, &*fit));
+            run_offsets(errors, beside, settling, wanted)
+        };
         next.offsets = match detrend {
             Detrend::None => Vec::new(),
-            Detrend::Auto => run_offsets(&errors, settling, false),
-            Detrend::Offset | Detrend::Linear => run_offsets(&errors, settling, true),
+            Detrend::Auto => offsets(&errors, false),
+            Detrend::Offset | Detrend::Linear => offsets(&errors, true),
         };
         if !next.offsets.is_empty() {
             without_offsets = next.removed_from(complete);

@@ -91,6 +91,12 @@ pub struct Model {
     pub bounds: Bounds<ParameterBounds>,
     /// c of y = G u + c + v.
     pub offset: f64,
+    /// What the offset of each run of the record is above c, their mean \[output\]; empty where the runs do not differ beyond chance.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub run_offsets: Vec<f64>,
+    /// The slope of the drift of each run, about the middle of the run \[output/s\]; empty where none was found.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub run_slopes: Vec<f64>,
     /// D(z) and σ of v = ε/D(z).
     pub noise: Noise,
     /// Whether nothing was found that makes the response one of this motion alone. The bounds of a servo
@@ -160,6 +166,8 @@ impl Model {
             && PERIODS_S.contains(&self.sample_period_s)
             && (0.0..=*PERIODS_S.end()).contains(&self.sample_phase_s)
             && is_usable(&self.offset)
+            && self.run_offsets.iter().all(is_usable)
+            && self.run_slopes.iter().all(is_usable)
             && is_sized(&self.theta, n)
             && covariance
             && self.structure.noise_order <= MAX_NOISE_ORDER

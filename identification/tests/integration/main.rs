@@ -24,6 +24,7 @@ mod repeated_references;
 mod rests;
 mod rounded_commands;
 mod run_gains;
+mod runs_at_levels;
 mod scattering_holds;
 mod servo_model;
 mod smooth;

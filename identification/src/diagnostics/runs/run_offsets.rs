@@ -8,32 +8,82 @@
 //! (A - C B^-1 C')^-1 = A^-1 + A^-1 C (B - C'A^-1 C)^-1 C'A^-1
 //! ```
 //!
-//! with C the cross moments of the rows with the columns of all runs but the last, and B those columns' own.
+//! with C the cross moments of the rows with the columns of all runs but the last, and B those columns' own. Where runs move about levels of their own, a
+//! gain stands for some of their offsets, and the mean errors that it leaves are not all of them: beside the fit, whose errors are ε, the offsets are
+//!
+//! ```text
+//! (B - C'A^-1 C)^-1 W'ε
+//! ```
+//!
+//! with the columns W.
 
 use faer::Mat;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use super::common_offset::common_offset;
 use crate::data::{Moments, Run};
+use crate::diagnostics::residuals::filtered_rows::{filtered, only, present};
 use crate::diagnostics::residuals::further_columns::FurtherColumns;
 use crate::diagnostics::residuals::part_means::part_means;
 use crate::diagnostics::residuals::simulation_error::Simulated;
 use crate::estimation::{GlsFit, noise_filter};
-use crate::numerics::{cholesky, inverse_of_square};
+use crate::numerics::{cholesky, inverse_of_square, times};
 use crate::thresholds::RESIDUAL_SIGNIFICANCE;
 
 /// What the offset of each run is above the [common one](common_offset) \[output\]; empty where runs do not differ beyond chance.
 pub(crate) type RunOffsets = Vec<f64>;
 
-/// The offsets of `runs`, if they differ by more than parts of `settling` samples of one run do, or they are `wanted`.
-pub(crate) fn run_offsets(runs: &[Simulated<'_>], settling: usize, wanted: bool) -> RunOffsets {
+/// The offsets of `runs`, if they differ by more than parts of `settling` samples of one run do, or they are `wanted`. The errors of `runs` have all of them. `beside` a fit, they are found
+/// together with its response: its errors to its own record say what there is beside the offsets that were taken out of that.
+pub(crate) fn run_offsets(
+    runs: &[Simulated<'_>],
+    beside: Option<((&[Simulated<'_>], &[f64]), &Moments, &GlsFit)>,
+    settling: usize,
+    wanted: bool,
+) -> RunOffsets {
     let errors: Vec<&[f64]> = runs.iter().map(|run| run.errors.as_slice()).collect();
-    differing_means(&errors, settling, wanted)
+    let offsets = |means: &[f64]| {
+        let joint = |((left, taken_out), moments, fit): (_, &Moments, &GlsFit)| {
+            let more = offsets_left(left, moments, fit)?.into_iter().enumerate();
+            let before = |run: usize| <[f64]>::get(taken_out, run).copied().unwrap_or(0.0);
+            Some(more.map(|(run, more)| before(run) + more).collect())
+        };
+        beside.and_then(joint).unwrap_or_else(|| means.to_vec())
+    };
+    differing_offsets(&errors, settling, wanted, offsets)
+}
+
+/// What each of `runs` has more than the last one, by the errors of `fit` for a regression with an offset of each. `None` where the response leaves nothing of them.
+fn offsets_left(runs: &[Simulated<'_>], moments: &Moments, fit: &GlsFit) -> Option<Vec<f64>> {
+    let (_, others) = runs.split_last()?;
+    let of_runs: Vec<Run> = others.iter().map(|run| run.run.clone()).collect();
+    let beside = BesideFit::of(&of_runs, moments, fit)?;
+    let d = noise_filter(&fit.ar);
+    let gain: f64 = d.iter().sum();
+    let score = |run: &Simulated<'_>| {
+        let errors: Vec<f64> = run.errors.iter().copied().map(present).collect();
+        let rows = (run.run).complete_rows(moments.input_lags(), moments.output_lags());
+        gain * only(&rows, filtered(&errors, &d)).iter().sum::<f64>()
+    };
+    let scores: Vec<f64> = others.iter().map(score).collect();
+    let mut more = times(&beside.inverse, &scores);
+    more.push(0.0);
+    Some(more)
 }
 
 /// What the mean of each of `runs` is above that of all, each run once, if they differ by more than parts of `settling` values of one run
 /// do, or they are `wanted`; else none.
 pub(crate) fn differing_means(runs: &[&[f64]], settling: usize, wanted: bool) -> Vec<f64> {
+    differing_offsets(runs, settling, wanted, <[f64]>::to_vec)
+}
+
+/// The same of the `offsets` that follow from these means.
+fn differing_offsets(
+    runs: &[&[f64]],
+    settling: usize,
+    wanted: bool,
+    offsets: impl Fn(&[f64]) -> Vec<f64>,
+) -> Vec<f64> {
     let parts: Vec<Vec<f64>> = runs
         .iter()
         .map(|run| part_means(run, settling))
@@ -46,8 +96,10 @@ pub(crate) fn differing_means(runs: &[&[f64]], settling: usize, wanted: bool) ->
     let means: Vec<f64> = parts.iter().map(|parts| mean(parts)).collect();
     let count: usize = parts.iter().map(Vec::len).sum();
     let of_parts = mean(&parts.concat());
-    let between: f64 = (parts.iter().zip(&means))
-        .map(|(parts, mean)| parts.len() as f64 * (mean - of_parts).powi(2))
+    let offsets = offsets(&means);
+    // What columns of the offsets explain: the products of their estimates with the means.
+    let between: f64 = (parts.iter().zip(&means).zip(&offsets))
+        .map(|((parts, mean), offset)| parts.len() as f64 * (mean - of_parts) * offset)
         .sum();
     let within: f64 = (parts.iter().zip(&means))
         .flat_map(|(parts, mean)| parts.iter().map(move |part| (part - mean).powi(2)))
@@ -58,24 +110,43 @@ pub(crate) fn differing_means(runs: &[&[f64]], settling: usize, wanted: bool) ->
         && FisherSnedecor::new(degrees.0, degrees.1).is_ok_and(|f| {
             f.sf(between / degrees.0 / (within / degrees.1)) < RESIDUAL_SIGNIFICANCE
         });
-    match common_offset(&means).filter(|_| differ || wanted) {
-        Some(common) => means.iter().map(|mean| mean - common).collect(),
+    match common_offset(&offsets).filter(|_| differ || wanted) {
+        Some(common) => offsets.iter().map(|offset| offset - common).collect(),
         None => Vec::new(),
     }
 }
 
 /// The covariance of `fit` becomes that with an offset of each of `runs`.
 pub(crate) fn allow_for_run_offsets(runs: &[Run], moments: &Moments, fit: &mut GlsFit) {
-    let Columns { cross, own } = Columns::of(&runs[..runs.len() - 1], moments, fit);
-    let weighted = &fit.solution.inverse * &cross;
-    let explained = cross.transpose() * &weighted;
-    let left = Mat::from_fn(own.len(), own.len(), |i, j| {
-        let own = if i == j { own[i] } else { 0.0 };
-        own - explained[(i, j)]
-    });
-    if let Some(lower) = cholesky(&left) {
-        let more = &weighted * inverse_of_square(&lower) * weighted.transpose();
+    let beside = BesideFit::of(&runs[..runs.len() - 1], moments, fit);
+    if let Some(BesideFit { weighted, inverse }) = beside {
+        let more = &weighted * inverse * weighted.transpose();
         fit.spread_further(1.0, Some(more));
+    }
+}
+
+/// The offsets of all runs but the last beside a fit.
+struct BesideFit {
+    /// A^-1 C.
+    weighted: Mat<f64>,
+    /// (B - C'A^-1 C)^-1.
+    inverse: Mat<f64>,
+}
+
+impl BesideFit {
+    /// `None` where the response leaves nothing of them.
+    fn of(runs: &[Run], moments: &Moments, fit: &GlsFit) -> Option<Self> {
+        let Columns { cross, own } = Columns::of(runs, moments, fit);
+        let weighted = &fit.solution.inverse * &cross;
+        let explained = cross.transpose() * &weighted;
+        let left = Mat::from_fn(own.len(), own.len(), |i, j| {
+            let own = if i == j { own[i] } else { 0.0 };
+            own - explained[(i, j)]
+        });
+        Some(Self {
+            weighted,
+            inverse: inverse_of_square(&cholesky(&left)?),
+        })
     }
 }
 

@@ -61,7 +61,7 @@ impl Table {
     /// The table of `visits` that are held for at least `needed_s`, of a sensor with steps of `step`, which is 0 where noise dithers them. So many `zeros` of runs
     /// were taken out of their rests.
     pub(super) fn new(
-        (visits, zeros): (Vec<Visit>, usize),
+        (visits, zeros): (&[Visit], usize),
         needed_s: f64,
         step: f64,
         level: Option<f64>,

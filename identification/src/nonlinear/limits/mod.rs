@@ -204,8 +204,8 @@ impl Rests {
         // The last quarter of such a hold begins when the response is over.
         let needed = self.settling + self.settling.div_ceil(3) + 1;
         let needed_s = needed as f64 * self.sample_period_s;
-        let visits = (self.visits.concat(), self.zeros_taken_out);
-        level_table::Table::new(visits, needed_s, self.step, level)
+        let visits = self.visits.concat();
+        level_table::Table::new((&visits, self.zeros_taken_out), needed_s, self.step, level)
     }
 
     fn apart(&self, level: f64) -> Option<Interval> {

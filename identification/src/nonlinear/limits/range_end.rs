@@ -273,7 +273,7 @@ mod tests {
     }
 
     fn high_end(levels: &[f64], stop: f64) -> Option<bool> {
-        let table = Table::new(&stopped(levels, stop, 5), 0.1, 0.0, Some(0.99));
+        let table = Table::new((&stopped(levels, stop, 5), 0), 0.1, 0.0, Some(0.99));
         table.ends().unwrap()[1].softens
     }
 
@@ -313,7 +313,9 @@ mod tests {
             .flat_map(|&command| sides(command).into_iter().map(move |side| (command, side)))
             .flat_map(|(command, side)| (0..3).map(move |k| visit(command, side, k)))
             .collect();
-        let [low, _] = Table::new(&visits, 0.1, 0.0, Some(0.99)).ends().unwrap();
+        let [low, _] = Table::new((&visits, 0), 0.1, 0.0, Some(0.99))
+            .ends()
+            .unwrap();
         low
     }
 

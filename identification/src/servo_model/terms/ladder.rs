@@ -406,7 +406,7 @@ impl Ladder<'_> {
     /// The servo `from` with other terms. Those with more than one valley are tried from more than one side.
     pub(super) fn variants(&self, from: &Point, terms: Terms) -> Vec<Point> {
         let fresh = |at: Coordinate| self.shown.fresh(at, self.radians);
-        let plain = from.with_terms(terms, self.controllers, fresh);
+        let plain = that_moves(from, from.with_terms(terms, self.controllers, fresh));
         let varied = |coordinate: Coordinate, value: f64| {
             let mut point = plain.clone();
             point.set(coordinate, value);
@@ -416,7 +416,7 @@ impl Ladder<'_> {
             return self.with_speed_cut_off(from, plain);
         }
         if from.terms.load == terms.load {
-            return with_shared_rest(from, plain);
+            return with_softer_loop(from, with_shared_rest(from, plain), &self.shown);
         }
         match terms.load {
             LoadKind::None | LoadKind::Constant | LoadKind::Pendulum => vec![plain],
@@ -455,6 +455,61 @@ impl Ladder<'_> {
     }
 }
 
+/// The largest share of full drive that friction takes in the beginning.
+const MOST_FRICTION: f64 = 0.2;
+
+/// The servo `made` of another one, with less friction where that did not have any, and the drive would not move the shaft at all: no descent leads from there.
+fn that_moves(from: &Point, mut made: Point) -> Point {
+    let is_new = from.get(Coordinate::Friction).is_none();
+    let friction = made.get(Coordinate::Friction).filter(|_| is_new);
+    if let Some((friction, full_at)) = friction.zip(full_drive_at(&made)) {
+        made.set(Coordinate::Friction, friction.min(MOST_FRICTION * full_at));
+    }
+    made
+}
+
+/// The error of full drive \[command\].
+fn full_drive_at(point: &Point) -> Option<f64> {
+    let servo = point.physics(0, |_, value| value);
+    Some(servo.drive_limit()?.up / servo.stiffness)
+}
+
+/// Below this share of the spread of the command a drive is full at hardly any error: it is a relay.
+const RELAY: f64 = 0.05;
+
+/// The `servos` that were made of another one, and where its drive is a relay and they rest off their command as it does not, these with a loop that is full at a quarter of the
+/// spread: what friction and a dead band leave of the ends of strokes, a relay without them leaves, too.
+fn with_softer_loop(from: &Point, mut servos: Vec<Point>, shown: &Shown) -> Vec<Point> {
+    let rests_off = |terms: Terms| (terms.dead_band, terms.friction);
+    let is_relay = full_drive_at(from).is_some_and(|full_at| full_at < RELAY * shown.spread);
+    let soft = |servo: &Point| softer(servo, 0.25 * shown.spread);
+    if is_relay
+        && servos
+            .iter()
+            .any(|servo| rests_off(servo.terms) != rests_off(from.terms))
+    {
+        let others: Vec<Point> = servos.iter().filter_map(soft).collect();
+        servos.extend(others);
+    }
+    servos
+}
+
+/// `servo` with the same motor behind a well damped loop whose drive is full at the error `full_at`.
+fn softer(servo: &Point, full_at: f64) -> Option<Point> {
+    let motor = servo.physics(0, |_, value| value).drive_limit()?;
+    let mut soft = servo.clone();
+    let stiffness = motor.up / full_at;
+    let damping = (1.6 * stiffness.sqrt()).max(1.1 * motor.motor_damping);
+    for (coordinate, value) in [
+        (Coordinate::LnStiffness, stiffness.ln()),
+        (Coordinate::LnDamping, damping.ln()),
+        (Coordinate::MotorShare, motor.motor_damping / damping),
+    ] {
+        soft.set(coordinate, value);
+    }
+    Some(soft)
+}
+
 /// The servo `plain`, which was made from another one, and the same with half of how far that rests off in each of dead band and friction, where it has both and the other one
 /// had not: a small one beside the whole of the other is in another valley.
 fn with_shared_rest(from: &Point, plain: Point) -> Vec<Point> {
@@ -467,5 +522,5 @@ fn with_shared_rest(from: &Point, plain: Point) -> Vec<Point> {
     let mut shared = plain.clone();
     shared.set(Coordinate::DeadBand, half);
     shared.set(Coordinate::Friction, half);
-    vec![plain, shared]
+    vec![plain, that_moves(from, shared)]
 }

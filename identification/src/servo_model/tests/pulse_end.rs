@@ -37,11 +37,18 @@ fn a_pulse_that_acts_at_its_end_is_no_load() {
         pulse_end: Some(PULSES),
         ..limited()
     };
-    let known = found(&servo, Some(PULSES), 1);
+    let known = found(&servo, Some(PULSES), 3);
     assert_eq!(known.pulse_end, Some(PULSES));
     assert_eq!(
         (known.terms.load, known.terms.two_speeds),
         (LoadKind::None, false)
+    );
+    assert_eq!(
+        known.covariance.withdrawn(),
+        None,
+        "{:?} {:?}",
+        known.terms,
+        known.fit
     );
     require_held(
         &known,
@@ -49,7 +56,7 @@ fn a_pulse_that_acts_at_its_end_is_no_load() {
         &["delay", "top speed upwards", "resting error by friction"],
     );
     // Nothing else in the model stands for it. The strokes are a third of the record.
-    let unknown = found(&servo, None, 1);
+    let unknown = found(&servo, None, 3);
     assert!(
         known.fit.rmse < 0.9 * unknown.fit.rmse,
         "{} {}",
