@@ -277,7 +277,7 @@ class ServoModel:
 
     @property
     def quantities(self) -> dict[str, Quantity]:
-        """Delay, top speed, dead band and the like, by name."""
+        """A dictionary of delay, top speed, dead band and the like: each :class:`Quantity` by its name."""
         found = {}
         for fields in self._fields["quantities"]:
             determined = fields["determined"]

@@ -16,6 +16,7 @@ mod frozen_sensor;
 pub(crate) mod held_out;
 pub(crate) mod input_file;
 pub(crate) mod model_metadata;
+pub(crate) mod neutral;
 pub(crate) mod numbered_path;
 mod predicted_run;
 pub(crate) mod pulse_widths;

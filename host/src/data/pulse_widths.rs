@@ -1,6 +1,7 @@
 //! Commands that are pulse widths by their size, whatever is said of their unit.
 
 use crate::data::model_metadata::unit_meant;
+use crate::data::neutral::neutral;
 use crate::data::units::Units;
 use servoid_identification::servo_model::{CommandRange, PulseEnd};
 use servoid_protocol::PulseWidth;
@@ -34,13 +35,9 @@ pub(crate) fn pulses(
     us_per_degree: Option<f64>,
 ) -> Option<PulseEnd> {
     if is_pulse(units, recorded) {
-        let range = recorded?;
-        let usual = f64::from(PulseWidth::NEUTRAL.0);
-        // Narrow pulses have another one.
-        let is_wide = (range.least..=range.largest).contains(&usual);
         return Some(PulseEnd {
             s_per_command: 1e-6,
-            neutral: if is_wide { usual } else { range.middle() },
+            neutral: neutral(units, recorded),
         });
     }
     let us = us_per_degree.filter(|_| units.input.and_then(unit_meant).as_deref() == Some("deg"));

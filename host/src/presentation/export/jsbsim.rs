@@ -3,8 +3,7 @@
 use super::emulation::{FirstOrder, SecondOrder};
 use super::error::ExportError;
 use super::jsbsim_delay::{DelayOfParts, aligned};
-use super::model::Export;
-use super::neutral::neutral;
+use super::model::{Export, Rest};
 use super::statement::{InFile, low_order_covariance};
 use super::text::{XML_STYLE, identifier, number};
 use crate::data::units::Units;
@@ -49,10 +48,10 @@ pub(super) fn write(export: &Export<'_>) -> Result<String, ExportError> {
     paragraphs.push(format!(
         "Run it at {advised_hz} Hz or more: JSBSim replaces poles by Tustin's rule. Behind a step of the command the position is that of the low-order model to {usual} % at {usual_hz} Hz, the usual rate of JSBSim, and to {advised} % at {advised_hz} Hz; the delay is right to a part of a step. {TIME} Set the step before the aircraft is loaded: delays are counted out then."
     ));
-    let centre = neutral(export.metadata.units(), export.commands());
-    // The gain of the identified response, and not that of the low-order one, which is a little off.
-    let gain = export.model.step.value.last().copied().unwrap_or(f64::NAN);
-    let at_centre = export.model.offset + gain * centre;
+    let Rest {
+        command: centre,
+        position: at_centre,
+    } = export.rest_at_neutral();
     paragraphs.push(start(export.metadata.units(), centre, at_centre));
     paragraphs.push(NO_NUMBER.to_owned());
     let delay_s = flight.transfer.delay_s.max(0.0);

@@ -251,10 +251,16 @@ impl Export<'_> {
         };
         let (style, transfer) = (&language.style, &flight.transfer);
         let discrete = transfer.discrete(self.model.timing());
+        let at_rest = self.rest_at_neutral();
         let (numerator, denominator) = discrete.transfer_function();
         values.extend([
             ("order", flight.order.to_string()),
             ("gain", number(transfer.gain)),
+            ("offset_at", number(at_rest.command)),
+            (
+                "low_order_offset",
+                number(at_rest.position - transfer.gain * at_rest.command),
+            ),
             ("delay", number(transfer.delay_s.max(0.0))),
             ("denominator", style.short(&transfer.denominator())),
             ("largest_error", number(self.largest_error_percent(flight))),

@@ -14,7 +14,6 @@ mod jsbsim;
 mod jsbsim_delay;
 mod languages;
 mod model;
-mod neutral;
 pub mod servo_model;
 mod statement;
 mod strokes;

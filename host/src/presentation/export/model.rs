@@ -1,6 +1,7 @@
 //! A model together with the facts that an export states.
 
 use crate::data::model_metadata::ModelMetadata;
+use crate::data::neutral::neutral;
 use servoid_identification::flight_model;
 use servoid_identification::flight_model::{FlightModel, FlightModelOptions};
 use servoid_identification::results::{FrequencyResponse, Model};
@@ -22,6 +23,12 @@ pub struct Export<'a> {
     pub metadata: ModelMetadata,
     /// The servo model of the same recording, where there is one.
     pub servo_model: Option<&'a ServoModel>,
+}
+
+/// A position at rest, and its command.
+pub(super) struct Rest {
+    pub(super) command: f64,
+    pub(super) position: f64,
 }
 
 impl<'a> Export<'a> {
@@ -67,6 +74,16 @@ impl<'a> Export<'a> {
     pub(super) fn commands(&self) -> Option<CommandRange> {
         let recorded = self.metadata.recorded.map(|recorded| recorded.commands);
         recorded.or_else(|| self.servo_model?.commands)
+    }
+
+    /// Where the identified response, whose gain that of low order does not have to the last digit, rests under the neutral command.
+    pub(super) fn rest_at_neutral(&self) -> Rest {
+        let command = neutral(self.metadata.units(), self.commands());
+        let gain = self.model.step.value.last().copied().unwrap_or(f64::NAN);
+        Rest {
+            command,
+            position: self.model.offset + gain * command,
+        }
     }
 
     /// The frame that holds a command \[s\]: 0 where there is none, or none is known.

@@ -2,10 +2,10 @@
 
 use super::recorded_range::recorded;
 use super::subject::ServoExport;
+use crate::data::neutral::NEUTRAL_US;
 use crate::data::pulse_widths::is_pulse;
 use crate::data::unitless_command::{FULL_US, UnitlessCommand};
 use crate::presentation::export::error::ExportError;
-use crate::presentation::export::neutral::NEUTRAL_US;
 use servoid_identification::results::six_digits;
 
 /// The deflection that SITL takes for a full command \[deg\].

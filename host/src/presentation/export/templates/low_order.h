@@ -4,6 +4,9 @@
 #define {{ID}}_DELAY_SAMPLES {{delay_samples}}
 #define {{ID}}_LARGEST_ERROR_PERCENT {{largest_error}} /* {{of_error}} */
 #define {{ID}}_GAIN {{gain}}
+/* What its positions are without. It differs from {{ID}}_OFFSET as the gains do: at rest at a command of {{offset_at}} both
+ * models have the same position. */
+#define {{ID}}_LOW_ORDER_OFFSET {{low_order_offset}}
 #define {{ID}}_DELAY_S {{delay}}
 {{parameters}}
 {{bounds_of_low_order}}
@@ -36,8 +39,8 @@ static inline void {{id}}_ss_reset({{id}}_ss *servo, {{id}}_real command)
 }
 
 /* Call once each sample period with the command that is applied from now on; returns the position
- * {{ID}}_SAMPLE_PHASE_S later, without the offset. A command that is no number, or beyond 1e30, counts as
- * the last one that is. */
+ * {{ID}}_SAMPLE_PHASE_S later, without {{ID}}_LOW_ORDER_OFFSET. A command that is no number, or beyond 1e30,
+ * counts as the last one that is. */
 static inline {{id}}_real {{id}}_ss_step({{id}}_ss *servo, {{id}}_real command)
 {
     {{id}}_real next[{{ID}}_ORDER];

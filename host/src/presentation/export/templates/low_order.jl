@@ -1,6 +1,8 @@
 # Low-order model: K exp(-L s) / denominator(s)
 const ORDER = {{order}}
 const GAIN = {{gain}}
+# What its positions are without. It differs from OFFSET as the gains do: at rest at a command of {{offset_at}} both models have the same position.
+const LOW_ORDER_OFFSET = {{low_order_offset}}
 const DELAY_S = {{delay}}
 const DENOMINATOR = [{{denominator}}] # falling powers of s
 const LARGEST_ERROR_PERCENT = {{largest_error}} # {{of_error}}
@@ -15,7 +17,7 @@ const D = {{d}}
 const REST = [{{rest}}] # x at rest at a command of 1
 const DELAY_SAMPLES = {{delay_samples}}
 
-"What simulate does, by the low-order model. A command that is no number leaves none of the later positions."
+"What simulate does, by the low-order model, without LOW_ORDER_OFFSET. A command that is no number leaves none of the later positions."
 function simulate_low_order(command; before=0.0)
     x, position = REST * before, zeros(length(command))
     for k in eachindex(position)

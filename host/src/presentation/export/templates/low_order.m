@@ -1,6 +1,8 @@
 % Low-order model: K exp(-L s) / denominator(s)
 {{id}}.order = {{order}};
 {{id}}.gain = {{gain}};
+% What its positions are without. It differs from offset as the gains do: at rest at a command of {{offset_at}} both models have the same position.
+{{id}}.low_order_offset = {{low_order_offset}};
 {{id}}.delay_s = {{delay}};
 {{id}}.denominator = [{{denominator}}]; % falling powers of s
 {{id}}.largest_error_percent = {{largest_error}}; % {{of_error}}

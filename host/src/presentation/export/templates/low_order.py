@@ -1,6 +1,8 @@
 # Low-order model: K exp(-L s) / denominator(s)
 ORDER = {{order}}
 GAIN = {{gain}}
+# What its positions are without. It differs from OFFSET as the gains do: at rest at a command of {{offset_at}} both models have the same position.
+LOW_ORDER_OFFSET = {{low_order_offset}}
 DELAY_S = {{delay}}
 DENOMINATOR = [{{denominator}}]  # falling powers of s
 LARGEST_ERROR_PERCENT = {{largest_error}}  # {{of_error}}
@@ -17,7 +19,7 @@ DELAY_SAMPLES = {{delay_samples}}
 
 
 def simulate_low_order(command, before=0.0):
-    """What simulate() does, by the low-order model. A command that is no number leaves none of the later positions."""
+    """What simulate() does, by the low-order model, without LOW_ORDER_OFFSET. A command that is no number leaves none of the later positions."""
     command = np.asarray(command, dtype=float)
     late = np.concatenate([np.full(DELAY_SAMPLES, before), command])[: len(command)]
     x, position = REST * before, np.empty(len(command))

@@ -96,9 +96,15 @@ pub(super) fn limited_to(
         true => up,
         false => format!("{up} {} and {down} downwards", upwards(model)),
     };
+    // Where the load helps, the servo is faster than that.
+    let under = match model.terms.load {
+        LoadKind::None => "",
+        LoadKind::Constant => " under its load",
+        _ => " under the load at the middle of its commands",
+    };
     Some(match is_never_reached(model, &speeds?) {
-        true => format!("never reached its top speed of {limits}"),
-        false => format!("is limited to {limits}"),
+        true => format!("never reached its top speed of {limits}{under}"),
+        false => format!("is limited to {limits}{under}"),
     })
 }
 

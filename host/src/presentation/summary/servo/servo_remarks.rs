@@ -5,6 +5,8 @@ use super::top_speeds::one_unreached;
 use super::what_to_record::advice_on_servo_model;
 use super::whole_stroke::whole_stroke;
 use crate::data::model_file::ServoModelDocument;
+use crate::data::neutral::neutral;
+use crate::data::pulse_widths::is_pulse;
 use crate::data::units::Units;
 use crate::presentation::summary::wording::numbers::{digits, four_digits};
 use servoid_identification::nonlinear::MissedRest;
@@ -27,6 +29,7 @@ impl ServoRemarks {
             of_intervals(model, units),
             run_offsets_in_words(model, units),
             of_pulse_end(model, units),
+            rest_at_neutral(model, units),
             of_stops(model, units),
             of_missed_rests(model, units),
         ];
@@ -90,6 +93,19 @@ fn whose_controller(document: &ServoModelDocument) -> Option<String> {
     (!others.is_empty()).then(|| format!(
         "Bandwidth, damping ratio, error of full drive and what is left at rest are those with the controller {first}; {}.",
         others.join(", ")
+    ))
+}
+
+/// Where the model rests under the neutral pulse: the offset is where it would under a pulse of 0.
+fn rest_at_neutral(model: &ServoModel, units: Units<'_>) -> Option<String> {
+    if !is_pulse(units, model.commands) {
+        return None;
+    }
+    let command = neutral(units, model.commands);
+    let rest = model.parameters(0).resting_output(command);
+    Some(format!(
+        "Under a pulse of {command:.0} us the model rests at {}. The offset is that under a command of 0, which is no pulse.",
+        with_unit(four_digits(rest), units.output.unwrap_or_default())
     ))
 }
 

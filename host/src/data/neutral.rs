@@ -5,10 +5,10 @@ use crate::data::units::Units;
 use servoid_identification::servo_model::CommandRange;
 
 /// The neutral pulse of R/C servos \[us\].
-pub(super) const NEUTRAL_US: f64 = 1500.0;
+pub(crate) const NEUTRAL_US: f64 = 1500.0;
 
 /// The neutral command, which is a pulse of 1500 us, or 0 in other units; where the recorded commands leave it out, their middle.
-pub(super) fn neutral(units: Units<'_>, recorded: Option<CommandRange>) -> f64 {
+pub(crate) fn neutral(units: Units<'_>, recorded: Option<CommandRange>) -> f64 {
     let usual = match is_pulse(units, recorded) {
         true => NEUTRAL_US,
         false => 0.0,
