@@ -321,10 +321,13 @@ impl Truth {
         })
     }
 
-    /// Shares of the frequencies at which magnitude and phase are inside.
+    /// Shares of the frequencies at which magnitude and phase of the servo's own response are inside.
     fn frequencies_held_by(&self, model: &Model) -> Option<[f64; 2]> {
-        let bounds = model.frequency.bounds.valid()?;
         let omegas = &model.frequency.omega_rad_s;
+        let own = model.servo_response(omegas).ok()?;
+        let bounds = own.bounds.valid()?;
+        // What frees a response of the hold of the samples.
+        let freed = |own: &[f64], of_samples: &[f64], k: usize| own[k] - of_samples[k];
         let inside = omegas.iter().enumerate().map(|(k, omega)| {
             let (mut re, mut im, mut before) = (0.0, 0.0, 0.0);
             for (m, g) in self.step.iter().enumerate() {
@@ -333,10 +336,12 @@ impl Truth {
                 im -= (g - before) * angle.sin();
                 before = *g;
             }
-            let decibels = 20.0 * re.hypot(im).log10();
+            let decibels = 20.0 * re.hypot(im).log10()
+                + freed(&own.magnitude_db, &model.frequency.magnitude_db, k);
+            let phase =
+                im.atan2(re).to_degrees() + freed(&own.phase_deg, &model.frequency.phase_deg, k);
             let (low, high) = (bounds.phase_deg_lower[k], bounds.phase_deg_upper[k]);
-            let turns = ((f64::midpoint(low, high) - im.atan2(re).to_degrees()) / 360.0).round();
-            let phase = im.atan2(re).to_degrees() + 360.0 * turns;
+            let phase = phase + 360.0 * ((f64::midpoint(low, high) - phase) / 360.0).round();
             // Rounding at the frequency zero, where the phase is exact.
             let within = |low: f64, high: f64, x: f64| {
                 f64::from(u8::from((low - 1e-9..=high + 1e-9).contains(&x)))

@@ -173,11 +173,12 @@ fn levels_of(record: &Record, held: bool) -> usize {
     let further = |pair: &&[f64]| pair[1] - pair[0] > apart;
     let lying_apart = 1 + inputs.windows(2).filter(further).count();
     inputs.dedup();
-    // Every value is a level, but of an input that was measured: of that, values that lie together are one. One that moves smoothly has gaps where it
-    // turns, and no levels.
-    match held && inputs.len() > record.samples() / usual_hold(record) {
+    // Every value is a level, but of an input that was measured, which has several in a hold: of that, values that lie together are one. One that moves smoothly has gaps where
+    // it turns, and no levels.
+    let holds = hold_lengths(record).len();
+    match held && inputs.len() > HELD_AGAIN * holds {
         true => lying_apart,
-        false if held => levels_missed(&inputs, hold_lengths(record).len()).unwrap_or(inputs.len()),
+        false if held => levels_missed(&inputs, holds).unwrap_or(inputs.len()),
         false => inputs.len(),
     }
 }

@@ -67,6 +67,10 @@ pub struct FrequencyBounds {
     /// part of all bounds. Empty where there is none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub bias: Vec<f64>,
+    /// How many times as wide as those of even noise of known size, with the same covariance of θ, the bounds are: Student's t, and of few runs that differ
+    /// their own. With it, bounds at other frequencies follow from that covariance. Empty in documents from before this was kept.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub widening: Vec<f64>,
     /// How much earlier or later than it is taken for the output may have been recorded \[s\]; it is part of the bounds of the phase.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub delay_error_s: f64,
@@ -175,6 +179,8 @@ impl FrequencyResponse {
                     .chain([&bounds.phase_deg_lower, &bounds.phase_deg_upper])
                     .all(|values| sized(values))
                 && (bounds.bias.is_empty() || sized(&bounds.bias))
+                && (bounds.widening.is_empty() || sized(&bounds.widening))
+                && bounds.widening.iter().all(|times| *times >= 1.0)
                 && bounds.bias.iter().all(|bias| *bias >= 0.0)
                 && (0.0..=LARGEST).contains(&bounds.delay_error_s)
         });
@@ -246,7 +252,11 @@ impl FrequencyBounds {
     /// `bias` bounds the other errors of G; it is empty where there are none.
     #[must_use]
     pub(crate) fn new(values: &[f64], spread: &CurveVariance, level: f64, bias: Vec<f64>) -> Self {
-        let single = spread.critical(pointwise_critical(level));
+        let normal = pointwise_critical(level);
+        let single = spread.critical(normal);
+        // The quotient of two rounded numbers may fall short of one.
+        let widening =
+            (single.chunks_exact(2)).map(|pair| (pair[0].max(pair[1]) / normal).max(1.0));
         // Radius of the joint region of two normal quantities: -2 ln(1 - level), squared.
         let joint = (-2.0 * (1.0 - level).ln()).sqrt();
         let joint = spread.critical(joint);
@@ -257,6 +267,7 @@ impl FrequencyBounds {
             phase_deg_lower: Vec::new(),
             phase_deg_upper: Vec::new(),
             bias,
+            widening: widening.collect(),
             delay_error_s: 0.0,
         };
         for (k, phase) in continuous_phase(values).into_iter().enumerate() {
@@ -285,6 +296,13 @@ impl FrequencyBounds {
             bounds.phase_deg_upper.push(phase + above.to_degrees());
         }
         bounds
+    }
+
+    /// [`FrequencyBounds::widening`] at `omega`, of the response at the frequencies `known` \[rad/s\]: the larger one of its neighbours. `None` where it was not kept.
+    pub(crate) fn widening_at(&self, known: &[f64], omega: f64) -> Option<f64> {
+        let highest = self.widening.len().checked_sub(1)?;
+        let next = known.partition_point(|known| *known < omega).min(highest);
+        Some(self.widening[next].max(self.widening[next.saturating_sub(1)]))
     }
 
     /// [`FrequencyBounds::bias`] at `omega`, of the response at the frequencies `known` \[rad/s\]. Above the

@@ -11,6 +11,7 @@ use crate::results::frequency_response::{FrequencyBounds, FrequencyResponse};
 use crate::results::metrics::frequency_metrics;
 use crate::results::metrics::in_band::folding;
 use crate::results::metrics::measured::Measured;
+use crate::results::metrics::sample_uncertainty::SampleSpread;
 use crate::results::model::Model;
 
 /// Bounds of `values`, Re G and Im G in turn at some frequencies \[rad/s\].
@@ -22,11 +23,23 @@ fn bounds_of(measured: &Measured<'_>, omega_rad_s: &[f64], values: &[f64]) -> Fr
         .collect();
     let map = Mat::from_fn(measured.theta.len(), rows.len(), |k, i| rows[i][k]);
     let covariance = map.transpose() * (&measured.covariance * &map);
-    let sd: Vec<f64> = (0..rows.len())
-        .map(|k| not_negative(covariance[(k, k)]).sqrt())
+    // Without their own, those of the step response, the widest of all.
+    let widest = SampleSpread::new(measured).widest();
+    let known = (measured.frequency_bounds, measured.omega_rad_s);
+    let widening = omega_rad_s.iter().map(|omega| {
+        let own = known.0.widening_at(known.1, *omega);
+        own.unwrap_or(widest)
+    });
+    let sd: Vec<f64> = widening
+        .flat_map(|times| [times; 2])
+        .enumerate()
+        .map(|(k, times)| times * not_negative(covariance[(k, k)]).sqrt())
         .collect();
     let correlation = |k: usize| match sd[k] * sd[k + 1] {
-        scale if scale > 0.0 => (covariance[(k, k + 1)] / scale).clamp(-1.0, 1.0),
+        scale if scale > 0.0 => {
+            let variances = covariance[(k, k)] * covariance[(k + 1, k + 1)];
+            (covariance[(k, k + 1)] / variances.sqrt()).clamp(-1.0, 1.0)
+        }
         _ => 1.0,
     };
     let spread = CurveVariance {

@@ -259,7 +259,7 @@ fn from_neutral(evidence: &Evidence<'_>) -> &'static str {
     let runs = evidence.recorded.map_or(&[][..], |record| record.runs());
     match runs.iter().any(|run| leaves_neutral(run.input())) {
         true => {
-            " The first stroke is not like the others, as it leaves a level for ever: behind a dead band it is answered in another way. Begin a run at one of the other levels, or cut it off."
+            " The first stroke is not like the others, as it leaves a level for ever: where it is of another size, or a dead band is there, it is answered in another way. Begin a run at one of the other levels, or cut it off."
         }
         false => "",
     }

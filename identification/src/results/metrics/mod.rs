@@ -45,7 +45,7 @@ mod inversion;
 pub(crate) mod measured;
 mod peak;
 mod rise;
-mod sample_uncertainty;
+pub(crate) mod sample_uncertainty;
 mod step_metrics;
 
 use serde::{Deserialize, Serialize};

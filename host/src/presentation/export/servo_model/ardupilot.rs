@@ -194,7 +194,12 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     let remarks = [
         Some(format!("apply gain and offset yourself: {line}")),
         command.assumed(export),
-        one_speed(export, written.top(command.full)),
+        one_speed(
+            export,
+            written
+                .top(command.full)
+                .map(|top| top * each.abs() / command.full),
+        ),
         behind_in_larger_strokes(share),
         limit_the_command(export),
     ];
@@ -220,7 +225,7 @@ fn rate_in_words(
     export.rate(limit, [top; 2])
 }
 
-/// That one speed stands for two, where it is that of neither.
+/// That one speed of the position stands for two, where it is that of neither.
 fn one_speed(export: &ServoExport<'_>, speed: Option<f64>) -> Option<String> {
     let speed = speed?;
     let (larger, smaller) = export.top_speeds()?;
@@ -237,7 +242,7 @@ fn one_speed(export: &ServoExport<'_>, speed: Option<f64>) -> Option<String> {
     is_other.then(|| {
         format!(
             "one speed stands for two: {} {unit}/s, where the servo{without} has {} {unit}/s upwards and {} {unit}/s downwards",
-            of_position(speed),
+            four_digits(speed),
             of_position(up),
             of_position(down)
         )

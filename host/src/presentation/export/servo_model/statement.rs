@@ -342,7 +342,9 @@ impl ServoExport<'_> {
             }
             false => "",
         };
-        let reached = self.reached_by(self.parameters.gain.abs().recip(), unit);
+        // Limits are those of a loop that has the spring in it, whose theta is the position over another gain.
+        let gain = self.with_spring_in_loop().parameters.gain;
+        let reached = self.reached_by(gain.abs().recip(), unit);
         let reached = reached.map(|speeds| format!(
             " In the recording theta reached {speeds} at least; the limit need not be that, as it acts from the beginning of a stroke to its end, while a servo builds up its speed and brakes."
         ));

@@ -113,19 +113,26 @@ pub(super) fn with_space(unit: Option<&str>) -> String {
     unit.map(|unit| format!(" {unit}")).unwrap_or_default()
 }
 
+/// The upper end of an interval over its value, from which a rest is not said in a sentence.
+const MOST_OF_REST: f64 = 4.0;
+
 /// How far friction and a dead band leave it off its command, together: what friction leaves begins at the edge of the band.
 pub(super) fn resting_error(model: &ServoModel, units: Units<'_>) -> Option<String> {
     let by_friction = determined(model, QuantityKind::RestingError)?;
     let all = [Some(by_friction), determined(model, QuantityKind::DeadBand)];
     let value: f64 = all.iter().flatten().map(|found| found.value).sum();
-    (by_friction.value > 0.0).then(|| {
+    let ends = |found: &Quantity| {
+        let interval = found.interval.valid()?;
+        interval.lower.zip(interval.upper)
+    };
+    let bounds = all.into_iter().flatten().map(ends);
+    let bounds = bounds.reduce(|a, b| Some((a?.0 + b?.0, a?.1 + b?.1)));
+    // Ends that are far apart say nothing of a servo, and alarm.
+    let is_known = bounds
+        .flatten()
+        .is_none_or(|(_, upper)| upper < MOST_OF_REST * value);
+    (by_friction.value > 0.0 && is_known).then(|| {
         let command = with_space(units.input);
-        let ends = |found: &Quantity| {
-            let interval = found.interval.valid()?;
-            interval.lower.zip(interval.upper)
-        };
-        let bounds = all.into_iter().flatten().map(ends);
-        let bounds = bounds.reduce(|a, b| Some((a?.0 + b?.0, a?.1 + b?.1)));
         // A number that may be twice as large, or none, is not said without its interval.
         let wide = bounds
             .flatten()

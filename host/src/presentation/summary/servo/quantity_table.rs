@@ -105,7 +105,8 @@ fn quantity_row(quantity: &Quantity, units: Units<'_>) -> QuantityRow {
     let spread = spread
         .map(|Spread { least, most }| (shown(least), shown(most)))
         .map(|ends| match ends {
-            (least, most) if least == most => "the same in other fits".to_owned(),
+            (least, most) if least == most && most == value => "the same in other fits".to_owned(),
+            (least, most) if least == most => format!("{most} in other fits"),
             (least, most) => format!("other fits {least} to {most}"),
         });
     QuantityRow {

@@ -99,7 +99,7 @@ fn what_was_seen(
 ) -> Vec<String> {
     if let Some(limits) = limits_in_words(model, units) {
         let limited = format!(
-            "is limited to about {limits} in this recording, the speed of its larger strokes"
+            "is limited in its speed: its larger strokes go at about {limits} in this recording, and the limit is that or more"
         );
         return std::iter::once(limited)
             .chain(stopped(model, units))
