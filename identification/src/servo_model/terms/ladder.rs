@@ -475,19 +475,15 @@ fn full_drive_at(point: &Point) -> Option<f64> {
 }
 
 /// Below this share of the spread of the command a drive is full at hardly any error: it is a relay.
-const RELAY: f64 = 0.05;
+const RELAY: f64 = 0.02;
 
-/// The `servos` that were made of another one, and where its drive is a relay and they rest off their command as it does not, these with a loop that is full at a quarter of the
-/// spread: what friction and a dead band leave of the ends of strokes, a relay without them leaves, too.
+/// The `servos` that were made of another one, and where its drive is a relay and they have friction as it has not, these with a loop that is full at a quarter of the spread: what
+/// friction leaves of the ends of strokes, a relay without it leaves, too.
 fn with_softer_loop(from: &Point, mut servos: Vec<Point>, shown: &Shown) -> Vec<Point> {
-    let rests_off = |terms: Terms| (terms.dead_band, terms.friction);
     let is_relay = full_drive_at(from).is_some_and(|full_at| full_at < RELAY * shown.spread);
-    let soft = |servo: &Point| softer(servo, 0.25 * shown.spread);
-    if is_relay
-        && servos
-            .iter()
-            .any(|servo| rests_off(servo.terms) != rests_off(from.terms))
-    {
+    let gets_friction = |servo: &Point| servo.terms.friction && !from.terms.friction;
+    if is_relay && servos.iter().any(gets_friction) {
+        let soft = |servo: &Point| softer(servo, 0.25 * shown.spread);
         let others: Vec<Point> = servos.iter().filter_map(soft).collect();
         servos.extend(others);
     }

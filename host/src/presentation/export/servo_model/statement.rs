@@ -16,7 +16,7 @@ use crate::presentation::summary;
 use crate::presentation::summary::recorded::{self, beside};
 use crate::presentation::summary::{digits, four_digits};
 use servoid_identification::results::{Bounds, six_digits};
-use servoid_identification::servo_model::QuantityKind;
+use servoid_identification::servo_model::{Load, QuantityKind};
 
 /// How the difference of an export from the servo model was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -328,9 +328,14 @@ impl ServoExport<'_> {
         let [up, down] = (self.parameters)
             .upwards_first([(limits[0], tops[0]), (limits[1], tops[1])])
             .map(|(limit, top)| of_top(limit, top));
+        // Of a loop that has the spring in it, which is another theta than that of the equation.
+        let theta = match self.parameters.load {
+            Load::Spring { .. } => "the position over its gain at rest",
+            _ => "theta",
+        };
         let limit = match up == down {
-            true => format!("the limit of theta is {up}"),
-            false => format!("the limit of theta upwards is {up}, and downwards {down}"),
+            true => format!("the limit of {theta} is {up}"),
+            false => format!("the limit of {theta} upwards is {up}, and downwards {down}"),
         };
         let one = match is_mean {
             true => " One rate stands for both directions, as this program has one.",
@@ -342,11 +347,10 @@ impl ServoExport<'_> {
             }
             false => "",
         };
-        // Limits are those of a loop that has the spring in it, whose theta is the position over another gain.
         let gain = self.with_spring_in_loop().parameters.gain;
         let reached = self.reached_by(gain.abs().recip(), unit);
         let reached = reached.map(|speeds| format!(
-            " In the recording theta reached {speeds} at least; the limit need not be that, as it acts from the beginning of a stroke to its end, while a servo builds up its speed and brakes."
+            " In the recording {theta} reached {speeds} at least; the limit need not be that, as it acts from the beginning of a stroke to its end, while a servo builds up its speed and brakes."
         ));
         format!(
             "Rate: {limit}. Limits up to the top speed were tried, and with this one the file is closest to the servo in the staircase below, in the mean of squares.{one}{larger}{}",
