@@ -417,6 +417,14 @@ impl Advice {
         }
     }
 
+    /// Where commands wait for pulses, or a logger saw them late, runs differ by that, and the servo need not be other than linear.
+    pub fn name_waits_of_runs(all: &mut [Self]) {
+        for item in all.iter_mut().filter(|item| item.is_of_scatter()) {
+            "Commands that act later than they are written by other times in each run make runs differ, too: write each with the pulse with which it begins."
+                .clone_into(&mut item.remedy);
+        }
+    }
+
     /// Where a load is known to hold the servo off its command to the side to which it rests, `remedy` says so, and the zero need not be
     /// looked at. `by_load` is what the load does \[output\], where that is known.
     pub fn name_load(all: &mut [Self], by_load: Option<f64>, remedy: &str) {

@@ -57,6 +57,7 @@ pub fn identified(data: &Dataset, name: &str, options: &Options) -> Result<Ident
                 .model
                 .advice
                 .retain(|item| !item.is_of_errors_in_motion());
+            Advice::name_waits_of_runs(&mut found.model.advice);
             found.model.advice.insert(0, advice);
             None
         }
@@ -134,6 +135,7 @@ fn explained_by_waits(model: &mut Model) {
     if model.bounds.valid().is_some() {
         model.linear = true;
         model.advice.retain(|item| !item.is_of_errors_in_motion());
+        Advice::name_waits_of_runs(&mut model.advice);
     }
 }
 

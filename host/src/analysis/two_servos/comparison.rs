@@ -19,7 +19,7 @@ use servoid_identification::comparison::{
 };
 use servoid_identification::results::{Advice, Model, Reason, six_digits};
 use servoid_identification::servo_model::Watch;
-use servoid_identification::{Error, Options};
+use servoid_identification::{Error, Identification};
 
 /// Compares the data of two sides. The most important advice comes first: that both have the same samples.
 ///
@@ -33,12 +33,11 @@ pub fn compared(
     let metadata = [a, b].map(|side| ModelMetadata::from(&side.about));
     metadata[0].same_units(names[0], &metadata[1], names[1])?;
     let sides = [&metadata[0], &metadata[1]];
+    let own = [a, b].map(|side| identified(side, "", &options.identification).ok());
     let options = ComparisonOptions {
         input_unit: a.about.input_unit_with(&b.about),
         output_unit: a.about.output_unit_with(&b.about),
-        withheld: [a, b]
-            .into_iter()
-            .find_map(|side| fault(side, &options.identification)),
+        withheld: own.iter().flatten().find_map(fault),
         ..allowed_for_sensors(sides, options)
     };
     let found = compare(&a.record, &b.record, &options);
@@ -49,6 +48,7 @@ pub fn compared(
     let same = fingerprint::advice_on_sides(&prints_a, &prints_b);
     let overlap = || fingerprint::advice_on_overlap(&a.record, &b.record);
     say_same_data(&mut found, same.or_else(overlap));
+    found.advice.splice(0..0, waits(&own, names));
     if a.about.units().output.is_none() {
         let advice = advice_on_units(names, [a.record.runs(), b.record.runs()]);
         found.advice.splice(0..0, advice);
@@ -64,9 +64,22 @@ pub fn compared(
     Ok(found)
 }
 
+/// That commands of a side wait for pulses, by its model alone, which is linear beside that: the models of a comparison know no frames.
+fn waits(own: &[Option<Identification>; 2], names: [&str; 2]) -> Vec<Advice> {
+    let of_side = |(found, name): (&Option<Identification>, &str)| {
+        let model = &found.as_ref().filter(|found| found.model.linear)?.model;
+        let mut found = model.advice.iter().find(|item| item.is_of_waits())?.clone();
+        found.finding = format!(
+            "{name}: {} Where a servo is said not to be linear here, that may be these waits.",
+            found.finding
+        );
+        Some(found)
+    };
+    own.iter().zip(names).filter_map(of_side).collect()
+}
+
 /// What is wrong with the data of one side by itself, be it by what its files say: then a comparison has no bounds, either.
-fn fault(side: &Dataset, options: &Options) -> Option<Reason> {
-    let found = identified(side, "", options).ok()?;
+fn fault(found: &Identification) -> Option<Reason> {
     let reason = found.model.bounds.withdrawn();
     reason.filter(|reason| reason.is_of_the_record())
 }

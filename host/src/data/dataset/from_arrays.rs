@@ -62,6 +62,8 @@ impl<'a> Arrays<'a> {
         let mut about = About {
             input_unit: self.input_unit,
             output_unit: self.output_unit,
+            commands_at_rows: !self.polled,
+            polled: self.polled,
             ..About::default()
         };
         let mut runs = Vec::new();

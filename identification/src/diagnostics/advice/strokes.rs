@@ -6,6 +6,9 @@ use crate::diagnostics::outlying::taken_out::TakenOut;
 use crate::numerics::median;
 use crate::results::{Advice, Check};
 
+/// Steps that differ by no more than this share are of one size.
+const ALIKE: f64 = 0.1;
+
 pub(super) fn other_strokes(evidence: &Evidence<'_>) -> Option<Advice> {
     let record = evidence.recorded?;
     let taken_out = &evidence.explanation.taken_out;
@@ -20,12 +23,18 @@ pub(super) fn other_strokes(evidence: &Evidence<'_>) -> Option<Advice> {
     let hold = held.find(|hold| hold.samples.contains(&first.sample))?;
     let size = (hold.level - hold.before?).abs();
     let samples: usize = found.iter().map(|found| found.samples).sum();
-    let usual = evidence.input(two_digits(usual));
+    let sizes: Vec<f64> = stroke_sizes(record, EXACTLY).collect();
+    let alike = sizes
+        .iter()
+        .filter(|other| (*other - usual).abs() <= ALIKE * usual);
+    let most = match 2 * alike.count() > sizes.len() {
+        true => format!("the steps of {0}, which are most of this recording, by more than noise explains. The response, and bounds where there are any, are those of steps of {0}", evidence.input(two_digits(usual))),
+        false => "most others of this recording, by more than noise explains. The response, and bounds where there are any, are those of these".to_owned(),
+    };
     Some(Advice::new(
         Check::Linearity,
         format!(
-            "The servo is not linear: a step of {} at {:.3} s is not answered as the steps of {usual}, which are most of this recording, by more than \
-             noise explains. The response, and bounds where there are any, are those of steps of {usual}. {samples} samples after steps of other sizes were left out.",
+            "The servo is not linear: a step of {} at {:.3} s is not answered as {most}. {samples} samples after steps of other sizes were left out.",
             evidence.input(two_digits(size)),
             hold.samples.start as f64 * evidence.model.sample_period_s
         ),
