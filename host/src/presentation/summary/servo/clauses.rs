@@ -99,6 +99,8 @@ pub(super) fn limited_to(
     // Where the load helps, the servo is faster than that.
     let under = match model.terms.load {
         LoadKind::None => "",
+        // Which may be none.
+        _ if has_few_levels(model) => "",
         LoadKind::Constant => " under its load",
         _ => " under the load at the middle of its commands",
     };
@@ -106,6 +108,11 @@ pub(super) fn limited_to(
         true => format!("never reached its top speed of {limits}{under}"),
         false => format!("is limited to {limits}{under}"),
     })
+}
+
+/// Whether the record goes to so few levels that terms of the model stand for each other.
+fn has_few_levels(model: &ServoModel) -> bool {
+    model.covariance.withdrawn() == Some(Reason::FewLevels)
 }
 
 /// " deg"; nothing of an unknown unit.

@@ -12,7 +12,7 @@ use super::measured_limits::limits_in_words;
 use super::top_speeds::{is_never_reached, top_speeds};
 use crate::data::units::Units;
 use crate::presentation::summary::wording::layout::listed_words;
-use servoid_identification::results::{Bounds, Model, Reason};
+use servoid_identification::results::{Bounds, Model};
 use servoid_identification::servo_model::{Quantity, ServoModel};
 
 /// What kind of servo this is, in a sentence or two; and that the linear model is the one to use, where it predicts better. `linear` is that of
@@ -105,9 +105,6 @@ fn what_was_seen(
             .chain(stopped(model, units))
             .collect();
     }
-    // Between two levels a load, friction and a speed stand for each other, in all fits alike.
-    let shows_terms = model.covariance.withdrawn() != Some(Reason::FewLevels);
-    let speeds = speeds.filter(|_| shows_terms);
     let agreed = speeds.and_then(|speeds| agreed(model, speeds));
     let kind = limited_to(model, agreed, units, 3).unwrap_or_else(|| match speeds {
         // The speed that follows is not to be read as the limit.
