@@ -15,6 +15,10 @@ use thiserror::Error;
 
 /// Which servo is simulated.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "a program has one or two of them"
+)]
 pub enum ServoKind {
     /// Free on the bench.
     Bench,

@@ -19,6 +19,7 @@ pub(crate) mod model_metadata;
 pub(crate) mod neutral;
 pub(crate) mod numbered_path;
 mod predicted_run;
+pub(crate) mod pulse_end;
 pub(crate) mod pulse_widths;
 pub(crate) mod rest_error;
 mod servo_moved;

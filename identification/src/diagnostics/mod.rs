@@ -78,7 +78,7 @@ pub(crate) use runs::gain_drift::gain_drift;
 pub use runs::initial_rest::Contradicted;
 pub(crate) use runs::initial_rest::contradicted_rest;
 pub(crate) use runs::run_offsets::{
-    RunOffsets, allow_for_run_offsets, differing_means, run_offsets,
+    Beside, RunOffsets, allow_for_run_offsets, differing_means, run_offsets,
 };
 pub use runs::run_scatter::{Deviation, Difference, RunComparison, RunDifference, Scatter};
 pub(crate) use runs::run_trends::{RunTrends, allow_for_run_trends, drift, slopes_left, trend_at};

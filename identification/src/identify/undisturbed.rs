@@ -8,8 +8,8 @@ use super::disturbances::Disturbances;
 use super::estimate::Estimate;
 use crate::data::{HELD, Moments, Quantisation, Record, sensor_step, usual_hold};
 use crate::diagnostics::{
-    LevelEffects, Outliers, RunTrends, Simulated, drift, hum, outliers, run_offsets, simulated,
-    simulated_whole, slopes_left,
+    Beside, LevelEffects, Outliers, RunTrends, Simulated, drift, hum, outliers, run_offsets,
+    simulated, simulated_whole, slopes_left,
 };
 use crate::error::Error;
 use crate::options::{Detrend, Options};
@@ -197,10 +197,14 @@ impl<'a> Undisturbed<'a> {
             let white = (taken_out.is_empty()).then(|| fit.in_white_noise(information));
             let fit = white.flatten().map_or(Cow::Borrowed(fit), Cow::Owned);
             let left = simulated_whole(&self.record, moments, &fit);
-            let left = (left.as_slice(), taken_out);
+            let beside = Beside {
+                left: &left,
+                taken_out,
+                moments,
+                fit: &fit,
+            };
             // Slopes are found beside the response, too: both at once would take what is one error out twice.
-            let beside = (!drifts).then_some((left, moments, &*fit));
-            run_offsets(errors, beside, settling, wanted)
+            run_offsets(errors, (!drifts).then_some(beside), settling, wanted)
         };
         next.offsets = match detrend {
             Detrend::None => Vec::new(),

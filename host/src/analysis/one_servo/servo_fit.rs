@@ -4,7 +4,7 @@ use super::identified::identified;
 use crate::data::dataset::Dataset;
 use crate::data::held_out::{HeldOut, HeldOutPrediction};
 use crate::data::model_file::ServoModelDocument;
-use crate::data::pulse_widths::pulses;
+use crate::data::pulse_end::pulses;
 use crate::presentation::summary::sixty_degrees;
 use servoid_identification::comparison::{Comparison, Verdict};
 use servoid_identification::diagnostics::TakenOut;

@@ -3,7 +3,7 @@
 use super::emulation::{FirstOrder, SecondOrder};
 use super::error::ExportError;
 use super::jsbsim_delay::{DelayOfParts, aligned};
-use super::model::{Export, Rest};
+use super::model::{Export, RestAtNeutral};
 use super::statement::{InFile, low_order_covariance};
 use super::text::{XML_STYLE, identifier, number};
 use crate::data::units::Units;
@@ -48,7 +48,7 @@ pub(super) fn write(export: &Export<'_>) -> Result<String, ExportError> {
     paragraphs.push(format!(
         "Run it at {advised_hz} Hz or more: JSBSim replaces poles by Tustin's rule. Behind a step of the command the position is that of the low-order model to {usual} % at {usual_hz} Hz, the usual rate of JSBSim, and to {advised} % at {advised_hz} Hz; the delay is right to a part of a step. {TIME} Set the step before the aircraft is loaded: delays are counted out then."
     ));
-    let Rest {
+    let RestAtNeutral {
         command: centre,
         position: at_centre,
     } = export.rest_at_neutral();

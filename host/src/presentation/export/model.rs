@@ -25,8 +25,8 @@ pub struct Export<'a> {
     pub servo_model: Option<&'a ServoModel>,
 }
 
-/// A position at rest, and its command.
-pub(super) struct Rest {
+/// The position at rest under the neutral command, and that.
+pub(super) struct RestAtNeutral {
     pub(super) command: f64,
     pub(super) position: f64,
 }
@@ -77,10 +77,10 @@ impl<'a> Export<'a> {
     }
 
     /// Where the identified response, whose gain that of low order does not have to the last digit, rests under the neutral command.
-    pub(super) fn rest_at_neutral(&self) -> Rest {
+    pub(super) fn rest_at_neutral(&self) -> RestAtNeutral {
         let command = neutral(self.metadata.units(), self.commands());
         let gain = self.model.step.value.last().copied().unwrap_or(f64::NAN);
-        Rest {
+        RestAtNeutral {
             command,
             position: self.model.offset + gain * command,
         }

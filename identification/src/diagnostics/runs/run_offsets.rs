@@ -33,29 +33,46 @@ use crate::thresholds::RESIDUAL_SIGNIFICANCE;
 /// What the offset of each run is above the [common one](common_offset) \[output\]; empty where runs do not differ beyond chance.
 pub(crate) type RunOffsets = Vec<f64>;
 
-/// The offsets of `runs`, if they differ by more than parts of `settling` samples of one run do, or they are `wanted`. The errors of `runs` have all of them. `beside` a fit, they are found
-/// together with its response: its errors to its own record say what there is beside the offsets that were taken out of that.
+/// A fit, beside which offsets are found together with its response.
+pub(crate) struct Beside<'a> {
+    /// Its errors to its own record.
+    pub(crate) left: &'a [Simulated<'a>],
+    /// The offsets that were taken out of that.
+    pub(crate) taken_out: &'a [f64],
+    pub(crate) moments: &'a Moments,
+    pub(crate) fit: &'a GlsFit,
+}
+
+/// The offsets of `runs`, if they differ by more than parts of `settling` samples of one run do, or they are `wanted`. The errors of `runs` have all of them. Without one `beside` which they are found,
+/// they are the means of these.
 pub(crate) fn run_offsets(
     runs: &[Simulated<'_>],
-    beside: Option<((&[Simulated<'_>], &[f64]), &Moments, &GlsFit)>,
+    beside: Option<Beside<'_>>,
     settling: usize,
     wanted: bool,
 ) -> RunOffsets {
     let errors: Vec<&[f64]> = runs.iter().map(|run| run.errors.as_slice()).collect();
     let offsets = |means: &[f64]| {
-        let joint = |((left, taken_out), moments, fit): (_, &Moments, &GlsFit)| {
-            let more = offsets_left(left, moments, fit)?.into_iter().enumerate();
-            let before = |run: usize| <[f64]>::get(taken_out, run).copied().unwrap_or(0.0);
+        let joint = |beside: &Beside<'_>| {
+            let more = offsets_left(beside)?.into_iter().enumerate();
+            let before = |run: usize| beside.taken_out.get(run).copied().unwrap_or(0.0);
             Some(more.map(|(run, more)| before(run) + more).collect())
         };
-        beside.and_then(joint).unwrap_or_else(|| means.to_vec())
+        beside
+            .as_ref()
+            .and_then(joint)
+            .unwrap_or_else(|| means.to_vec())
     };
     differing_offsets(&errors, settling, wanted, offsets)
 }
 
-/// What each of `runs` has more than the last one, by the errors of `fit` for a regression with an offset of each. `None` where the response leaves nothing of them.
-fn offsets_left(runs: &[Simulated<'_>], moments: &Moments, fit: &GlsFit) -> Option<Vec<f64>> {
-    let (_, others) = runs.split_last()?;
+/// What each run has more than the last one, by the errors that a fit leaves, for a regression with an offset of each. `None` where the response leaves nothing of them.
+fn offsets_left(
+    &Beside {
+        left, moments, fit, ..
+    }: &Beside<'_>,
+) -> Option<Vec<f64>> {
+    let (_, others) = left.split_last()?;
     let of_runs: Vec<Run> = others.iter().map(|run| run.run.clone()).collect();
     let beside = BesideFit::of(&of_runs, moments, fit)?;
     let d = noise_filter(&fit.ar);
