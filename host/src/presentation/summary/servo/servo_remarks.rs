@@ -102,10 +102,16 @@ fn rest_at_neutral(model: &ServoModel, units: Units<'_>) -> Option<String> {
         return None;
     }
     let command = neutral(units, model.commands);
-    let rest = model.parameters(0).resting_output(command);
+    let servo = model.parameters(0);
+    let rest = servo.resting_output(command);
+    // What a tenth of a microsecond makes.
+    let decimals = (-(0.1 * servo.gain.abs()).log10()).ceil().clamp(0.0, 9.0) as usize;
     Some(format!(
         "Under a pulse of {command:.0} us the model rests at {}. The offset is that under a command of 0, which is no pulse.",
-        with_unit(four_digits(rest), units.output.unwrap_or_default())
+        with_unit(
+            format!("{rest:.decimals$}"),
+            units.output.unwrap_or_default()
+        )
     ))
 }
 
