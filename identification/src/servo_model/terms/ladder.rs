@@ -4,6 +4,7 @@
 //! in turn; its errors in the blocks that it has not seen are compared, block by block, with those of another. A
 //! term is taken out where its advantage is not larger than its scatter over the blocks.
 
+use super::begun_terms::{that_moves, with_shared_rest, with_softer_loop};
 use super::neighbouring_terms::{poorer, richer};
 use crate::results::fit_percent;
 use crate::servo_model::descent::coordinates::{Coordinate, LoadKind, Point, Terms};
@@ -453,70 +454,4 @@ impl Ladder<'_> {
             watch: self.watch,
         }
     }
-}
-
-/// The largest share of full drive that friction takes in the beginning.
-const MOST_FRICTION: f64 = 0.2;
-
-/// The servo `made` of another one, with less friction where that did not have any, and the drive would not move the shaft at all: no descent leads from there.
-fn that_moves(from: &Point, mut made: Point) -> Point {
-    let is_new = from.get(Coordinate::Friction).is_none();
-    let friction = made.get(Coordinate::Friction).filter(|_| is_new);
-    if let Some((friction, full_at)) = friction.zip(full_drive_at(&made)) {
-        made.set(Coordinate::Friction, friction.min(MOST_FRICTION * full_at));
-    }
-    made
-}
-
-/// The error of full drive \[command\].
-fn full_drive_at(point: &Point) -> Option<f64> {
-    let servo = point.physics(0, |_, value| value);
-    Some(servo.drive_limit()?.up / servo.stiffness)
-}
-
-/// Below this share of the spread of the command a drive is full at hardly any error: it is a relay.
-const RELAY: f64 = 0.02;
-
-/// The `servos` that were made of another one, and where its drive is a relay and they have friction as it has not, these with a loop that is full at a quarter of the spread: what
-/// friction leaves of the ends of strokes, a relay without it leaves, too.
-fn with_softer_loop(from: &Point, mut servos: Vec<Point>, shown: &Shown) -> Vec<Point> {
-    let is_relay = full_drive_at(from).is_some_and(|full_at| full_at < RELAY * shown.spread);
-    let gets_friction = |servo: &Point| servo.terms.friction && !from.terms.friction;
-    if is_relay && servos.iter().any(gets_friction) {
-        let soft = |servo: &Point| softer(servo, 0.25 * shown.spread);
-        let others: Vec<Point> = servos.iter().filter_map(soft).collect();
-        servos.extend(others);
-    }
-    servos
-}
-
-/// `servo` with the same motor behind a well damped loop whose drive is full at the error `full_at`.
-fn softer(servo: &Point, full_at: f64) -> Option<Point> {
-    let motor = servo.physics(0, |_, value| value).drive_limit()?;
-    let mut soft = servo.clone();
-    let stiffness = motor.up / full_at;
-    let damping = (1.6 * stiffness.sqrt()).max(1.1 * motor.motor_damping);
-    for (coordinate, value) in [
-        (Coordinate::LnStiffness, stiffness.ln()),
-        (Coordinate::LnDamping, damping.ln()),
-        (Coordinate::MotorShare, motor.motor_damping / damping),
-    ] {
-        soft.set(coordinate, value);
-    }
-    Some(soft)
-}
-
-/// The servo `plain`, which was made from another one, and the same with half of how far that rests off in each of dead band and friction, where it has both and the other one
-/// had not: a small one beside the whole of the other is in another valley.
-fn with_shared_rest(from: &Point, plain: Point) -> Vec<Point> {
-    let both = |terms: Terms| terms.dead_band && terms.friction;
-    if both(from.terms) || !both(plain.terms) {
-        return vec![plain];
-    }
-    let rest = [Coordinate::DeadBand, Coordinate::Friction].map(|at| from.get(at));
-    let half = 0.5 * rest.into_iter().flatten().sum::<f64>();
-    let mut shared = plain.clone();
-    shared.set(Coordinate::DeadBand, half);
-    shared.set(Coordinate::Friction, half);
-    vec![plain, that_moves(from, shared)]
 }

@@ -1,5 +1,6 @@
 //! Which terms the servo has.
 
+mod begun_terms;
 mod cut_crests;
 pub(super) mod ladder;
 pub(super) mod level_crests;
