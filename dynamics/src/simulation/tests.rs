@@ -372,8 +372,7 @@ fn at_a_stop_the_output_follows_the_zero_of_the_sensor_and_not_the_offset() {
     assert!(checked > 1000, "{checked}");
 }
 
-/// Of the same servo under each command with its own delay: between two edges both are one motion. From an edge on, the servo with a delay that is constant is given
-/// the state of the other one there.
+/// As a servo with one delay for all commands moves, in steps so short that each command can be given as much later as its pulse is longer.
 #[test]
 fn a_pulse_that_is_longer_acts_later() {
     // Steps of a millionth of a second, in which every pulse ends with a step.

@@ -1,5 +1,6 @@
 //! The response of the servo itself: that of the samples, freed of their hold and phase.
 
+use std::cell::LazyCell;
 use std::f64::consts::FRAC_1_SQRT_2;
 
 use faer::Mat;
@@ -23,12 +24,12 @@ fn bounds_of(measured: &Measured<'_>, omega_rad_s: &[f64], values: &[f64]) -> Fr
         .collect();
     let map = Mat::from_fn(measured.theta.len(), rows.len(), |k, i| rows[i][k]);
     let covariance = map.transpose() * (&measured.covariance * &map);
-    // Without their own, those of the step response, the widest of all.
-    let widest = SampleSpread::new(measured).widest();
-    let known = (measured.frequency_bounds, measured.omega_rad_s);
+    // In documents without their own, those of the step response, the widest of all.
+    let widest = LazyCell::new(|| SampleSpread::new(measured).widest());
+    let known = measured.frequency_bounds;
     let widening = omega_rad_s.iter().map(|omega| {
-        let own = known.0.widening_at(known.1, *omega);
-        own.unwrap_or(widest)
+        let own = known.widening_at(measured.omega_rad_s, *omega);
+        own.unwrap_or_else(|| *widest)
     });
     let sd: Vec<f64> = widening
         .flat_map(|times| [times; 2])

@@ -74,8 +74,7 @@ fn runs_whose_gains_differ_determine_their_response_all_the_same() {
     }
 }
 
-/// With the normal quantile in the place of Student's of two degrees of freedom, the servo's own response had a quarter of the width, and missed in one of
-/// ten records.
+/// With the normal quantile in the place of Student's of two degrees of freedom, the servo's own response had a quarter of the width.
 #[test]
 fn the_servos_own_response_counts_few_runs_as_that_of_its_samples_does() {
     let found = identify(&under_pulses(250), &Options::default()).unwrap();

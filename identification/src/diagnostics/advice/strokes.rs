@@ -17,24 +17,32 @@ pub(super) fn other_strokes(evidence: &Evidence<'_>) -> Option<Advice> {
         .filter(|found| found.other_stroke)
         .collect();
     let first = found.first()?;
-    let usual = median(stroke_sizes(record, EXACTLY).collect())?;
+    let sizes: Vec<f64> = stroke_sizes(record, EXACTLY).collect();
+    let usual = median(sizes.clone())?;
     let run = record.runs().get(first.run - 1)?;
     let mut held = holds(run, EXACTLY).into_iter();
     let hold = held.find(|hold| hold.samples.contains(&first.sample))?;
     let size = (hold.level - hold.before?).abs();
     let samples: usize = found.iter().map(|found| found.samples).sum();
-    let sizes: Vec<f64> = stroke_sizes(record, EXACTLY).collect();
     let alike = sizes
         .iter()
         .filter(|other| (*other - usual).abs() <= ALIKE * usual);
-    let most = match 2 * alike.count() > sizes.len() {
-        true => format!("the steps of {0}, which are most of this recording, by more than noise explains. The response, and bounds where there are any, are those of steps of {0}", evidence.input(two_digits(usual))),
-        false => "most others of this recording, by more than noise explains. The response, and bounds where there are any, are those of these".to_owned(),
+    let usual = evidence.input(two_digits(usual));
+    let (others, these) = match 2 * alike.count() > sizes.len() {
+        true => (
+            format!("the steps of {usual}, which are most of this recording,"),
+            format!("steps of {usual}"),
+        ),
+        false => (
+            "most others of this recording,".to_owned(),
+            "these".to_owned(),
+        ),
     };
     Some(Advice::new(
         Check::Linearity,
         format!(
-            "The servo is not linear: a step of {} at {:.3} s is not answered as {most}. {samples} samples after steps of other sizes were left out.",
+            "The servo is not linear: a step of {} at {:.3} s is not answered as {others} by more than noise explains. The response, and bounds where \
+             there are any, are those of {these}. {samples} samples after steps of other sizes were left out.",
             evidence.input(two_digits(size)),
             hold.samples.start as f64 * evidence.model.sample_period_s
         ),

@@ -165,7 +165,7 @@ fn largest_difference(symmetry: &Symmetry) -> String {
 fn of_other_sizes(symmetry: &Symmetry) -> String {
     format!(
         "Whether up and down strokes differ is not known: their mean responses do, by up to {}, but the speed does not grow in proportion to the stroke, so that \
-         strokes of other sizes do that, too. The speeds below differ by up to a tenth for that reason alone.",
+         strokes of other sizes do that, too. The speeds below differ by a tenth and more for that reason alone.",
         largest_difference(symmetry)
     )
 }

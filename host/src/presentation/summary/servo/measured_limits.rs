@@ -2,8 +2,8 @@
 //!
 //! A model that lacks something of the servo has it in other terms, and its top speeds may be off by a third. What the strokes show by
 //! themselves is near the limit of the servo, whatever it comes from: the speed of a motor that builds up over a stroke ends above its mean
-//! (79 limits of 60 simulated servos with such motors, under strokes of up to 60 degrees, were 93 to 99 % of the top speed; those of a quick loop and a slow motor are
-//! as low as 88 %).
+//! (79 limits of 60 simulated servos with such motors, under strokes of up to 60 degrees, were 93 to 99 % of the top speed; those of a loop that is
+//! quick beside its motor lie further below).
 
 use crate::data::units::Units;
 use crate::presentation::summary::wording::numbers::digits;

@@ -56,7 +56,7 @@ fn speeds_of_both(
     };
     let [a, b] = [of(names[0], speeds.a)?, of(names[1], speeds.b)?];
     Some(format!(
-        "By the recordings larger strokes go {a}, and {b}: these have no intervals, and strokes of other sizes differ by up to a tenth."
+        "By the recordings larger strokes go {a}, and {b}: these have no intervals, and strokes of other sizes differ by a tenth and more."
     ))
 }
 
