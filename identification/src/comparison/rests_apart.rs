@@ -60,7 +60,7 @@ impl RestsApart {
         let decimals = self.decimals();
         match self.a.zip(self.b).zip(self.most_between()) {
             Some(((of_a, of_b), most)) => format!(
-                "Rests under one command, which {KEPT_APART_BY}, are {} {a} and {} {b}. That shows no difference, and does not exclude one of up to {}. Play between the motor and the servo's own sensor may leave rests as they are.",
+                "Rests under one command, which {KEPT_APART_BY}, are {} {a} and {} {b}. That shows no difference, and does not exclude one of up to {}. It excludes no wear: play between the motor and the servo's own sensor may leave rests as they are, and friction may stop a servo that overshoots where play takes it back.",
                 self.side_in_words(of_a, unit),
                 self.side_in_words(of_b, unit),
                 with_unit(format!("{most:.decimals$}"), unit)

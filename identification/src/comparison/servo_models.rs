@@ -540,7 +540,7 @@ mod tests {
         assert!(!of(0.06, 0.1).rests_apart.differ());
         let alike = of(0.06, 0.1).rests_apart;
         let alike = alike.nothing_sure_in_words(["A", "B"], "deg");
-        let said = "are up to 0.060 deg (0.010 .. 0.110) apart in A and up to 0.100 deg (0.050 .. 0.150) apart in B. That shows no difference, and does not exclude one of up to 0.140 deg. Play between the motor and the servo's own sensor may leave rests as they are.";
+        let said = "are up to 0.060 deg (0.010 .. 0.110) apart in A and up to 0.100 deg (0.050 .. 0.150) apart in B. That shows no difference, and does not exclude one of up to 0.140 deg. It excludes no wear: play between the motor and the servo's own sensor may leave rests as they are, and friction may stop a servo that overshoots where play takes it back.";
         assert!(alike.ends_with(said), "{alike}");
         let unknown = compare_servo_models(&model(1.0), &apart(model(1.0), 0.6), 0.0, None);
         assert!(!unknown.rests_apart.differ());

@@ -8,6 +8,7 @@ mod record;
 mod references;
 pub(crate) mod repetition;
 mod timing;
+mod white_noise;
 mod wrong_columns;
 
 pub use holds::only_stroke;
@@ -21,3 +22,4 @@ pub(crate) use quantisation::{common_step, sensor_step};
 pub use record::{Record, Run};
 pub(crate) use references::References;
 pub use timing::Timing;
+pub(crate) use white_noise::white_noise;

@@ -81,12 +81,15 @@ pub(crate) use runs::run_offsets::{
     Beside, RunOffsets, allow_for_run_offsets, differing_means, run_offsets,
 };
 pub use runs::run_scatter::{Deviation, Difference, RunComparison, RunDifference, Scatter};
-pub(crate) use runs::run_trends::{RunTrends, allow_for_run_trends, drift, slopes_left, trend_at};
+pub(crate) use runs::run_trends::{
+    RunTrends, allow_for_run_trends, drift, slopes_left, trend_at, without_offsets_and_trends,
+};
 pub(crate) use runs::servo_mean::allow_for_scatter;
 pub(crate) use times::time_fault::TimeFault;
 pub use travel::arrival::{Approach, Arrival};
 pub(crate) use travel::flat_end::TravelEnd;
 pub use travel::flat_end::stops_of_rests;
+pub(crate) use travel::moves_beyond::moves_beyond;
 pub(crate) use travel::outermost_rests::outermost_rests;
 pub use travel::servo_stopped::ServoStopped;
 pub(crate) use validity::{Validity, ValidityEvidence};

@@ -38,7 +38,7 @@ mod slow_end;
 mod starting_points;
 
 use crate::data::Record;
-use crate::diagnostics::trend_at;
+use crate::diagnostics::without_offsets_and_trends;
 use crate::error::Error;
 use crate::results::Model;
 use fitter::{FittedOrder, Fitter};
@@ -95,18 +95,11 @@ pub fn fit(
 
 /// `record` without the offset and the drift of each run by which `model` was identified.
 fn without_runs_own<'a>(record: &Record<'a>, model: &Model) -> Record<'a> {
-    if model.run_offsets.is_empty() && model.run_slopes.is_empty() {
-        return record.clone();
-    }
-    let of = |all: &[f64], run: usize| all.get(run).copied().unwrap_or(0.0);
-    let runs = record.runs().iter().enumerate().map(|(number, run)| {
-        let offset = of(&model.run_offsets, number);
-        let slope = of(&model.run_slopes, number) * record.sample_period_s();
-        let output = (0..).zip(run.output());
-        let output = output.map(|(k, y)| y - offset - slope * trend_at(run, k));
-        run.with_output(output.collect())
-    });
-    record.with_runs(runs.collect())
+    let period = record.sample_period_s();
+    let slopes: Vec<f64> = (model.run_slopes.iter())
+        .map(|slope| slope * period)
+        .collect();
+    without_offsets_and_trends(record, &model.run_offsets, &slopes)
 }
 
 /// [`fit`] without the record, from θ and its covariance alone.

@@ -2,7 +2,7 @@
 
 use crate::data::{Record, Run};
 use crate::diagnostics::{
-    HumLine, LevelEffects, Outliers, RunOffsets, RunTrends, TakenOut, trend_at,
+    HumLine, LevelEffects, Outliers, RunOffsets, RunTrends, TakenOut, without_offsets_and_trends,
 };
 use crate::numerics::largest_difference;
 
@@ -81,16 +81,12 @@ impl Disturbances {
             return record.clone();
         }
         let record = self.levels.put_right(record);
+        let record = without_offsets_and_trends(&record, &self.offsets, &self.trends);
         let mut runs: Vec<Run<'a>> = record.runs().to_vec();
         for (index, run) in runs.iter_mut().enumerate() {
             let hum = |k: usize| self.hum.iter().map(|line| line.at(index, k)).sum::<f64>();
-            let offset = self.offsets.get(index).copied().unwrap_or(0.0);
             let values = (0..).zip(run.output());
-            let slope = self.trends.get(index).copied().unwrap_or(0.0);
-            let trend = |k: usize| slope * trend_at(run, k);
-            let mut output: Vec<f64> = values
-                .map(|(k, y)| y - hum(k) - offset - trend(k))
-                .collect();
+            let mut output: Vec<f64> = values.map(|(k, y)| y - hum(k)).collect();
             TakenOut::blank(&self.outliers.taken_out, index, &mut output);
             *run = run.with_output(output);
         }

@@ -16,13 +16,12 @@ pub(super) fn rms_beside_pulses<'r>(
 ) -> Option<f64> {
     let predicted = |rows: isize| -> Option<Vec<Option<Vec<f64>>>> {
         let moved = record.runs().iter().map(|run| moved(run, rows));
-        let moved = record.try_with_runs(moved.collect::<Option<_>>()?).ok()?;
-        let held = found.held(&moved).ok()?;
-        let runs = held.runs().iter().enumerate();
-        Some(
-            runs.map(|(number, run)| predict(run.clone(), number))
-                .collect(),
-        )
+        let moved = moved.collect::<Option<Vec<Run>>>()?;
+        let with_pulses = moved.iter().zip(&found.first_pulse_s).enumerate();
+        let predicted = with_pulses.map(|(number, (run, first_s))| {
+            first_s.and_then(|first_s| predict(run, number, [found.frame_s, first_s]))
+        });
+        Some(predicted.collect())
     };
     let as_recorded = predicted(0)?;
     let farther = |rows: isize| {
@@ -50,6 +49,7 @@ fn moved<'r>(run: &Run<'r>, rows: isize) -> Option<Run<'r>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::analysis::against_recordings::pulse_errors::with_pulses;
 
     /// Levels of 50 rows of 2 ms, the first so many rows shorter.
     fn found(shorter: usize) -> f64 {
@@ -63,7 +63,10 @@ mod tests {
             rmse_as_stated: 0.0,
             largest_rmse: 0.0,
         };
-        let follow = |run: Run<'_>, _: usize| Some(run.input().to_vec());
+        let follow = |run: &Run<'_>, _: usize, pulses: [f64; 2]| {
+            let held = with_pulses(run, pulses.map(|time_s| time_s / 0.002))?;
+            Some(held.input().to_vec())
+        };
         rms_beside_pulses(&record, &pulses, &follow).unwrap()
     }
 

@@ -2,6 +2,7 @@
 
 use super::beside_pulses::rms_beside_pulses;
 use super::misfit::{Line, Misfit};
+use super::pulse_errors::{with_pulses, within_rows};
 use super::pulse_search::closest_pulses;
 use super::pulses::StatedPulses;
 use crate::data::PredictedRun;
@@ -9,7 +10,7 @@ use crate::data::dataset::Dataset;
 use crate::data::model_file::{ModelFile, ServoModelDocument};
 use anyhow::{Context, Result};
 use servoid_identification::results::{Model, Validation};
-use servoid_identification::servo_model::ServoModel;
+use servoid_identification::servo_model::{CommandsWithinRows, ServoModel};
 use servoid_identification::{Error, Record, Run};
 use std::borrow::Cow;
 
@@ -17,6 +18,52 @@ use std::borrow::Cow;
 pub(super) struct ServoOnRecording<'d> {
     pub(super) model: &'d ServoModel,
     controllers: Vec<usize>,
+    /// Commands at their pulses, where these are stated.
+    at_pulses: Option<CommandsWithinRows>,
+}
+
+/// Parts of a row in which commands stand at their pulses: the mean of a part of a millisecond is the command, for all that a servo answers.
+const LONGEST_PART_S: f64 = 1e-3;
+
+impl ServoOnRecording<'_> {
+    /// The output of each run of the record, whose rows have the means of commands at their pulses.
+    fn simulate(&self, record: &Record) -> Vec<Vec<f64>> {
+        match &self.at_pulses {
+            Some(commands) => {
+                (self.model).simulate_within_rows(record, commands, &self.controllers)
+            }
+            None => self.model.simulate(record, &self.controllers),
+        }
+    }
+
+    /// That of one run of `record`, which has this number, with such pulses \[rows\].
+    fn simulate_run(
+        &self,
+        record: &Record,
+        (run, number): (&Run, usize),
+        pulses: [f64; 2],
+    ) -> Option<Vec<f64>> {
+        let commands = commands_at_pulses(record, [(run, Some(pulses))]);
+        let record = record.try_with_runs(vec![with_pulses(run, pulses)?]).ok()?;
+        let controller = self.controllers.get(number..=number).unwrap_or_default();
+        let runs = (self.model).simulate_within_rows(&record, &commands, controller);
+        runs.into_iter().next()
+    }
+}
+
+/// The commands of runs as they are in force, with their pulses \[rows\] where these are known.
+fn commands_at_pulses<'r>(
+    record: &Record,
+    runs: impl IntoIterator<Item = (&'r Run<'r>, Option<[f64; 2]>)>,
+) -> CommandsWithinRows {
+    let parts = (record.sample_period_s() / LONGEST_PART_S).ceil().max(1.0) as usize;
+    let of_run =
+        |(run, pulses): (&Run, Option<_>)| pulses.map(|pulses| within_rows(run, pulses, parts));
+    let of_runs = runs.into_iter().map(of_run);
+    CommandsWithinRows {
+        parts,
+        of_runs: of_runs.map(Option::unwrap_or_default).collect(),
+    }
 }
 
 /// The models of a file and a recording.
@@ -40,8 +87,11 @@ impl<'d> ModelOnRecording<'d> {
     ) -> Result<Self> {
         let servo = servo.map(|servo| {
             let controllers = data.controllers.among(&servo.controller_names)?;
-            let model = &servo.model;
-            anyhow::Ok(ServoOnRecording { model, controllers })
+            anyhow::Ok(ServoOnRecording {
+                model: &servo.model,
+                controllers,
+                at_pulses: None,
+            })
         });
         Ok(Self {
             linear: &file.model,
@@ -56,25 +106,29 @@ impl<'d> ModelOnRecording<'d> {
     /// # Errors
     /// The model cannot be held against any run.
     pub(super) fn at_pulses(self, frame_s: f64) -> Result<Self> {
-        let predict = |run: Run<'d>, number: usize| match &self.servo {
-            Some(servo) => {
-                let record = self.record.try_with_runs(vec![run]).ok()?;
-                let controller = servo.controllers.get(number..=number);
-                let runs = (servo.model).simulate(&record, controller.unwrap_or_default());
-                runs.into_iter().next()
-            }
-            None => Some(self.linear.simulate(&run)),
+        let as_rows = |pulses: [f64; 2]| pulses.map(|s| s / self.record.sample_period_s());
+        let predict = |run: &Run<'d>, number: usize, pulses: [f64; 2]| match &self.servo {
+            Some(servo) => servo.simulate_run(&self.record, (run, number), as_rows(pulses)),
+            None => Some(self.linear.simulate(&with_pulses(run, as_rows(pulses))?)),
         };
         let found = closest_pulses(&self.record, frame_s, &predict).with_context(|| {
             "the model can be held against none of the runs, so that no pulses are found: a validation without --frame-ms says why"
         })?;
-        let record = found.held(&self.record)?;
+        let held = found.held(&self.record)?;
         let beside = rms_beside_pulses(&self.record, &found, &predict).unwrap_or_default();
+        let first = (found.first_pulse_s.iter())
+            .map(|first_s| first_s.map(|first_s| as_rows([found.frame_s, first_s])));
+        let commands = commands_at_pulses(&self.record, self.record.runs().iter().zip(first));
+        let servo = self.servo.map(|servo| ServoOnRecording {
+            at_pulses: Some(commands),
+            ..servo
+        });
         let pulses = StatedPulses::of(found, frame_s, &self.record, beside);
         Ok(Self {
-            record: Cow::Owned(record),
+            linear: self.linear,
+            servo,
+            record: Cow::Owned(held),
             pulses: Some(pulses),
-            ..self
         })
     }
 
@@ -83,9 +137,12 @@ impl<'d> ModelOnRecording<'d> {
     }
 
     pub(super) fn of_servo(&self) -> Result<Option<Validation>, Error> {
-        let servo = self.servo.as_ref();
-        let found = servo.map(|servo| servo.model.validate(&self.record, &servo.controllers));
-        found.transpose()
+        let validated = |servo: &ServoOnRecording| {
+            let simulated = servo.simulate(&self.record).into_iter().flatten();
+            Validation::of_pairs(self.record.outputs().zip(simulated))
+                .ok_or(Error::NoHistory { history: 1 })
+        };
+        self.servo.as_ref().map(validated).transpose()
     }
 
     /// What the recording has that the linear model has not.
@@ -97,18 +154,14 @@ impl<'d> ModelOnRecording<'d> {
 
     /// The same of the servo model.
     pub(super) fn misfit_of_servo(&self, servo: &ServoOnRecording) -> Misfit {
-        let simulate = |line: Line| {
-            servo
-                .model
-                .simulate(&line.undone(&self.record), &servo.controllers)
-        };
+        let simulate = |line: Line| servo.simulate(&line.undone(&self.record));
         Misfit::of(self.record.runs(), &simulate, self.record.sample_period_s())
     }
 
     /// What was measured in each run, and what the models predict; the linear one where it `has_linear`.
     pub(super) fn predictions(&self, has_linear: bool) -> Vec<PredictedRun> {
         let servo = self.servo.as_ref();
-        let by_servo = servo.map(|servo| servo.model.simulate(&self.record, &servo.controllers));
+        let by_servo = servo.map(|servo| servo.simulate(&self.record));
         let mut by_servo = by_servo.into_iter().flatten();
         let of_run = |run: &Run| PredictedRun {
             period_s: self.record.sample_period_s(),

@@ -3,7 +3,7 @@
 //! Within half a second lengths of a frame do not differ, and errors depend on the moment of the pulse alone: along another length they are looked up, block by block,
 //! at the moments that it has come to.
 
-use crate::analysis::command_times::commands_at_pulses::at_pulses;
+use crate::analysis::command_times::commands_at_pulses::{at_pulses, later};
 use servoid_identification::Run;
 
 /// Moments of pulses in a frame that are tried, evenly spaced.
@@ -18,17 +18,31 @@ const FRAMES_OF_BLOCK: f64 = 25.0;
 /// The time of a pulse late in a run is rounded to this part of a row at the most.
 const ROUNDING: f64 = 1e-6;
 
-/// What a model predicts of a run, which has this number; `None` where it cannot.
-pub(super) type Predict<'a, 'r> = &'a dyn Fn(Run<'r>, usize) -> Option<Vec<f64>>;
+/// What a model predicts of a run, which has this number, with pulses of a length and at a moment \[s\]; `None` where it cannot.
+pub(super) type Predict<'a, 'r> = &'a dyn Fn(&Run<'r>, usize, [f64; 2]) -> Option<Vec<f64>>;
 
 /// The run with each command in force from the next pulse on. Frame and one of the pulses are counted in rows.
-pub(super) fn with_pulses<'r>(run: &Run<'r>, [frame, pulse]: [f64; 2]) -> Option<Run<'r>> {
-    let wait = |row: usize| (pulse - row as f64).rem_euclid(frame);
-    at_pulses(run, |row| match wait(row) {
+pub(super) fn with_pulses<'r>(run: &Run<'r>, pulses: [f64; 2]) -> Option<Run<'r>> {
+    at_pulses(run, |row| wait(row, pulses))
+}
+
+/// The commands of the run in `parts` of its rows, each in force from the next pulse on. Frame and one of the pulses are counted in rows.
+///
+/// A row has the mean of a command that changes within it. A servo answers that as if it had changed twice, by parts: behind rows of 10 ms that is several times the noise of a sensor.
+pub(super) fn within_rows(run: &Run<'_>, pulses: [f64; 2], parts: usize) -> Vec<f64> {
+    let of_row = |command: &f64| std::iter::repeat_n(*command, parts);
+    let written: Vec<f64> = run.input().iter().flat_map(of_row).collect();
+    let pulses = pulses.map(|rows| rows * parts as f64);
+    later(&written, |part| wait(part, pulses))
+}
+
+/// From a row to the next pulse, in rows.
+fn wait(row: usize, [frame, pulse]: [f64; 2]) -> f64 {
+    match (pulse - row as f64).rem_euclid(frame) {
         // A pulse at the row itself, but for rounding, is no frame away.
         whole if frame - whole < ROUNDING => 0.0,
         wait => wait,
-    })
+    }
 }
 
 /// Squared errors of a run with pulses of the stated length, at moments all over a frame.
@@ -64,11 +78,8 @@ impl<'a, 'r> ErrorTable<'a, 'r> {
             samples: 0.0,
         };
         for moment in 0..MOMENTS {
-            let moved = with_pulses(
-                run,
-                [stated_s, table.moment_s(moment)].map(|time_s| time_s / period_s),
-            )?;
-            let errors = table.errors(&predict(moved, number)?);
+            let pulses = [stated_s, table.moment_s(moment)];
+            let errors = table.errors(&predict(run, number, pulses)?);
             table.samples = errors.iter().flatten().count() as f64;
             for (block, errors) in table.blocks.iter_mut().zip(errors.chunks(rows_of_block)) {
                 if let Some(sum) = block.get_mut(moment) {

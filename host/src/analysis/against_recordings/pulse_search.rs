@@ -94,8 +94,7 @@ pub(super) fn closest_pulses<'r>(
     let tried: Vec<Pulses> = lengths.map(closest).collect();
     let error = |run: usize, pulses: [f64; 2]| {
         let table = known.get(run)?;
-        let moved = with_pulses(table.run, pulses.map(|time_s| time_s / period_s))?;
-        Some(table.squares(&predict(moved, table.number)?))
+        Some(table.squares(&predict(table.run, table.number, pulses)?))
     };
     let as_stated = closest(stated_s).refined(0.0, &error)?;
     // Looked up errors are those of moments beside the right ones: which of the best is the best, predictions say.
@@ -217,7 +216,10 @@ mod tests {
             Run::new(run.input().to_vec(), lagged(held.input())).unwrap()
         });
         let record = Record::new(0.01, runs.collect()).unwrap();
-        let predict = |run: Run<'_>, _| Some(lagged(run.input()));
+        let predict = |run: &Run<'_>, _, pulses: [f64; 2]| {
+            let held = with_pulses(run, pulses.map(|time_s| 100.0 * time_s))?;
+            Some(lagged(held.input()))
+        };
         let found = closest_pulses(&record, stated_s, &predict).unwrap();
         // A sixteenth of a step, which walks by a twenty-fourth of a frame until the end of the longest run; and as much of the moment.
         let step_s = stated_s / 24.0 / 16.0;
@@ -241,8 +243,8 @@ mod tests {
         let run = commanded(500);
         let run = Run::new(run.input().to_vec(), lagged(run.input())).unwrap();
         let record = Record::new(0.01, vec![run]).unwrap();
-        let found = closest_pulses(&record, 0.02, &|run, _| Some(vec![1.0; run.len()])).unwrap();
+        let found = closest_pulses(&record, 0.02, &|run, _, _| Some(vec![1.0; run.len()])).unwrap();
         assert_eq!(found.frame_s, 0.02);
-        assert!(closest_pulses(&record, 0.02, &|_, _| None).is_none());
+        assert!(closest_pulses(&record, 0.02, &|_, _, _| None).is_none());
     }
 }

@@ -76,12 +76,20 @@ impl StatedPulses {
                 1e3 * self.frame_s
             ),
         };
-        let beside = match self.rms_beside_pulses > 0.0 {
-            true => format!(
-                " Commands within a row of a pulse may have met it or the next: up to {} rms of the error may be of that.",
-                with_unit(four_digits(self.rms_beside_pulses), unit.unwrap_or(""))
-            ),
-            false => String::new(),
+        let beside = match self.rms_beside_pulses {
+            rms if rms > 0.0 => {
+                let how_much = match rms < self.rmse[0] {
+                    true => format!(
+                        "up to {} rms",
+                        with_unit(four_digits(rms), unit.unwrap_or(""))
+                    ),
+                    false => "all".to_owned(),
+                };
+                format!(
+                    " Commands within a row of a pulse may have met it or the next: {how_much} of the error may be of that."
+                )
+            }
+            _ => String::new(),
         };
         let twice = match has_own_frame {
             true => "",
@@ -103,6 +111,9 @@ impl StatedPulses {
 /// The probability below which chance does not bring changes of the command a whole number of frames apart.
 const NOT_BY_CHANCE: f64 = 1e-3;
 
+/// So near to a whole number of rows a frame is one, but for rounding.
+const WHOLE_ROWS: f64 = 1e-6;
+
 /// Whether the changes of each command are whole frames apart, to a row, which those that are written at any row are by chance one time in so many rows as a frame has.
 fn are_whole_frames_apart(record: &Record, frame_s: f64) -> bool {
     let rows_of_frame = frame_s / record.sample_period_s();
@@ -117,7 +128,10 @@ fn are_whole_frames_apart(record: &Record, frame_s: f64) -> bool {
     let all: Vec<f64> = (record.runs().iter())
         .flat_map(|run| apart(run.input()))
         .collect();
-    let by_chance = rows_of_frame.recip().powi(all.len() as i32);
+    // Written at rows, changes whole frames apart are off by up to a row where a frame is no whole number of rows: on two of them then, and on all where it has two.
+    let is_whole = (rows_of_frame - rows_of_frame.round()).abs() < WHOLE_ROWS;
+    let on_frames = if is_whole { 1.0 } else { 2.0 };
+    let by_chance = (on_frames / rows_of_frame).min(1.0).powi(all.len() as i32);
     by_chance < NOT_BY_CHANCE
         && (all.iter()).all(|frames| (frames - frames.round()).abs() * rows_of_frame < 1.0)
 }
@@ -160,6 +174,9 @@ mod tests {
         assert!(!apart(&[3, 100, 205, 45, 110, 70]));
         // Three of ten rows are on one grid by chance in one of a hundred recordings.
         assert!(!apart(&[3, 100, 200, 70]));
+        // Frames of about two rows have no change that is a whole row off.
+        let each_row = [1; 40];
+        assert!(!are_whole_frames_apart(&record(&each_row), 0.003_998));
         // A row of a frame each has nothing else.
         assert!(!are_whole_frames_apart(
             &record(&[3, 100, 200, 50, 110, 70]),

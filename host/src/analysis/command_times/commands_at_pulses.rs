@@ -46,8 +46,13 @@ pub(crate) fn is_linear_at_pulses(
 
 /// The `run`, with a change of the command at each row taking effect so many rows later as `wait_rows` says.
 pub(crate) fn at_pulses<'r>(run: &Run<'r>, wait_rows: impl Fn(usize) -> f64) -> Option<Run<'r>> {
-    let mut input = run.input().to_vec();
-    let pairs = run.input().iter().zip(run.input().iter().skip(1));
+    run.with_input(later(run.input(), wait_rows)).ok()
+}
+
+/// Commands whose changes at each row take effect so many rows later as `wait_rows` says.
+pub(crate) fn later(commands: &[f64], wait_rows: impl Fn(usize) -> f64) -> Vec<f64> {
+    let mut input = commands.to_vec();
+    let pairs = commands.iter().zip(commands.iter().skip(1));
     for (row, (before, after)) in (1..).zip(pairs) {
         let change = after - before;
         if change.is_nan() || change == 0.0 {
@@ -62,7 +67,7 @@ pub(crate) fn at_pulses<'r>(run: &Run<'r>, wait_rows: impl Fn(usize) -> f64) -> 
             wait -= 1.0;
         }
     }
-    run.with_input(input).ok()
+    input
 }
 
 #[cfg(test)]

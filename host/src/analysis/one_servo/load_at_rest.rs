@@ -18,7 +18,8 @@ pub(crate) fn remedy(model: &ServoModel, units: Units<'_>) -> Option<(f64, Strin
              pulls to one side."
         ),
     };
-    let remedy = remedy + " The step response does not depend on it.";
+    let remedy = remedy
+        + " The step response does not depend on where the servo rests; strokes against a load are slower.";
     Some((by_load, remedy))
 }
 

@@ -7,7 +7,7 @@
 use faer::Mat;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
-use crate::data::{Moments, References, Run};
+use crate::data::{Moments, Record, References, Run};
 use crate::diagnostics::residuals::filtered_rows::{filtered, only, present, with_history};
 use crate::diagnostics::residuals::further_columns::FurtherColumns;
 use crate::diagnostics::residuals::part_means::part_means;
@@ -147,6 +147,25 @@ impl std::iter::Sum for Slopes {
 /// The trend of slope 1 of a run at sample `k`.
 pub(crate) fn trend_at(run: &Run, k: usize) -> f64 {
     k as f64 - (run.len() as f64 - 1.0) / 2.0
+}
+
+/// `record` without `offsets` and trends of these `slopes` of its runs, as far as there are any.
+pub(crate) fn without_offsets_and_trends<'a>(
+    record: &Record<'a>,
+    offsets: &[f64],
+    slopes: &[f64],
+) -> Record<'a> {
+    if offsets.is_empty() && slopes.is_empty() {
+        return record.clone();
+    }
+    let of = |all: &[f64], run: usize| all.get(run).copied().unwrap_or(0.0);
+    let runs = record.runs().iter().enumerate().map(|(number, run)| {
+        let (offset, slope) = (of(offsets, number), of(slopes, number));
+        let output = (0..).zip(run.output());
+        let output = output.map(|(k, y)| y - offset - slope * trend_at(run, k));
+        run.with_output(output.collect())
+    });
+    record.with_runs(runs.collect())
 }
 
 /// The columns of the trends beside the regression of `fit`, all behind the noise filter.

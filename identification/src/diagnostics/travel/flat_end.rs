@@ -9,6 +9,7 @@ use std::ops::Range;
 
 use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
 
+use super::moves_beyond::moves_beyond;
 use super::split_squares::{Rest, SplitSquares};
 use crate::data::column::span;
 use crate::data::{EXACTLY, Hold, Record, Run, holds, last_quarter, mean_output, sensor_step};
@@ -63,15 +64,16 @@ impl TravelEnd {
             .map(|end| end.filter(|end| !end.is_passed(record)))
     }
 
-    /// Whether the output goes on beyond it, as it does where short holds of a motion that goes on look like rests.
+    /// Whether the output goes on beyond it, as it does where short holds of a motion that goes on look like rests. One that a command alone shows may be a load or friction.
     fn is_passed(&self, record: &Record) -> bool {
         let present = || record.outputs().filter(|y| !y.is_nan());
         let (Some(travel), count) = (span(present()), present().count() as f64) else {
             return false;
         };
         let outwards = (self.rest - present().sum::<f64>() / count).signum();
-        let beyond = |y: &f64| outwards * (y - self.rest) > PASSED.0 * travel;
-        present().filter(beyond).count() as f64 > PASSED.1 * count
+        let is_far = |y: &f64| outwards * (y - self.rest) > PASSED.0 * travel;
+        let is_far_often = present().filter(is_far).count() as f64 > PASSED.1 * count;
+        is_far_often || !self.is_of_several_commands() && moves_beyond(record, self.rest)
     }
 }
 

@@ -1,5 +1,6 @@
 //! The result: a servo, how sure it is, and how it was chosen.
 
+pub(super) mod commands_within_rows;
 pub(super) mod hysteresis;
 pub(super) mod old_quantities;
 pub(super) mod prediction;
@@ -24,6 +25,7 @@ use crate::servo_model::quantities::quantity_kind::QuantityKind;
 use crate::servo_model::stretches::stretches;
 use crate::servo_model::uncertainty::run_offsets;
 use crate::thresholds::{LINEAR_MODEL_ADVANTAGE, SERVO_ERROR_BEYOND_RECORD};
+use commands_within_rows::CommandsWithinRows;
 use serde::{Deserialize, Serialize};
 use servoid_dynamics::{Dual, Grid, PulseEnd, Scalar, ServoParameters, Start, Stops, simulate};
 
@@ -408,6 +410,21 @@ impl ServoModel {
     /// from, that of another run is not known: it is taken from the run itself, so that its errors have the mean zero.
     #[must_use]
     pub fn simulate(&self, record: &Record, controllers: &[usize]) -> Vec<Vec<f64>> {
+        let as_recorded = CommandsWithinRows {
+            parts: 1,
+            of_runs: Vec::new(),
+        };
+        self.simulate_within_rows(record, &as_recorded, controllers)
+    }
+
+    /// The same under commands that change within rows, whose `record` has their means in its rows: starts and offsets are found with these.
+    #[must_use]
+    pub fn simulate_within_rows(
+        &self,
+        record: &Record,
+        commands: &CommandsWithinRows,
+        controllers: &[usize],
+    ) -> Vec<Vec<f64>> {
         let mut point = self.point();
         let grid = self.grid(record.timing());
         let (mut parts, _) = stretches(record, controllers);
@@ -416,13 +433,20 @@ impl ServoModel {
         } else {
             run_offsets::find(&mut point, &mut parts, &grid, record.runs().len());
         }
+        let finer = self.grid(Timing {
+            sample_period_s: record.sample_period_s() / commands.parts as f64,
+            ..record.timing()
+        });
         let unknown = |run: &Run| vec![f64::NAN; run.len()];
         let mut outputs: Vec<Vec<f64>> = record.runs().iter().map(unknown).collect();
         for part in &parts {
             let physics = point.servo_of(part, |_, value| value);
             let output = &mut outputs[part.run][part.first..];
-            simulate(&physics, &grid, &part.start, &part.input, |k, y| {
-                output[k] = y
+            let input = commands.of(part.run, part.first, &part.input);
+            simulate(&physics, &finer, &part.start, &input, |k, y| {
+                if k % commands.parts == 0 {
+                    output[k / commands.parts] = y;
+                }
             });
         }
         outputs

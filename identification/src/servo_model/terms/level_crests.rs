@@ -6,7 +6,7 @@ use std::ops::Range;
 
 use super::cut_crests::Tops;
 use crate::data::column::{extent, span};
-use crate::data::{Record, Run};
+use crate::data::{Record, Run, white_noise};
 use crate::numerics::median;
 
 /// Crests that are cut off which show it at least: two are level by chance.
@@ -116,7 +116,7 @@ impl<'a> Level<'a> {
     fn of(crests: &'a [Crest<'a>], record: &Record) -> Option<Self> {
         let (commands, range) = (span(record.inputs())?, span(record.outputs())?);
         let [least, most] = LEVEL_SHARES.map(|share| share * range);
-        let noise = noise(record)? / (MEAN_OF as f64).sqrt();
+        let noise = white_noise(record)? / (MEAN_OF as f64).sqrt();
         let tolerance = (LEVEL * noise).clamp(least, most);
         let farthest = crests.iter().map(|crest| crest.top).reduce(f64::max)?;
         let is_level = |crest: &&Crest<'_>| crest.top > farthest - tolerance;
@@ -173,20 +173,6 @@ impl<'a> Level<'a> {
         });
         median(there.collect())
     }
-}
-
-/// Standard deviation of white noise with the fourth differences of the outputs, which motion hardly has.
-fn noise(record: &Record) -> Option<f64> {
-    /// The median size of a normal variable, and the root of 1 + 16 + 36 + 16 + 1.
-    const OF_MEDIAN: f64 = 0.674_490;
-    const OF_DIFFERENCE: f64 = 8.366_600;
-    let of_run = |run: &Run<'_>| -> Vec<f64> {
-        let fives = run.output().windows(5);
-        let sizes = fives.map(|y| (y[0] - 4.0 * y[1] + 6.0 * y[2] - 4.0 * y[3] + y[4]).abs());
-        sizes.filter(|size| !size.is_nan()).collect()
-    };
-    let sizes = record.runs().iter().flat_map(of_run).collect();
-    median(sizes).map(|size| size / (OF_MEDIAN * OF_DIFFERENCE))
 }
 
 /// The places of `true` that follow one another.

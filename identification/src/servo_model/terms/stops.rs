@@ -6,7 +6,7 @@
 use super::level_crests::level_crests;
 use crate::data::Record;
 use crate::data::column::{extent, mean};
-use crate::diagnostics::{outermost_rests, stops_of_rests};
+use crate::diagnostics::{moves_beyond, outermost_rests, stops_of_rests};
 use servoid_dynamics::{ServoParameters, Stops};
 
 /// Stops that are tried.
@@ -43,11 +43,15 @@ impl PossibleStops {
         }
     }
 
-    /// The same with one where the servo is under the outermost command that is held, on each side that has none. `None` where nothing is held.
+    /// The same with one where the servo is under the outermost command that is held, on each side that has none and where it never moves beyond. `None` where nothing is held.
     ///
     /// That speaks for no stop: it is for a servo whose load is none but at the ends.
     pub(crate) fn with_outermost_rests(&self, record: &Record) -> Option<Self> {
-        let outermost = among(record, &outermost_rests(record)?);
+        let outermost = outermost_rests(record)?;
+        let ends: Vec<f64> = (outermost.into_iter())
+            .filter(|end| !moves_beyond(record, *end))
+            .collect();
+        let outermost = among(record, &ends);
         let all = Stops {
             lower: self.all.lower.or(outermost.lower),
             upper: self.all.upper.or(outermost.upper),

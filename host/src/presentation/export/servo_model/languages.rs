@@ -138,9 +138,13 @@ impl ServoExport<'_> {
         let file = file.that_follows(self, || {
             "as its steps are too long for it: choose a shorter --step-ms".to_owned()
         })?;
-        Ok(file.warned_where_far(self, || {
+        let file = file.warned_where_far(self, || {
             "its steps are too long for it: choose a shorter --step-ms".to_owned()
-        }))
+        });
+        Ok(file.with([format!(
+            "one step of the file is {} ms, one command each: repeat a command that is held for longer, or choose another step with --step-ms",
+            number(1e3 * step_s)
+        )]))
     }
 
     /// The parameters of the equation, a line each; terms that the servo does not have get values without effect.

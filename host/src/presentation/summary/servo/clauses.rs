@@ -83,12 +83,12 @@ pub(super) fn agreed<'q>(
     all.into_iter().all(of).then_some(speeds)
 }
 
-/// "is limited to 331 deg/s (0.181 s/60°)", where the record determines that, with so many digits.
+/// "is limited to 331 deg/s (0.181 s/60°)", where the record determines that: in these words, with so many digits.
 pub(super) fn limited_to(
     model: &ServoModel,
     speeds: Option<[&Quantity; 2]>,
     units: Units<'_>,
-    count: usize,
+    (how, count): (&str, usize),
 ) -> Option<String> {
     let [up, down] = speeds?
         .map(|found| speed_in_words(model, (found.value, digits(found.value, count)), units));
@@ -106,7 +106,7 @@ pub(super) fn limited_to(
     };
     Some(match is_never_reached(model, &speeds?) {
         true => format!("never reached its top speed of {limits}{under}"),
-        false => format!("is limited to {limits}{under}"),
+        false => format!("{how} {limits}{under}"),
     })
 }
 

@@ -6,16 +6,20 @@ use crate::data::units::Units;
 use crate::presentation::summary::wording::numbers::digits;
 use crate::presentation::summary::wording::sixty_degrees::turn_time_s;
 use crate::presentation::summary::wording::speed_words::assumed_units;
-use servoid_identification::results::Reason;
+use servoid_identification::results::{Reason, with_unit};
 use servoid_identification::servo_model::ServoModel;
 use servoid_identification::thresholds::POOR_PREDICTION_PERCENT;
 
 /// " Its figures have no intervals ...".
-pub(super) fn without_intervals(reason: Reason) -> String {
+pub(super) fn without_intervals(model: &ServoModel, reason: Reason, units: Units<'_>) -> String {
+    let size = model.fit.lacking.map_or_else(String::new, |lacking| {
+        let size = with_unit(digits(lacking, 2), units.output.unwrap_or_default());
+        format!(", up to {size} rms,")
+    });
+    let not_noise =
+        format!(", so the servo or the recording has something{size} that the model lacks");
     let more = match reason {
-        Reason::ErrorsNotNoise => {
-            ", so the servo or the recording has something that the model lacks"
-        }
+        Reason::ErrorsNotNoise => &not_noise,
         Reason::QuantisationAboveNoise => {
             ", and limits, loads and friction of the model may stand for them; a finer sensor, or larger strokes, would help"
         }

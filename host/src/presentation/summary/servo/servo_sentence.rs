@@ -32,7 +32,7 @@ pub fn servo_sentence(model: &ServoModel, linear: &Model, units: Units<'_>) -> S
     }
     let speeds = top_speeds(model);
     let doubts = [
-        model.covariance.withdrawn().map(without_intervals),
+        (model.covariance.withdrawn()).map(|reason| without_intervals(model, reason, units)),
         changing_speed(model),
         unlikely_speed(model, units).map(|how| format!(" That is {how}.")),
         hysteresis(model, units),
@@ -77,7 +77,7 @@ fn what_is_known(
     let never_reached = speeds.filter(|speeds| is_never_reached(model, speeds));
     let parts = [
         Some(
-            limited_to(model, speeds, units, 4)
+            limited_to(model, speeds, units, ("is limited to", 4))
                 .unwrap_or_else(|| KindOfServo::of(model, linear).in_words().to_owned()),
         ),
         never_reached.and_then(|_| moved_at(model, units)),
@@ -106,14 +106,17 @@ fn what_was_seen(
             .collect();
     }
     let agreed = speeds.and_then(|speeds| agreed(model, speeds));
-    let kind = limited_to(model, agreed, units, 3).unwrap_or_else(|| match speeds {
-        // The speed that follows is not to be read as the limit.
-        Some(speeds) if is_never_reached(model, &speeds) => "shows no top speed".to_owned(),
-        Some(_) => "is limited in its speed".to_owned(),
-        // A stop in the travel looks like a drive that a load holds.
-        None if may_lack_a_stop(model) => "is not linear".to_owned(),
-        None => KindOfServo::of(model, linear).in_words().to_owned(),
-    });
+    let kind =
+        limited_to(model, agreed, units, ("moves as if limited to", 3)).unwrap_or_else(|| {
+            match speeds {
+                // The speed that follows is not to be read as the limit.
+                Some(speeds) if is_never_reached(model, &speeds) => "shows no top speed".to_owned(),
+                Some(_) => "is limited in its speed".to_owned(),
+                // A stop in the travel looks like a drive that a load holds.
+                None if may_lack_a_stop(model) => "is not linear".to_owned(),
+                None => KindOfServo::of(model, linear).in_words().to_owned(),
+            }
+        });
     // A limit that was reached says how fast the servo moved.
     let at_limit = agreed.is_some_and(|speeds| !is_never_reached(model, &speeds));
     let moved = moved_at(model, units).filter(|_| !at_limit);

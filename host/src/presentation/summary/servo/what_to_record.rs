@@ -66,7 +66,7 @@ fn holds_alike(model: &ServoModel) -> bool {
 const LARGER_STROKES: &str = "Strokes of this recording were too small to show the top speed: record larger ones, as far as the travel allows.";
 
 /// Said where a model that lacks something of the servo has no top speed.
-const SPEED_IS_OPEN: &str = "The top speed is open, at least in one direction: random levels over most of the travel, held for random times, show it, in a recording of their own. If this is one, what the model lacks hides it, or commands that wait for their pulses.";
+const SPEED_IS_OPEN: &str = "The top speed is open, at least in one direction: random levels over most of the travel, held for random times, show it, in a recording of their own. If this is one, strokes may have been too small for it, what the model lacks may hide it, or commands that wait for their pulses.";
 
 /// Said of a servo that a dead band or friction holds, where the record does not show which.
 const STAIRS_DO_NOT_SEPARATE: &str = "Dead band and friction rest alike, and stairs hardly distinguish them: a large slow motion that goes on does, such as \
@@ -75,11 +75,11 @@ const STAIRS_DO_NOT_SEPARATE: &str = "Dead band and friction rest alike, and sta
 
 /// What gives intervals in a file of another program, where more of the same does not.
 const PLAY_OR_PULSES: &str = "Another recording of this kind may have intervals where the model has all of the servo. Where pulses come on a clock of their own, commands wait for them, which neither \
-    another reference nor shorter rows mend: change the command with the pulse, and write it in the row of that moment, as servoid's own board does. Where the gears have play, \
-    which the model lacks, hardly any recording has them. Runs between which the servo changed a little, as by its supply, may have them by themselves, and not together.";
+    another reference nor shorter rows mend: change the command with the pulse, and write it in the row of that moment, as servoid's own board does. Where the gears have play, or the supply changes along a recording, \
+    which the model lacks, hardly any recording has them, and the delay has the time in it that the play takes to be crossed. Runs between which the servo changed a little, as by its supply, may have them by themselves, and not together.";
 
 /// The same of a recording of servoid, whose commands change with the pulse.
-const PLAY: &str = "Another recording may have intervals where the model has all of the servo, and hardly any has where the gears have play, which it lacks.";
+const PLAY: &str = "Another recording may have intervals where the model has all of the servo, and hardly any has where the gears have play, or the supply changes along a recording, which it lacks: the delay has the time in it that the play takes to be crossed.";
 
 /// What is known without intervals.
 const WITHOUT_INTERVALS: &str = "What is known without intervals: the other fits show how far figures may be off, and 'servoid validate' how well the model predicts a recording \

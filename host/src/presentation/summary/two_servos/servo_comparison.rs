@@ -65,7 +65,7 @@ fn strokes_of_both(a: &str, b: &str, found: &ServoModelComparison) -> Option<Str
     let stroke = found.stroke?;
     let [of_a, of_b] = [both_ways(stroke.a_s?), both_ways(stroke.b_s?)];
     Some(format!(
-        "By the models a stroke of 60 degrees takes {of_a} in {a}, and {of_b} in {b}."
+        "By the models a stroke of 60 degrees takes {of_a} in {a}, and {of_b} in {b}, until it stays within 2 % of its end: one that overshoots may take longer than a slower one."
     ))
 }
 
@@ -246,7 +246,7 @@ pub(crate) fn how_servo_models_are_compared(found: &ServoModelComparison) -> &'s
              recordings would need."
         }
         Bounds::Withdrawn(_) => {
-            "Without intervals on both sides nothing is said about the difference."
+            "Without intervals on both sides nothing is said about the difference. Other fits are no intervals: what a model lacks is in all of them, and the truth may lie outside."
         }
     }
 }
@@ -459,7 +459,7 @@ mod tests {
     fn a_load_that_an_interval_shows_in_one_model_alone_is_named() {
         let of =
             "(load at the middle 0.2042 deg; a drive that is weaker to one side looks the same)";
-        let times = "By the models a stroke of 60 degrees takes 239 ms upwards and 171 ms downwards in A, and 200 ms in B.";
+        let times = "By the models a stroke of 60 degrees takes 239 ms upwards and 171 ms downwards in A, and 200 ms in B, until it stays within 2 % of its end: one that overshoots may take longer than a slower one.";
         let ends = |lower: f64| Some(Interval::new(0.2042, lower, 0.3));
         let loaded = sentence(None, Some(0.2042), ends(0.1));
         let said = format!("The model of B has a load {of}, and in that of A none shows. {times}");

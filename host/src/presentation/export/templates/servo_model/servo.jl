@@ -154,7 +154,7 @@ function advance!(servo::Servo, h, command)
     return servo
 end
 
-"The positions at the ends of steps with these commands, from rest under the first of them."
+"The positions at the ends of steps of {{step}} s with these commands, one for each, from rest under the first of them."
 function simulate(command)
     isempty(command) && return Float64[]
     servo = Servo(first(command))

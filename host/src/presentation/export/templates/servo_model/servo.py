@@ -183,7 +183,7 @@ class Servo:
 
 
 def simulate(command):
-    """The positions at the ends of steps with these commands, from rest under the first of them."""
+    """The positions at the ends of steps of {{step}} s with these commands, one for each, from rest under the first of them."""
     command = list(command)
     servo = Servo(command[0]) if command else None
     return [servo.step(value) for value in command]
