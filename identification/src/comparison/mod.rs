@@ -29,6 +29,7 @@
 //! ```
 
 mod advice;
+mod at_one_angle;
 mod compare;
 mod difference;
 mod difference_curves;

@@ -8,8 +8,10 @@
 //! ```
 //!
 //! which holds wherever both hold. Where both recordings were made alike, most of the time by which their output may have been recorded earlier or later is one
-//! and the same, and is not in the difference of the delays: that is of the intervals by noise, and of what each may be off by itself. Where two sensors recorded the sides, what their scales may be off from each other is added. For independent records it is wider than it would have to be.
+//! and the same, and is not in the difference of the delays: that is of the intervals by noise, and of what each may be off by itself. Where two sensors recorded the sides, what their scales may be off from each other is added, and where a load changes with the angle, what the quantities of both are [apart by their
+//! angles](super::at_one_angle). For independent records it is wider than it would have to be.
 
+use super::at_one_angle::{by_angles, with_shift};
 use super::outcome::Comparison;
 use super::rests_apart::RestsApart;
 use super::verdict::Verdict;
@@ -37,6 +39,9 @@ pub struct ServoModelComparison {
     /// Whether the difference of the delays is without the time by which the outputs of both may have been recorded earlier or later.
     #[serde(default)]
     pub shared_delay_error: bool,
+    /// Whether quantities of both depend on the angle, and are those at the middle of commands that differ: their differences then contain what that makes.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub at_other_angles: bool,
     /// How long a whole stroke takes; left out where that was not asked for, or where neither model says it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stroke: Option<StrokeTimes>,
@@ -182,12 +187,22 @@ pub fn compare_servo_models(
         let both = a.delay_by_noise.zip(b.delay_by_noise)?;
         Some((both.0.reaching(own, own), both.1.reaching(own, own)))
     });
+    let shift = |(a, b): &(Option<&Quantity>, Option<&Quantity>)| {
+        let kind = a.or(*b).and_then(Quantity::kind);
+        kind.and_then(|kind| by_angles(kind, [a_model, b_model]))
+            .unwrap_or_default()
+    };
     let differences = |level: f64| {
         let scale_error = pointwise_critical(level) * scale_sd;
-        pairs
-            .iter()
-            .filter_map(|(a, b)| difference(*a, *b, scale_error, delays))
-            .collect()
+        let of = |pair: &(Option<&Quantity>, Option<&Quantity>)| {
+            let found = difference(pair.0, pair.1, scale_error, delays)?;
+            let between = found.difference;
+            Some(QuantityDifference {
+                difference: between.map(|between| with_shift(between, shift(pair))),
+                ..found
+            })
+        };
+        pairs.iter().filter_map(of).collect()
     };
     let levels = level(a).zip(level(b)).map(|(a, b)| a.min(b));
     ServoModelComparison {
@@ -201,6 +216,7 @@ pub fn compare_servo_models(
             levels.into_valid().unwrap_or(Options::default().level),
         ),
         shared_delay_error: delays.is_some(),
+        at_other_angles: pairs.iter().any(|pair| shift(pair) != 0.0),
         bounds: levels.map(|level| QuantityDifferences {
             level,
             differences: differences(level),

@@ -14,7 +14,8 @@ mod wrong_columns;
 pub use holds::only_stroke;
 pub(crate) use holds::{
     EXACTLY, HELD, Hold, Stroke, between_ends, hold_lengths, holds, last_quarter, leaves_neutral,
-    mean_output, measured_within, share_held, stroke_sizes, strokes, usual_exact_hold, usual_hold,
+    mean_output, measured_within, share_held, shorter_exact_hold, stroke_sizes, strokes,
+    usual_exact_hold, usual_hold,
 };
 pub use moments::{MomentStream, Moments};
 pub use quantisation::Quantisation;

@@ -6,6 +6,7 @@
 use super::candidates::{Candidates, polished};
 use super::model::{Alternative, Covariance, LadderRung, MOST_CONTROLLERS, ServoFit, ServoModel};
 use super::quantities::quantities;
+use super::runs_alone::servo_changed;
 use super::search_progress::Watch;
 use crate::data::column::span;
 use crate::data::{Quantisation, Record};
@@ -117,7 +118,13 @@ pub fn fit_watched(
     options: &ServoModelOptions,
     watch: &dyn Watch,
 ) -> Result<ServoModel, Error> {
-    let (parts, fold_of) = usable_stretches(record, options)?;
+    if controllers(options) > MOST_CONTROLLERS {
+        return Err(Error::TooManyControllers {
+            controllers: controllers(options),
+            most: MOST_CONTROLLERS,
+        });
+    }
+    let (parts, fold_of) = usable_stretches(record, &options.controllers)?;
     let search = Search {
         shown: Shown::by(&parts, record.sample_period_s()),
         record,
@@ -136,7 +143,10 @@ pub fn fit_watched(
     if watch.ends() {
         return Err(Error::SearchEnded);
     }
-    Ok(describe(record, options, &found))
+    let mut model = describe(record, options, &found);
+    model.fit.servo_changed = (model.fit.lacking)
+        .is_some_and(|lacking| servo_changed(record, options, (found.best(), lacking), watch));
+    Ok(model)
 }
 
 /// Of servos that predict as well as the best, one with the stops that the record [shows](PossibleStops::missing), and of these one with the fewest that are
@@ -386,23 +396,17 @@ impl Search<'_> {
 }
 
 /// The grid on which the motion of the servo `point` is computed.
-fn fine_grid(point: &Point, record: &Record) -> Grid {
+pub(super) fn fine_grid(point: &Point, record: &Record) -> Grid {
     let stiffness = point.physics(0, |_, value| value).stiffness;
     Grid::for_stiffness(record.sample_period_s(), record.sample_phase_s(), stiffness)
 }
 
 /// The stretches of a record that a servo can be found in, and the fold that each of their blocks belongs to.
-fn usable_stretches(
+pub(super) fn usable_stretches(
     record: &Record,
-    options: &ServoModelOptions,
+    controllers: &[usize],
 ) -> Result<(Vec<Stretch>, Vec<usize>), Error> {
-    if controllers(options) > MOST_CONTROLLERS {
-        return Err(Error::TooManyControllers {
-            controllers: controllers(options),
-            most: MOST_CONTROLLERS,
-        });
-    }
-    let (parts, fold_of) = stretches(record, &options.controllers);
+    let (parts, fold_of) = stretches(record, controllers);
     let samples: usize = parts.iter().map(|part| part.input.len()).sum();
     if samples < FEWEST {
         return Err(Error::TooShortForAuto {
@@ -564,6 +568,7 @@ fn fit_of(servo: &Found, record: &Record, spread: f64) -> ServoFit {
         discrepancy: level.valid().map(|_| found.discrepancy),
         lacking: (level.withdrawn() == Some(Reason::ErrorsNotNoise) && found.at_rest.is_some())
             .then_some(found.discrepancy),
+        servo_changed: false,
         largest_error: largest_error_of(&servo.parts, &possible[0].point, found),
         samples_used: count,
         samples_missing: record.samples() - count,

@@ -17,6 +17,7 @@ mod estimate;
 mod model;
 mod motion;
 mod quantities;
+mod runs_alone;
 mod search_progress;
 mod stretches;
 mod terms;

@@ -31,6 +31,12 @@ pub const SERVO_LARGE_ADVANTAGE: f64 = 0.25;
 /// 77 degrees, which leave 0.4; the simulated aircraft servo with zeros 0.2 and 0.3 degrees apart leaves less than 0.1.
 pub const RUN_OFFSETS_LEAVE: f64 = 0.25;
 
+/// Share of the squared errors beside noise that servos of the single runs leave at the most on the mean, for the servo to have changed between them.
+///
+/// Protects: servos that have something the model lacks, such as a little play, which the shorter runs by themselves do not show, from being told that they changed. Evidence:
+/// the test of a servo that changed, and of one that did not and has play.
+pub const RUNS_ALONE_LEAVE: f64 = 0.25;
+
 /// Advantage of the linear model over the servo model in the fit of parts that neither has seen, from which on the linear one is
 /// recommended \[percentage points\].
 ///

@@ -228,7 +228,7 @@ impl ModelFile {
                 model: model.with_todays_quantities(),
                 controller_names: beside.controller_names,
                 stroke_of_60_degrees_s: beside.stroke_of_60_degrees_s,
-                is_of_rows: false,
+                is_of_rows: self.metadata.pulse_frame_s.is_none(),
             })),
             false => Err(ModelFileError::InconsistentServoModel(self.path.clone())),
         }
@@ -293,7 +293,7 @@ pub struct ServoModelDocument {
     /// How long a whole stroke of 60 degrees takes upwards and downwards \[s\]; `None` where the output is no angle, or the model does not say it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stroke_of_60_degrees_s: Option<[f64; 2]>,
-    /// Whether another program wrote the recording, whose commands may change beside the pulses. No file has that, and advice is of a recording.
+    /// Whether another program wrote the recording, whose commands may change beside the pulses: a file without their frame.
     #[serde(skip)]
     pub is_of_rows: bool,
 }

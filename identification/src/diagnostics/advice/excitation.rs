@@ -9,7 +9,6 @@ use crate::numerics::four_digits;
 use crate::results::{Advice, Check, Withheld};
 use crate::thresholds::{
     AGAINST_MOTION, ALL_AT_ONCE, DISAGREEMENT, FEEDBACK_SIGNIFICANCE, INPUT_EXPLAINED,
-    RUNS_FOR_MEAN,
 };
 
 /// The remedy where the reference lacks power.
@@ -77,17 +76,17 @@ pub(super) fn excitation(evidence: &Evidence<'_>) -> Option<Advice> {
 }
 
 /// Said of runs of a smooth reference, each of which has bounds in its band where its errors are noise.
-const RUNS_WITHOUT_BAND: &str = " Of three and more runs of such a reference together the frequency response has no bounds either: they would have to \
+const RUNS_WITHOUT_BAND: &str = " Of three and more runs of such a reference together the frequency response has no bounds either, and of two often none: they would have to \
     contain how the runs differ, which is not computed in a band.";
 
 /// What to do about it.
 const EACH_RUN: &str = "Each run by itself may have bounds of the frequency response: identify them one by one, and look at how far the answers lie apart. ";
 
-/// Whether the record has so many runs of a smooth reference that there are no bounds in its band.
+/// Whether the record has several runs of a smooth reference, so that there may be no bounds in its band.
 fn is_smooth_in_runs(evidence: &Evidence<'_>) -> bool {
     let excitation = evidence.explanation.excitation.as_ref();
     let runs = evidence.recorded.map_or(0, |record| record.runs().len());
-    excitation.is_some_and(Excitation::is_smooth) && runs >= RUNS_FOR_MEAN
+    excitation.is_some_and(Excitation::is_smooth) && runs > 1
 }
 
 /// That commands with such `errors` may have been without, and then excite nothing of what these do.

@@ -92,8 +92,12 @@ pub(super) fn scatter(evidence: &Evidence<'_>) -> Option<Advice> {
         Advice::new(
             Check::RunScatter,
             format!(
-                "The runs differ by more than their noise: gain by {} %, delay by {} ms, offset by {} {} \
+                "The runs differ{} by more than their noise: gain by {} %, delay by {} ms, offset by {} {} \
                  (standard deviations between runs; another bandwidth or damping passes for gain and delay here).{bounds}{}",
+                match evidence.model.linear {
+                    true => "",
+                    false => ", each as of a linear servo,",
+                },
                 two_digits(runs.gain_percent.sd),
                 two_digits(1000.0 * runs.delay_s.sd),
                 evidence.output(two_digits(runs.offset.sd)),

@@ -22,7 +22,7 @@ mod visits;
 
 use serde::{Deserialize, Serialize};
 
-use crate::data::{EXACTLY, Record, Run, holds, sensor_step, usual_exact_hold};
+use crate::data::{EXACTLY, Record, Run, holds, sensor_step, shorter_exact_hold, usual_exact_hold};
 use crate::diagnostics::followed_after;
 use crate::results::{Interval, Model};
 use crate::thresholds::MARGIN;
@@ -239,8 +239,10 @@ fn settling(record: &Record, model: &Model) -> usize {
     match is_described(model) {
         true => (all as f64 / MARGIN).ceil() as usize,
         false => time_to_rest(record).map_or(all, |seen| {
-            let followed = followed_in_holds(&model.step.value, usual_exact_hold(record));
-            seen.max(followed).min(all)
+            // Of holds of several lengths, the response moves again after the shorter ones.
+            let holds = [usual_exact_hold(record), shorter_exact_hold(record)];
+            let followed = holds.map(|hold| followed_in_holds(&model.step.value, hold));
+            seen.max(followed[0].min(followed[1])).min(all)
         }),
     }
 }

@@ -9,7 +9,7 @@ pub(super) mod sine_response;
 pub(super) mod stroke_time;
 mod top_speed_reached;
 
-use super::quantities::{Quantity, widen_delay};
+use super::quantities::{self, Quantity, widen_delay};
 use crate::data::{Record, Run, Timing};
 use crate::error::Error;
 use crate::nonlinear::{MissedRest, SpeedLimits};
@@ -180,6 +180,9 @@ pub struct ServoFit {
     /// is not seen at rest.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lacking: Option<f64>,
+    /// Whether each run by itself leaves its servo nothing but noise where all of them together do not: the servo changed between the runs.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub servo_changed: bool,
     /// Largest distance of the simulated angle from the command \[command\].
     pub largest_error: f64,
     /// Samples used.
@@ -293,6 +296,11 @@ impl ServoModel {
     #[must_use]
     pub fn parameters(&self, controller: usize) -> ServoParameters {
         self.point().physics(controller, |_, value| value)
+    }
+
+    /// The quantity `kind` under the load at the angle `angle` \[command\]; `None` of a servo that has none.
+    pub(crate) fn quantity_at(&self, kind: QuantityKind, angle: f64) -> Option<f64> {
+        quantities::value(kind, &self.parameters(0), angle)
     }
 
     pub(super) fn grid(&self, timing: Timing) -> Grid {

@@ -16,8 +16,15 @@ pub(super) fn without_intervals(model: &ServoModel, reason: Reason, units: Units
         let size = with_unit(digits(lacking, 2), units.output.unwrap_or_default());
         format!(", up to {size} rms,")
     });
-    let not_noise =
-        format!(", so the servo or the recording has something{size} that the model lacks");
+    let not_noise = match model.fit.servo_changed {
+        true => format!(
+            ", but those of each run by itself are: the servo changed from run to run{}",
+            size.trim_end_matches(',')
+        ),
+        false => {
+            format!(", so the servo or the recording has something{size} that the model lacks")
+        }
+    };
     let more = match reason {
         Reason::ErrorsNotNoise => &not_noise,
         Reason::QuantisationAboveNoise => {

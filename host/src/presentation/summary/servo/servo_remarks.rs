@@ -57,7 +57,12 @@ fn of_intervals(model: &ServoModel, units: Units<'_>) -> Option<String> {
     if let Bounds::Withdrawn(reason) = &model.covariance {
         let lacking = model.fit.lacking.map_or_else(String::new, |lacking| {
             let size = with_unit(digits(lacking, 2), units.output.unwrap_or_default());
-            format!(": beside noise, up to {size} rms is what the model lacks")
+            match model.fit.servo_changed {
+                true => format!(
+                    ": beside noise, up to {size} rms is what the servo changed by from run to run. Each run by itself leaves its model noise alone"
+                ),
+                false => format!(": beside noise, up to {size} rms is what the model lacks"),
+            }
         });
         return Some(format!(
             "No intervals can be given, because {}{lacking}.",

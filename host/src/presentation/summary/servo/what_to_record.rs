@@ -13,7 +13,10 @@ pub(crate) fn advice_on_servo_model(document: &ServoModelDocument) -> Vec<&'stat
         return vec![LINEAR_IS_SHARPER];
     }
     if model.covariance.withdrawn() == Some(Reason::ErrorsNotNoise) {
-        return beside_what_the_model_lacks(document);
+        return match model.fit.servo_changed {
+            true => vec![ONE_BY_ONE],
+            false => beside_what_the_model_lacks(document),
+        };
     }
     let mut advice = what_to_record(&model.quantities);
     advice.extend(has_unreached_top_speeds(model).then_some(LARGER_STROKES));
@@ -80,6 +83,10 @@ const PLAY_OR_PULSES: &str = "Another recording of this kind may have intervals 
 
 /// The same of a recording of servoid, whose commands change with the pulse.
 const PLAY: &str = "Another recording may have intervals where the model has all of the servo, and hardly any has where the gears have play, or the supply changes along a recording, which it lacks: the delay has the time in it that the play takes to be crossed.";
+
+/// Said of a servo that changed between runs, each of which has noise alone.
+const ONE_BY_ONE: &str = "Identify the runs one by one: each may have intervals, and the scatter of their figures is that of the servo, of which intervals of one run say nothing. Look for \
+    what changes between the runs, such as the supply voltage or the temperature.";
 
 /// What is known without intervals.
 const WITHOUT_INTERVALS: &str = "What is known without intervals: the other fits show how far figures may be off, and 'servoid validate' how well the model predicts a recording \

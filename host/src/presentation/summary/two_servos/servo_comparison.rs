@@ -222,7 +222,10 @@ pub fn of_servo_models(names: [&str; 2], found: &ServoModelComparison, units: Un
             text += &line("", intervals);
         }
     }
-    text + &format!("\n  {}\n", wrapped(how_servo_models_are_compared(found), 2))
+    text + &format!(
+        "\n  {}\n",
+        wrapped(&how_servo_models_are_compared(found), 2)
+    )
 }
 
 /// What stands below the figures: intervals, or other fits, which nobody is to take for any.
@@ -234,8 +237,15 @@ pub(crate) fn what_is_below(found: &ServoModelComparison) -> String {
 }
 
 /// The way the differences were computed.
-pub(crate) fn how_servo_models_are_compared(found: &ServoModelComparison) -> &'static str {
-    match found.bounds {
+pub(crate) fn how_servo_models_are_compared(found: &ServoModelComparison) -> String {
+    let angles = match found.at_other_angles && found.bounds.valid().is_some() {
+        true => {
+            " Where a load changes with the angle, speed, acceleration and load are those at the middle of the commands of each side, and these middles differ here: the \
+             intervals of their differences contain what that makes."
+        }
+        false => "",
+    };
+    let how = match found.bounds {
         Bounds::Valid(_) if found.shared_delay_error => {
             "Difference: second less first, from the ends of both intervals, but of the delay without the time by which commands or \
              positions were recorded earlier or later in both: it is one and the same where both were recorded in one way. It holds wherever both hold, and \
@@ -246,9 +256,11 @@ pub(crate) fn how_servo_models_are_compared(found: &ServoModelComparison) -> &'s
              recordings would need."
         }
         Bounds::Withdrawn(_) => {
-            "Without intervals on both sides nothing is said about the difference. Other fits are no intervals: what a model lacks is in all of them, and the truth may lie outside."
+            "Without intervals on both sides nothing is said about the difference. Other fits are no intervals: what a model lacks is in all of them, and the truth may lie outside. \
+             A delay has the time in it that play in the gears takes to be crossed."
         }
-    }
+    };
+    format!("{how}{angles}")
 }
 
 /// Each quantity: value and interval of both, and of the difference where both have intervals.
@@ -441,6 +453,7 @@ mod tests {
             rests_apart: RestsApart::default(),
             speed_limits: None,
             shared_delay_error: false,
+            at_other_angles: false,
             stroke: Some(StrokeTimes {
                 size: 60.0,
                 a_s: Some([0.239, 0.171]),
