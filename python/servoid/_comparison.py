@@ -153,7 +153,10 @@ class Comparison(Printed):
     def __repr__(self) -> str:
         of_models = self._fields.get("motions", ()) is None
         of = "the servos" if self.of == "servos" else "these models" if of_models else "these recordings"
-        return f"<Comparison: {self.verdict} (of {of}; margin {self.margin_percent:g} %)>\n{self._fields['summary']}"
+        head = f"<Comparison: {self.verdict} (of {of}; margin {self.margin_percent:g} %)>"
+        # Where machines say more than step responses, they come first.
+        answer = next((part for part in self.summary.split("\n\n") if not part.startswith("A  ")), self._fields["summary"])
+        return f"{head}\n{answer.strip()}"
 
 
 class Validation(Printed):

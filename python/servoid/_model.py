@@ -112,7 +112,7 @@ class FrequencyResponse:
         The same in decibels and in degrees of phase, with the hold of the command between two samples; :attr:`Model.servo_frequency` is
         without.
     level : float or None
-        Level of the bounds, which hold at each frequency by itself; ``None`` where they are withdrawn, and with it the bounds of magnitude and phase.
+        Level of the bounds, which hold at each frequency by itself, those of the phase but for whole turns; ``None`` where they are withdrawn, and with it the bounds of magnitude and phase.
     """
 
     omega_rad_s: Column

@@ -79,16 +79,19 @@ fn commands_that_wait_for_pulses_are_held_at_them_where_their_frame_is_stated() 
     let rows: Vec<Vec<&str>> = (text.lines().skip(1))
         .map(|line| line.split(',').collect())
         .collect();
-    let mut log = "t_s,command,position_deg\n".to_owned();
-    for (k, row) in rows.iter().enumerate() {
-        // The next frame's command from a row on that another frame has elsewhere.
-        let frame = k / 10;
-        let written = k % 10 >= (frame * 7919) % 10;
-        let from = if written { 10 * (frame + 1) } else { k };
-        let command = rows.get(from).unwrap_or(row)[1];
-        log += &format!("{},{command},{}\n", row[0], row[2]);
-    }
-    std::fs::write(&table, log).unwrap();
+    // Rows of 2 ms, and of 10 ms between which the pulses come.
+    let logged = |first: usize, every: usize| {
+        let mut log = "t_s,command,position_deg\n".to_owned();
+        for (k, row) in rows.iter().enumerate().skip(first).step_by(every) {
+            // The next frame's command from a row on that another frame has elsewhere.
+            let frame = k / 10;
+            let written = k % 10 >= (frame * 7919) % 10;
+            let from = if written { 10 * (frame + 1) } else { k };
+            let command = rows.get(from).unwrap_or(row)[1];
+            log += &format!("{},{command},{}\n", row[0], row[2]);
+        }
+        std::fs::write(&table, log).unwrap();
+    };
     let error = |more: &[&str]| {
         let named = "--input command --output position_deg --time t_s --json".split(' ');
         let args = ["validate", "-q", arg(&model), arg(&table)];
@@ -101,6 +104,7 @@ fn commands_that_wait_for_pulses_are_held_at_them_where_their_frame_is_stated() 
         let rmse = found["servo_model"]["rmse"].as_f64().unwrap();
         (rmse, found["pulses"]["first_pulse_s"][0].as_f64())
     };
+    logged(0, 1);
     let (waiting, none) = error(&[]);
     let (held, pulse_s) = error(&["--frame-ms", "20"]);
     assert_eq!(none, None);
@@ -108,6 +112,11 @@ fn commands_that_wait_for_pulses_are_held_at_them_where_their_frame_is_stated() 
     assert!(held < 0.07 && waiting > 4.0 * held, "{waiting} {held}");
     let off = pulse_s.unwrap().min(0.02 - pulse_s.unwrap());
     assert!(off < 0.002, "{pulse_s:?}");
+    // The rows begin 6 ms after a pulse.
+    logged(3, 5);
+    let (held, pulse_s) = error(&["--frame-ms", "20"]);
+    assert!(held < 0.07, "{held}");
+    assert!((pulse_s.unwrap() - 0.014).abs() < 0.002, "{pulse_s:?}");
 }
 
 #[test]

@@ -97,6 +97,24 @@ pub struct QuantityPair {
     /// What other fits to the record of each say, where its errors are not noise; left out elsewhere.
     #[serde(default, skip_serializing_if = "SpreadOfBoth::is_empty")]
     pub other_fits: SpreadOfBoth,
+    /// Its interval on the one side that has any, where the other has none; left out elsewhere.
+    #[serde(default, skip_serializing_if = "IntervalOfOne::is_empty")]
+    pub interval_of_one: IntervalOfOne,
+}
+
+/// The interval of a quantity on the one side whose model has intervals.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct IntervalOfOne {
+    /// Of the first servo.
+    pub a: Option<Interval>,
+    /// Of the second servo.
+    pub b: Option<Interval>,
+}
+
+impl IntervalOfOne {
+    fn is_empty(&self) -> bool {
+        self.a.or(self.b).is_none()
+    }
 }
 
 /// A quantity in other fits of both sides, which is no interval.
@@ -164,6 +182,7 @@ pub fn compare_servo_models(
 ) -> ServoModelComparison {
     let [a_model, b_model] = [a, b];
     let pairs = paired(&a.quantities, &b.quantities);
+    let have_both = a.covariance.valid().is_some() && b.covariance.valid().is_some();
     let pair = |(a, b): &(Option<&Quantity>, Option<&Quantity>)| {
         let either = a.or(*b)?;
         let known =
@@ -171,6 +190,10 @@ pub fn compare_servo_models(
         let of_a = a.filter(|of| known(a_model, of));
         let of_b = b.filter(|of| known(b_model, of));
         let spread = |of: Option<&Quantity>| of.and_then(|of| of.other_fits);
+        let of_one = |of: Option<&Quantity>| {
+            let interval = of.and_then(|of| of.interval.valid().copied());
+            interval.filter(|_| !have_both)
+        };
         Some(QuantityPair {
             name: either.name.clone(),
             unit: either.unit,
@@ -179,6 +202,10 @@ pub fn compare_servo_models(
             other_fits: SpreadOfBoth {
                 a: spread(of_a),
                 b: spread(of_b),
+            },
+            interval_of_one: IntervalOfOne {
+                a: of_one(of_a),
+                b: of_one(of_b),
             },
         })
     };

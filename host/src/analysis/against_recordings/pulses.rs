@@ -97,7 +97,9 @@ impl StatedPulses {
                 " If those of the model's own recording waited for pulses too, half a frame is in its delay already, and counts twice here."
             }
         };
-        let at_pulses = match self.changes_whole_frames_apart {
+        // Pulses of another length walk against such commands, as no wrong delay does.
+        let is_as_stated = (self.frame_s - self.stated_frame_s).abs() < 2.0 * self.frame_step_s;
+        let at_pulses = match self.changes_whole_frames_apart && is_as_stated {
             false => "",
             true => {
                 " But all commands change whole frames apart, so they may stand at their pulses already. Then they wait for nothing, and the moments that were looked for \

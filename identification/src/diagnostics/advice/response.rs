@@ -42,8 +42,40 @@ fn after_holds(evidence: &Evidence<'_>, choice: &Choice, hold: usize) -> Advice 
     )
 }
 
+/// Samples within which the output rests after a command, where the response moves for longer: the least of halves of the time until which it does.
+fn rests_before(evidence: &Evidence<'_>, choice: &Choice) -> Option<usize> {
+    let record = evidence.recorded?;
+    let first = choice.detected.min(usual_hold(record));
+    let halves = std::iter::successors(Some(first), |samples| Some(samples / 2));
+    halves
+        .take_while(|samples| rests_within(record, *samples))
+        .last()
+}
+
+/// That a response which moves behind the rest of the servo, `within` samples after a command, is no response.
+fn after_rest(evidence: &Evidence<'_>, choice: &Choice, within: usize) -> Advice {
+    let seconds = |samples: usize| samples as f64 * evidence.model.sample_period_s;
+    Advice::new(
+        Check::Settled,
+        format!(
+            "The linear response moves until {:.3} s, but the output is at rest {:.3} s after a command: what moves later is no answer to one step, but to the steps before it, \
+             as where play, a dead band or friction leave the servo on the side from which it came. The final value is not certain.",
+            seconds(choice.detected),
+            seconds(within)
+        ),
+        choice.detected as f64,
+        within as f64,
+        format!(
+            "State a settling time of {within} samples, within which it rests; runs with their levels in other orders show what the answer depends on."
+        ),
+    )
+}
+
 pub(super) fn settled(evidence: &Evidence<'_>) -> Option<Advice> {
     let choice = trusted_choice(evidence).filter(|choice| !choice.settled)?;
+    if let Some(within) = rests_before(evidence, choice) {
+        return Some(after_rest(evidence, choice, within));
+    }
     if let Some(hold) = hold_that_is_outlasted(evidence, choice) {
         return Some(after_holds(evidence, choice, hold));
     }

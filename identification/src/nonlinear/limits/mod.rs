@@ -232,19 +232,20 @@ fn is_described(model: &Model) -> bool {
 }
 
 /// Samples that the response takes to settle. N is longer by a margin, which a model that does not describe the servo needs: other strokes take longer. It may
-/// as well be far too long for it. A servo that has not followed the command is not at rest: in the short holds of a sweep it moves so evenly that it
-/// passes for that.
+/// as well be far too long for the servo, whose output is at rest before. A servo that has not followed the command is not at rest: in the short holds of a sweep it moves so
+/// evenly that it passes for that.
 fn settling(record: &Record, model: &Model) -> usize {
     let all = model.structure.settling_samples;
-    match is_described(model) {
+    let longest = match is_described(model) {
         true => (all as f64 / MARGIN).ceil() as usize,
-        false => time_to_rest(record).map_or(all, |seen| {
-            // Of holds of several lengths, the response moves again after the shorter ones.
-            let holds = [usual_exact_hold(record), shorter_exact_hold(record)];
-            let followed = holds.map(|hold| followed_in_holds(&model.step.value, hold));
-            seen.max(followed[0].min(followed[1])).min(all)
-        }),
-    }
+        false => all,
+    };
+    time_to_rest(record).map_or(longest, |seen| {
+        // Of holds of several lengths, the response moves again after the shorter ones.
+        let holds = [usual_exact_hold(record), shorter_exact_hold(record)];
+        let followed = holds.map(|hold| followed_in_holds(&model.step.value, hold));
+        seen.max(followed[0].min(followed[1])).min(longest)
+    })
 }
 
 /// Share of a response that has to be over at the end of the usual hold for that to be the answer to one step.

@@ -1,5 +1,6 @@
 //! The equation against exact answers, and the fit against servos that are known.
 
+mod changed_servo;
 mod directions;
 mod equation;
 mod no_intervals;

@@ -139,7 +139,10 @@ pub(super) fn resting_error(model: &ServoModel, units: Units<'_>) -> Option<Stri
         .flatten()
         .is_none_or(|(_, upper)| upper < MOST_OF_REST * value);
     (by_friction.value > 0.0 && is_known).then(|| {
-        let command = with_space(units.input);
+        let command = match units.input == units.output {
+            true => format!("{} of the command", with_space(units.input)),
+            false => with_space(units.input),
+        };
         // A number that may be twice as large, or none, is not said without its interval.
         let wide = bounds
             .flatten()

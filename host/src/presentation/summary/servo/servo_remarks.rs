@@ -11,7 +11,7 @@ use crate::data::units::Units;
 use crate::presentation::summary::wording::numbers::{digits, four_digits};
 use servoid_identification::nonlinear::MissedRest;
 use servoid_identification::results::{Bounds, with_unit};
-use servoid_identification::servo_model::{ServoModel, Stops};
+use servoid_identification::servo_model::{Load, ServoModel, Stops};
 
 /// Sentences around the table of quantities.
 pub(crate) struct ServoRemarks {
@@ -112,11 +112,16 @@ fn rest_at_neutral(model: &ServoModel, units: Units<'_>) -> Option<String> {
     // What a tenth of a microsecond makes.
     let decimals = (-(0.1 * servo.gain.abs()).log10()).ceil().clamp(0.0, 9.0) as usize;
     Some(format!(
-        "Under a pulse of {command:.0} us the model rests at {}. The offset is that under a command of 0, which is no pulse.",
+        "Under a pulse of {command:.0} us the model rests at {}. The offset is that under a command of 0, which is no pulse{}.",
         with_unit(
             format!("{rest:.decimals$}"),
             units.output.unwrap_or_default()
-        )
+        ),
+        match servo.load {
+            Load::None | Load::Constant(_) => "",
+            _ =>
+                ": under a load that changes with the angle, it and the gain make no line of the rests",
+        }
     ))
 }
 

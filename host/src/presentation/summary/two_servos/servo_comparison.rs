@@ -10,7 +10,7 @@ use crate::presentation::summary::wording::layout::wrapped;
 use crate::presentation::summary::wording::numbers::{digits, digits_beside, four_digits, percent};
 use crate::presentation::summary::wording::sixty_degrees::{both_ways, whole_ms};
 use servoid_identification::comparison::{
-    QuantityPair, RestsApart, ServoModelComparison, SpeedLimitsOfBoth,
+    IntervalOfOne, QuantityPair, RestsApart, ServoModelComparison, SpeedLimitsOfBoth,
 };
 use servoid_identification::nonlinear::SpeedLimits;
 use servoid_identification::results::{Bounds, Interval, with_unit};
@@ -232,8 +232,15 @@ pub fn of_servo_models(names: [&str; 2], found: &ServoModelComparison, units: Un
 pub(crate) fn what_is_below(found: &ServoModelComparison) -> String {
     match found.bounds.valid() {
         Some(bounds) => format!("{} % intervals below", percent(bounds.level)),
+        None if has_interval_of_one(found) => "intervals (..) or other fits below".to_owned(),
         None => "no intervals; other fits below".to_owned(),
     }
+}
+
+/// Whether one side has intervals, and the other one none.
+fn has_interval_of_one(found: &ServoModelComparison) -> bool {
+    let mut pairs = found.quantities.iter();
+    pairs.any(|pair| pair.interval_of_one != IntervalOfOne::default())
 }
 
 /// The way the differences were computed.
@@ -257,7 +264,8 @@ pub(crate) fn how_servo_models_are_compared(found: &ServoModelComparison) -> Str
         }
         Bounds::Withdrawn(_) => {
             "Without intervals on both sides nothing is said about the difference. Other fits are no intervals: what a model lacks is in all of them, and the truth may lie outside. \
-             A delay has the time in it that play in the gears takes to be crossed."
+             A delay has the time in it that play in the gears takes to be crossed, a dead band or friction of the model stands for play, too, and the bandwidth is that of the loop \
+             without them."
         }
     };
     format!("{how}{angles}")
@@ -278,9 +286,9 @@ pub(crate) fn servo_model_rows(found: &ServoModelComparison, units: Units<'_>) -
         // Without intervals, digits far below what the two sides are apart say nothing.
         let apart = pair.a.zip(pair.b).map(|(a, b)| scale * (a - b).abs());
         let shown = |value: Option<f64>, interval: Option<Interval>| {
-            let digits = |v| match bounds {
-                Some(_) => digits_beside(scale * v, 4, width(interval)),
-                None => digits_beside(scale * v, 3, apart),
+            let digits = |v| match bounds.is_some() || interval.is_some() {
+                true => digits_beside(scale * v, 4, width(interval)),
+                false => digits_beside(scale * v, 3, apart),
             };
             value.map_or("-".to_owned(), digits)
         };
@@ -304,12 +312,12 @@ pub(crate) fn servo_model_rows(found: &ServoModelComparison, units: Units<'_>) -
         let sure = bounds.and_then(|bounds| bounds.differences.get(index));
         let [of_a, of_b, apart] = match sure {
             Some(found) => [found.a, found.b, found.difference],
-            None => [None; 3],
+            None => [pair.interval_of_one.a, pair.interval_of_one.b, None],
         };
         let below = |of: Option<Interval>, value, fits, kinds: &[QuantityKind]| {
-            let ends = match bounds {
-                Some(_) => ends(of, value),
-                None => other_fits(fits).unwrap_or_default(),
+            let ends = match bounds.is_some() || of.is_some() {
+                true => ends(of, value),
+                false => other_fits(fits).unwrap_or_default(),
             };
             let load = under_load(pair.kind(), kinds.iter().copied()).filter(|_| value.is_some());
             let parts = [Some(ends), load.map(str::to_owned)].into_iter().flatten();
@@ -448,6 +456,7 @@ mod tests {
                 a,
                 b,
                 other_fits: SpreadOfBoth::default(),
+                interval_of_one: IntervalOfOne::default(),
             }],
             stops: None,
             rests_apart: RestsApart::default(),
