@@ -89,6 +89,7 @@ pub(crate) use times::time_fault::TimeFault;
 pub use travel::arrival::{Approach, Arrival};
 pub(crate) use travel::flat_end::TravelEnd;
 pub use travel::flat_end::stops_of_rests;
+pub(crate) use travel::flat_end::stops_of_several_commands;
 pub(crate) use travel::moves_beyond::moves_beyond;
 pub(crate) use travel::outermost_rests::outermost_rests;
 pub use travel::servo_stopped::ServoStopped;

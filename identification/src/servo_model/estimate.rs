@@ -177,8 +177,12 @@ fn preferred(mut all: Vec<Found>, possible: &PossibleStops) -> Found {
     let mut found = all.swap_remove(chosen);
     // With other stops it predicts better, if only by chance: a load stands for a stop down to the noise, with another delay.
     let is_open = stops != found.best().stops;
+    let has_open_stop = possible.open(found.best().stops) > 0;
     let level = &mut found.candidates.level;
-    *level = level.unless(is_open.then_some(Reason::TravelEndOpen));
+    *level = match level.withdrawn() {
+        Some(Reason::TravelEnd) if has_open_stop => Bounds::Withdrawn(Reason::TravelEndOpen),
+        _ => level.unless(is_open.then_some(Reason::TravelEndOpen)),
+    };
     found
 }
 

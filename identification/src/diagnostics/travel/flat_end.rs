@@ -73,7 +73,8 @@ impl TravelEnd {
         let outwards = (self.rest - present().sum::<f64>() / count).signum();
         let is_far = |y: &f64| outwards * (y - self.rest) > PASSED.0 * travel;
         let is_far_often = present().filter(is_far).count() as f64 > PASSED.1 * count;
-        is_far_often || !self.is_of_several_commands() && moves_beyond(record, self.rest)
+        is_far_often
+            || !self.is_of_several_commands() && moves_beyond(record, [self.commands.1, self.rest])
     }
 }
 
@@ -81,6 +82,13 @@ impl TravelEnd {
 #[must_use]
 pub fn stops_of_rests(record: &Record) -> Vec<f64> {
     let ends = TravelEnd::of_rests(record).into_iter().flatten();
+    ends.map(|end| end.rest).collect()
+}
+
+/// Those among them that several commands show.
+pub(crate) fn stops_of_several_commands(record: &Record) -> Vec<f64> {
+    let ends = TravelEnd::of_rests(record).into_iter().flatten();
+    let ends = ends.filter(TravelEnd::is_of_several_commands);
     ends.map(|end| end.rest).collect()
 }
 

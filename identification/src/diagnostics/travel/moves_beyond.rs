@@ -12,22 +12,29 @@ const BY_NOISE: f64 = 5.0;
 /// Share of the travel that is none.
 const SHARE: f64 = 2e-3;
 
-/// Whether the output of `record` moves beyond its `rest` at an end, by more than noise and a step of the sensor.
-pub(crate) fn moves_beyond(record: &Record, rest: f64) -> bool {
+/// Whether the output of `record` moves beyond its `rest` under an outermost `command` that is held, by more than noise and a step of the sensor, while commands are farther out: what is beyond
+/// under that command itself is an overshoot.
+pub(crate) fn moves_beyond(record: &Record, [command, rest]: [f64; 2]) -> bool {
     let outputs: Vec<f64> = record.outputs().collect();
+    let inputs: Vec<f64> = record.inputs().collect();
     let (Some(middle), Some(travel)) = (mean(&outputs), span(outputs.iter().copied())) else {
         return false;
     };
     let outwards = (rest - middle).signum();
+    let side = mean(&inputs).map_or(0.0, |middle| (command - middle).signum());
+    let is_out = |u: &f64| side * (u - command) > 0.0;
     let noise = white_noise(record).unwrap_or_default() / (ROWS as f64).sqrt();
     let step = sensor_step(record).unwrap_or_default();
     let least = (BY_NOISE * noise).max(step).max(SHARE * travel);
-    let is_beyond = |rows: &[f64]| {
-        let mean = rows.iter().sum::<f64>() / rows.len() as f64;
-        outwards * (mean - rest) > least
+    let is_beyond = |(commands, outputs): (&[f64], &[f64])| {
+        let mean = outputs.iter().sum::<f64>() / outputs.len() as f64;
+        commands.iter().all(is_out) && outwards * (mean - rest) > least
     };
-    let means = |run: &Run<'_>| run.output().windows(ROWS).any(is_beyond);
-    record.runs().iter().any(means)
+    let moves = |run: &Run<'_>| {
+        let mut rows = run.input().windows(ROWS).zip(run.output().windows(ROWS));
+        rows.any(is_beyond)
+    };
+    record.runs().iter().any(moves)
 }
 
 #[cfg(test)]
@@ -47,8 +54,9 @@ mod tests {
 
     #[test]
     fn a_rest_that_the_output_passes_is_no_stop() {
-        assert!(moves_beyond(&record(5.2), 5.0));
-        assert!(!moves_beyond(&record(4.9), 5.0));
-        assert!(!moves_beyond(&record(5.2), 0.0));
+        assert!(moves_beyond(&record(5.2), [5.0, 5.0]));
+        assert!(!moves_beyond(&record(4.9), [5.0, 5.0]));
+        // An overshoot under the farthest command.
+        assert!(!moves_beyond(&record(5.2), [5.3, 5.0]));
     }
 }

@@ -4,8 +4,8 @@ use crate::data::column::extent;
 use crate::data::{EXACTLY, Hold, Record, Run, holds, last_quarter, mean_output};
 use crate::numerics::median;
 
-/// The outputs at the end of the holds of the lowest and of the highest command, each a median. `None` where nothing is held.
-pub(crate) fn outermost_rests(record: &Record) -> Option<[f64; 2]> {
+/// The lowest and the highest command that are held, each with the output at the end of its holds, a median. `None` where nothing is held.
+pub(crate) fn outermost_rests(record: &Record) -> Option<[[f64; 2]; 2]> {
     let of_run = |run: &Run<'_>| {
         let end = |hold: Hold| Some((hold.level, mean_output(run, last_quarter(&hold.samples))?));
         let ends = holds(run, EXACTLY).into_iter().filter_map(end);
@@ -15,7 +15,8 @@ pub(crate) fn outermost_rests(record: &Record) -> Option<[f64; 2]> {
     let (low, high) = extent(ends.iter().map(|(command, _)| *command))?;
     let at = |level: f64| {
         let of_level = ends.iter().filter(|(command, _)| *command == level);
-        median(of_level.map(|(_, output)| *output).collect())
+        let output = median(of_level.map(|(_, output)| *output).collect())?;
+        Some([level, output])
     };
     Some([at(low)?, at(high)?])
 }
@@ -43,6 +44,6 @@ mod tests {
             .flat_map(|(command, from, rest)| hold(command, from, rest));
         let (input, output): (Vec<f64>, Vec<f64>) = samples.unzip();
         let record = Record::of_run(0.01, input, output).unwrap();
-        assert_eq!(outermost_rests(&record), Some([1.0, 5.0]));
+        assert_eq!(outermost_rests(&record), Some([[0.0, 1.0], [4.0, 5.0]]));
     }
 }

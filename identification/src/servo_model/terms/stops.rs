@@ -6,7 +6,9 @@
 use super::level_crests::level_crests;
 use crate::data::Record;
 use crate::data::column::{extent, mean};
-use crate::diagnostics::{moves_beyond, outermost_rests, stops_of_rests};
+use crate::diagnostics::{
+    moves_beyond, outermost_rests, stops_of_rests, stops_of_several_commands,
+};
 use servoid_dynamics::{ServoParameters, Stops};
 
 /// Stops that are tried.
@@ -18,6 +20,8 @@ pub(crate) struct PossibleStops {
     pub(super) seen: Stops,
     /// Those among these that the record shows by itself.
     pub(super) shown: Stops,
+    /// Those that several commands show, or crests: one command alone may be held by a load, friction or play.
+    sure: Stops,
     /// The least and the largest command of the record.
     pub(super) commands: (f64, f64),
 }
@@ -31,14 +35,20 @@ impl PossibleStops {
         };
         let level: Vec<f64> = level_crests(record, gain).into_iter().flatten().collect();
         let level = among(record, &level);
-        let all = Stops {
-            lower: shown.lower.or(level.lower),
-            upper: shown.upper.or(level.upper),
+        let sure = match known {
+            [] => among(record, &stops_of_several_commands(record)),
+            _ => shown,
         };
+        let or_level = |stops: Stops| Stops {
+            lower: stops.lower.or(level.lower),
+            upper: stops.upper.or(level.upper),
+        };
+        let all = or_level(shown);
         Self {
             all,
             seen: all,
             shown,
+            sure: or_level(sure),
             commands: extent(record.inputs()).unwrap_or_default(),
         }
     }
@@ -48,9 +58,8 @@ impl PossibleStops {
     /// That speaks for no stop: it is for a servo whose load is none but at the ends.
     pub(crate) fn with_outermost_rests(&self, record: &Record) -> Option<Self> {
         let outermost = outermost_rests(record)?;
-        let ends: Vec<f64> = (outermost.into_iter())
-            .filter(|end| !moves_beyond(record, *end))
-            .collect();
+        let stay = (outermost.into_iter()).filter(|end| !moves_beyond(record, *end));
+        let ends: Vec<f64> = stay.map(|[_, rest]| rest).collect();
         let outermost = among(record, &ends);
         let all = Stops {
             lower: self.all.lower.or(outermost.lower),
@@ -109,6 +118,11 @@ impl PossibleStops {
             upper: b.filter(|_| !upper),
         };
         beyond(not_passed, self.seen)
+    }
+
+    /// How many of the `chosen` one command alone shows, or nothing but prediction.
+    pub(crate) fn open(&self, chosen: Stops) -> usize {
+        beyond(chosen, self.sure)
     }
 
     /// How many of the `chosen` are not shown.
@@ -182,6 +196,7 @@ mod tests {
                 all,
                 seen: all,
                 shown: all,
+                sure: all,
                 commands: (0.0, 0.0),
             };
             let choices = possible.choices();

@@ -41,9 +41,11 @@ fn found(apart: f64, play: f64) -> ServoModel {
 
 #[test]
 fn a_servo_that_changed_is_told_from_one_with_play() {
-    let said = |model: &ServoModel| (model.covariance.withdrawn(), model.fit.servo_changed);
-    let not_noise = Some(Reason::ErrorsNotNoise);
-    assert_eq!(said(&found(0.2, 0.0)), (not_noise, true));
-    assert_eq!(said(&found(0.0, 0.5)), (not_noise, false));
-    assert_eq!(said(&found(0.0, 0.0)), (None, false));
+    let changed = found(0.2, 0.0);
+    let said = (changed.covariance.withdrawn(), changed.fit.servo_changed);
+    assert_eq!(said, (Some(Reason::ErrorsNotNoise), true));
+    let with_play = found(0.0, 0.5);
+    assert!(with_play.covariance.withdrawn().is_some() && !with_play.fit.servo_changed);
+    let same = found(0.0, 0.0);
+    assert!(same.covariance.valid().is_some() && !same.fit.servo_changed);
 }

@@ -166,7 +166,15 @@ impl ServoExport<'_> {
                 "A command beyond was in the recording; where another stop lies, or whether there is one, it does not show.",
             ),
         };
-        Some(format!("Stops: {stops}. {has} part of {how}. {beyond}"))
+        let open = match self.model.shows_its_stops() {
+            true => "",
+            false => {
+                " Too few commands show it: a load, friction, play or a gain that falls there looks the same."
+            }
+        };
+        Some(format!(
+            "Stops: {stops}. {has} part of {how}. {beyond}{open}"
+        ))
     }
 
     fn full_drive(&self) -> Option<String> {
