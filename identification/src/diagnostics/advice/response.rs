@@ -2,7 +2,7 @@
 
 use crate::data::{Record, usual_hold};
 use crate::diagnostics::advice::evidence::{Evidence, two_digits};
-use crate::diagnostics::{Misfit, rests_within, rise_at_end};
+use crate::diagnostics::{Misfit, rests_within, rise_at_end, time_until_rest};
 use crate::numerics::four_digits;
 use crate::options::Frequencies;
 use crate::results::{Advice, Bounds, Check, Reason, SelectedBy, Withheld};
@@ -42,14 +42,10 @@ fn after_holds(evidence: &Evidence<'_>, choice: &Choice, hold: usize) -> Advice 
     )
 }
 
-/// Samples within which the output rests after a command, where the response moves for longer: the least of halves of the time until which it does.
+/// Samples within which the output rests after a command, where the response moves for longer.
 fn rests_before(evidence: &Evidence<'_>, choice: &Choice) -> Option<usize> {
     let record = evidence.recorded?;
-    let first = choice.detected.min(usual_hold(record));
-    let halves = std::iter::successors(Some(first), |samples| Some(samples / 2));
-    halves
-        .take_while(|samples| rests_within(record, *samples))
-        .last()
+    time_until_rest(record, choice.detected.min(usual_hold(record)))
 }
 
 /// That a response which moves behind the rest of the servo, `within` samples after a command, is no response.
@@ -72,9 +68,13 @@ fn after_rest(evidence: &Evidence<'_>, choice: &Choice, within: usize) -> Advice
 }
 
 pub(super) fn settled(evidence: &Evidence<'_>) -> Option<Advice> {
-    let choice = trusted_choice(evidence).filter(|choice| !choice.settled)?;
-    if let Some(within) = rests_before(evidence, choice) {
+    let choice = trusted_choice(evidence)?;
+    let is_linear = choice.settled && evidence.model.linear;
+    if let Some(within) = rests_before(evidence, choice).filter(|_| !is_linear) {
         return Some(after_rest(evidence, choice, within));
+    }
+    if choice.settled {
+        return None;
     }
     if let Some(hold) = hold_that_is_outlasted(evidence, choice) {
         return Some(after_holds(evidence, choice, hold));

@@ -48,6 +48,15 @@ pub(crate) fn rests_within(record: &Record, hold: usize) -> bool {
         && each.into_iter().all(is_chance)
 }
 
+/// Samples within which the output of `record` rests after nearly each change of the input: the least of the halves of `longest` of which [`rests_within`] says so. `None` where it says
+/// so of none.
+pub(crate) fn time_until_rest(record: &Record, longest: usize) -> Option<usize> {
+    let halves = std::iter::successors(Some(longest), |samples| Some(samples / 2));
+    halves
+        .take_while(|samples| rests_within(record, *samples))
+        .last()
+}
+
 /// Whether a response is elsewhere for a quarter of a hold, at any time after `hold` samples, than in the second half of the hold, by more than
 /// a creep would be that [`rests_within`] does not see, and by more than its standard deviations `sd` explain.
 pub(crate) fn moves_after(step: &[f64], sd: &[f64], hold: usize) -> bool {

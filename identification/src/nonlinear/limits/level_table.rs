@@ -46,7 +46,7 @@ pub(super) struct Table {
     pub(super) level: Option<f64>,
     /// How far a rest may be off because the sensor has steps \[output\]. Each visit of a level is rounded alike, so scatter does not show it.
     pub(super) rounding: f64,
-    /// Shortest hold that counts \[s\].
+    /// Hold to record for further visits \[s\].
     pub(super) needed_s: f64,
 }
 
@@ -58,7 +58,7 @@ pub(super) struct LevelMean {
 }
 
 impl Table {
-    /// The table of `visits` that are held for at least `needed_s`, of a sensor with steps of `step`, which is 0 where noise dithers them. So many `zeros` of runs
+    /// The table of `visits`, others of which take holds of `needed_s`, of a sensor with steps of `step`, which is 0 where noise dithers them. So many `zeros` of runs
     /// were taken out of their rests.
     pub(super) fn new(
         (visits, zeros): (&[Visit], usize),

@@ -201,9 +201,8 @@ impl Rests {
     }
 
     fn table(&self, level: Option<f64>) -> level_table::Table {
-        // The last quarter of such a hold begins when the response is over.
-        let needed = self.settling + self.settling.div_ceil(3) + 1;
-        let needed_s = needed as f64 * self.sample_period_s;
+        // The last quarter of such a hold begins well after the response is over, in other noise, too.
+        let needed_s = 2.0 * self.settling as f64 * self.sample_period_s;
         let visits = self.visits.concat();
         level_table::Table::new((&visits, self.zeros_taken_out), needed_s, self.step, level)
     }
