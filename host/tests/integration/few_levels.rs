@@ -54,7 +54,7 @@ fn figures_of_the_linear_model_are_not_said_to_be_those_of_the_servo() {
     );
     assert!(reached < TOP_SPEED, "{reached}");
     assert!(
-        text.starts_with("This servo is limited to 280 units/s"),
+        text.starts_with("This servo moves as if limited to 280 units/s"),
         "{text}"
     );
     let file = folder.path().join("servo.py");

@@ -8,7 +8,7 @@ use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::summary::four_digits;
 
 /// The condition under which a stated frame is right, and why.
-pub(super) const WHEN_TO_STATE: &str = "only where the commands were recorded at their pulses, as servoid does; elsewhere that wait is in the delay already";
+pub(super) const WHEN_TO_STATE: &str = "only where the commands were recorded at their pulses, as servoid does; elsewhere that wait is in the model already, most of it in the delay";
 
 impl ModelMetadata {
     /// That no hold is assumed, which is right of most recordings, and when it is not.

@@ -2,6 +2,7 @@
 
 use super::ServoModel;
 use crate::results::Reason;
+use crate::servo_model::descent::coordinates::LoadKind;
 use crate::servo_model::quantities::Quantity;
 use crate::servo_model::quantities::quantity_kind::QuantityKind;
 
@@ -64,9 +65,12 @@ impl ServoModel {
         }
     }
 
-    /// Leaves out of other fits what is slower than the servo surely was: a top speed is not below a speed.
+    /// Leaves out of other fits what is slower than the servo surely was: a top speed is not below a speed, but for one under a load that helps elsewhere.
     pub(crate) fn leave_slower_fits_out(&mut self) {
-        let Some(reached) = self.reached else { return };
+        let without_load = self.terms.load == LoadKind::None;
+        let Some(reached) = self.reached.filter(|_| without_load) else {
+            return;
+        };
         for quantity in &mut self.quantities {
             let surely = match quantity.kind() {
                 Some(QuantityKind::TopSpeedUpwards) => reached.upwards,
@@ -74,7 +78,7 @@ impl ServoModel {
                 _ => continue,
             };
             if let Some(fits) = &mut quantity.other_fits {
-                fits.least = fits.least.max(surely.min(fits.most));
+                fits.least = fits.least.max(surely.min(fits.most).min(quantity.value));
             }
         }
     }

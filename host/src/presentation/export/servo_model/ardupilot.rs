@@ -36,7 +36,7 @@ const HIGHEST_CUTOFF: f64 = 0.45;
 const LIMIT_THE_COMMAND: &str = "limit the command to the stops, by the limits of its channel (SERVOn_MIN, SERVOn_MAX) or before it";
 
 /// What SITL has not.
-const LEFT_OUT: [Term; 13] = [
+const LEFT_OUT: [Term; 14] = [
     Term::FullDrive,
     Term::SpeedInLoop,
     Term::TwoSpeeds,
@@ -50,6 +50,7 @@ const LEFT_OUT: [Term; 13] = [
     Term::Spring,
     Term::StiffeningLoad,
     Term::Stops,
+    Term::PulseEnd,
 ];
 
 /// The values of the parameters.

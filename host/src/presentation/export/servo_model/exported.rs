@@ -67,14 +67,16 @@ impl ExportedServo {
     ) -> Result<Self, ExportError> {
         let found = self.that_follows(export, || {
             format!(
-                "as {}: export to c, python, julia or matlab (--servo-model), which have all of it",
-                what_lacks(export, program, terms)
+                "as {}: export to c, python, julia or matlab (--servo-model), which {}",
+                what_lacks(export, program, terms),
+                what_languages_have(export)
             )
         })?;
         Ok(found.warned_where_far(export, || {
             format!(
-                "{}; c, python, julia and matlab have all of it",
-                what_lacks(export, program, terms)
+                "{}; c, python, julia and matlab {}",
+                what_lacks(export, program, terms),
+                what_languages_have(export)
             )
         }))
     }
@@ -129,6 +131,14 @@ impl ExportedServo {
             remarks: remarks.into_iter().collect(),
             ..self
         }
+    }
+}
+
+/// What the files for languages have of the equation.
+fn what_languages_have(export: &ServoExport<'_>) -> &'static str {
+    match export.parameters.pulse_end {
+        None => "have all of it",
+        Some(_) => "have all of it but that longer pulses act later",
     }
 }
 

@@ -6,6 +6,7 @@ use super::fixed_step::{DelayInSteps, respond, step_s};
 use super::statement::{Comparison, Frame};
 use super::subject::{NO_LIMIT, ServoExport};
 use super::trial_command::Trial;
+use super::worst_command::with_worst;
 use crate::presentation::export::error::ExportError;
 use crate::presentation::export::target::Target;
 use crate::presentation::export::text::{
@@ -98,8 +99,12 @@ pub(super) fn python(export: &ServoExport<'_>) -> Result<ExportedServo, ExportEr
 impl ServoExport<'_> {
     fn in_language(&self, language: &Language) -> Result<ExportedServo, ExportError> {
         let step_s = step_s(self)?;
-        // Without a search: of the equation itself it finds nothing but the moments in which a motion hangs in the balance.
         let trial = Trial::of(self, step_s, [f64::NEG_INFINITY, f64::INFINITY]);
+        // Of the equation itself a search finds nothing but the moments in which a motion hangs in the balance.
+        let trial = match self.parameters.pulse_end {
+            None => trial,
+            Some(_) => with_worst(trial, self, |commands| respond(self, step_s, commands)),
+        };
         let positions = respond(self, step_s, &trial.command());
         let difference = Difference::of(self, trial, |_| positions.clone(), &self.parameters);
         let delay = DelayInSteps::new(self.parameters.delay_s, step_s);
@@ -135,12 +140,14 @@ impl ServoExport<'_> {
             ("id", id),
         ];
         let file = ExportedServo::new(fill(language.template, &values), difference)?;
-        let file = file.that_follows(self, || {
-            "as its steps are too long for it: choose a shorter --step-ms".to_owned()
-        })?;
-        let file = file.warned_where_far(self, || {
-            "its steps are too long for it: choose a shorter --step-ms".to_owned()
-        });
+        let why = match self.parameters.pulse_end {
+            None => "its steps are too long for it: choose a shorter --step-ms",
+            Some(_) => {
+                "longer pulses act later in the servo, and not in the file: hand each command over as much later, or sooner, as the file says under \"Pulses\""
+            }
+        };
+        let file = file.that_follows(self, || format!("as {why}"))?;
+        let file = file.warned_where_far(self, || why.to_owned());
         Ok(file.with([format!(
             "one step of the file is {} ms, one command each: repeat a command that is held for longer, or choose another step with --step-ms",
             number(1e3 * step_s)

@@ -37,13 +37,14 @@ const NO_RATIO: f64 = 1e-6;
 const TURNS: f64 = 1e3;
 
 /// What position actuator and joint have not.
-const LEFT_OUT: [Term; 6] = [
+const LEFT_OUT: [Term; 7] = [
     Term::SpeedLimit,
     Term::WeakerLoopDownwards,
     Term::DeadBand,
     Term::FrictionOfGears,
     Term::FrictionAtRest,
     Term::ChangeOfLoadOfAir,
+    Term::PulseEnd,
 ];
 
 /// The numbers of joint and actuator. The joint's angle is the position in rad.

@@ -208,7 +208,8 @@ impl ServoExport<'_> {
             )
         });
         Some(format!(
-            "Pulses: the recorded servo knows a pulse at its end, so a longer one acts later by what it is longer. This file has the delay of {neutral} {unit} for all{far}."
+            "Pulses: the recorded servo knows a pulse at its end, so a longer one acts later by what it is longer. This file has the delay of {neutral} {unit} for all{far}. In quick reversals that is most of its error: \
+             hand each command over that much later, or sooner, where these count."
         ))
     }
 

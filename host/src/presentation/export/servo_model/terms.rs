@@ -32,6 +32,8 @@ pub(super) enum Term {
     ChangeOfLoadOfAir,
     /// The shaft goes no farther.
     Stops,
+    /// Longer pulses act later.
+    PulseEnd,
 }
 
 impl Term {
@@ -54,6 +56,7 @@ impl Term {
             Self::StiffeningLoad => "the load of the air",
             Self::ChangeOfLoadOfAir => "the load of the air, but for its mean",
             Self::Stops => "the stops",
+            Self::PulseEnd => "that longer pulses act later",
         }
     }
 }
@@ -128,6 +131,11 @@ impl ServoExport<'_> {
                 format!("{stiffening}: here it is the same at all angles, its mean over the recorded range together with its constant part, {mean}")
             }),
             Term::Stops => self.stop_positions(),
+            Term::PulseEnd => p.pulse_end.map(|end| {
+                let ms = four_digits(1e3 * end.s_per_command);
+                let neutral = four_digits(end.neutral);
+                format!("that a pulse acts {ms} ms later for each {command} beyond {neutral}")
+            }),
         }
     }
 

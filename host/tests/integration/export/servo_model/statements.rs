@@ -476,9 +476,9 @@ fn a_stated_frame_is_doubted_where_the_recording_is_not_of_servoid() {
         );
         for frame in [&[][..], &["--frame-ms", "10"]] {
             let own = of(&AIRCRAFT.file, frame);
-            assert!(!own.contains("in the delay already"), "{own}");
+            assert!(!own.contains("in the model already"), "{own}");
         }
-        assert!(!of(&foreign, &["--frame-ms", "0"]).contains("in the delay already"));
+        assert!(!of(&foreign, &["--frame-ms", "0"]).contains("in the model already"));
     }
 }
 
