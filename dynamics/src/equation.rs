@@ -114,6 +114,12 @@ impl<S: Scalar> Load<S> {
 }
 
 impl Load<f64> {
+    /// Whether it is another one at another angle.
+    #[must_use]
+    pub fn changes_with_angle(&self) -> bool {
+        !matches!(self, Self::None | Self::Constant(_))
+    }
+
     /// Its growth with the angle at `angle` (1/s²).
     #[must_use]
     pub fn rate_at(&self, angle: f64) -> f64 {

@@ -310,8 +310,8 @@ impl ServoModel {
 
     /// The response of the servo with the controller number `controller` (from 0) to `input`, from rest at the first
     /// command: in the middle of where it may rest. The band holds the responses of all servos that the record does not distinguish, from wherever friction or a dead band
-    /// may hold them at first, at each point by itself. It is withdrawn where the command runs ahead of the servo by a quarter more than in the record, and where it is wider than the
-    /// commands of the record go: what happens there did not show.
+    /// may hold them at first, at each point by itself. It is withdrawn where the command runs ahead of the servo by a quarter more than in the record: what happens there
+    /// did not show. To each side it is no wider than the commands of the record go: linearised in a load that the motion hardly met, it would be.
     #[must_use]
     pub fn respond(&self, input: &[f64], controller: usize) -> ServoResponse {
         let own = self.covariance.valid();
@@ -339,11 +339,10 @@ impl ServoModel {
         let travel = self.commands.map_or(f64::INFINITY, |commands| {
             2.0 * commands.amplitude() * self.parameters(controller).gain.abs()
         });
-        let is_open = half.iter().any(|half| *half > travel);
-        let beyond = self.beyond_record(input, &value, controller);
-        let half_width = self.covariance.as_ref().map(|_| half);
+        let half_width = (self.covariance.as_ref())
+            .map(|_| half.into_iter().map(|half| half.min(travel)).collect());
         ServoResponse {
-            half_width: half_width.unless(beyond.or(is_open.then_some(Reason::BeyondRecord))),
+            half_width: half_width.unless(self.beyond_record(input, &value, controller)),
             value,
         }
     }

@@ -18,6 +18,12 @@ impl CommandRange {
         0.5 * (self.least + self.largest)
     }
 
+    /// Whether `command` is among them.
+    #[must_use]
+    pub fn contains(&self, command: f64) -> bool {
+        (self.least..=self.largest).contains(&command)
+    }
+
     /// Half of the distance between its ends.
     #[must_use]
     pub fn amplitude(&self) -> f64 {

@@ -19,7 +19,7 @@ use servoid_dynamics::ServoParameters;
 pub(crate) use quantity::widen_delay;
 pub use quantity::{Quantity, Spread, Unit};
 
-/// The quantities of the first of `possible`, with intervals that hold those of all, where bounds hold; elsewhere with those of `others`.
+/// The quantities of the first of `possible`, without the offset where commands are far from 0 under a load that changes with the angle, with intervals that hold those of all, where bounds hold; elsewhere with those of `others`.
 /// No delay beyond `longest_delay_s` was looked for.
 pub(super) fn quantities(
     possible: &[PossibleServo],
@@ -30,7 +30,8 @@ pub(super) fn quantities(
 ) -> Vec<Quantity> {
     let middle = motion.commands.middle();
     let commands = 2.0 * motion.commands.amplitude();
-    let gain = possible[0].point.physics(0, |_, value| value).gain;
+    let first = possible[0].point.physics(0, |_, value| value);
+    let gain = first.gain;
     let largest_of = |unit: Unit| match unit {
         Unit::Command => commands,
         Unit::Output => commands * gain.abs(),
@@ -39,7 +40,12 @@ pub(super) fn quantities(
         Unit::Seconds => longest_delay_s,
         _ => f64::INFINITY,
     };
+    // Under a load that changes with the angle, where the servo would rest far from all commands is no matter of them.
+    let has_offset = motion.commands.contains(0.0) || !first.load.changes_with_angle();
     let of = |definition: &Definition| {
+        if definition.kind == QuantityKind::Offset && !has_offset {
+            return None;
+        }
         let value = definition.value(&possible[0].point, middle)?;
         let hull = possible
             .iter()

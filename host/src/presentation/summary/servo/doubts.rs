@@ -22,7 +22,9 @@ pub(super) fn without_intervals(model: &ServoModel, reason: Reason, units: Units
             size.trim_end_matches(',')
         ),
         false => {
-            format!(", so the servo or the recording has something{size} that the model lacks")
+            format!(
+                ", as where the servo or the recording has something{size} that the model lacks"
+            )
         }
     };
     let more = match reason {

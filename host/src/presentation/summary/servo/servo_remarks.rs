@@ -11,7 +11,7 @@ use crate::data::units::Units;
 use crate::presentation::summary::wording::numbers::{digits, four_digits};
 use servoid_identification::nonlinear::MissedRest;
 use servoid_identification::results::{Bounds, with_unit};
-use servoid_identification::servo_model::{Load, ServoModel, Stops};
+use servoid_identification::servo_model::{QuantityKind, ServoModel, Stops};
 
 /// Sentences around the table of quantities.
 pub(crate) struct ServoRemarks {
@@ -61,7 +61,7 @@ fn of_intervals(model: &ServoModel, units: Units<'_>) -> Option<String> {
                 true => format!(
                     ": beside noise, up to {size} rms is what the servo changed by from run to run. Each run by itself leaves its model noise alone"
                 ),
-                false => format!(": beside noise, up to {size} rms is what the model lacks"),
+                false => format!(": beside noise, the model lacks up to {size} rms"),
             }
         });
         return Some(format!(
@@ -112,15 +112,15 @@ fn rest_at_neutral(model: &ServoModel, units: Units<'_>) -> Option<String> {
     // What a tenth of a microsecond makes.
     let decimals = (-(0.1 * servo.gain.abs()).log10()).ceil().clamp(0.0, 9.0) as usize;
     Some(format!(
-        "Under a pulse of {command:.0} us the model rests at {}. The offset is that under a command of 0, which is no pulse{}.",
+        "Under a pulse of {command:.0} us the model rests at {}. {}.",
         with_unit(
             format!("{rest:.decimals$}"),
             units.output.unwrap_or_default()
         ),
-        match servo.load {
-            Load::None | Load::Constant(_) => "",
-            _ =>
-                ": under a load that changes with the angle, it and the gain make no line of the rests",
+        match model.quantity(QuantityKind::Offset) {
+            Some(_) => "The offset is that under a command of 0, which is no pulse",
+            None =>
+                "Under a load that changes with the angle no offset, which is that under a command of 0, makes a line of the rests with the gain",
         }
     ))
 }
