@@ -5,9 +5,10 @@
 //! alone and predicts the fold. A run that the servo model begins at rest at its first output begins so in a linear model. The
 //! samples that count are those that all models predict: of a run that begins in motion, a linear model knows nothing for N samples.
 
-use super::estimate::{CLIP, ServoModelOptions, fit_watched, longest_delay_s};
+use super::estimate::{ServoModelOptions, fit_watched};
 use super::model::{LinearKind, LinearModelFit, LinearModels, ServoModel};
 use super::search_progress::Watch;
+use super::search_setup::{CLIP, longest_delay_s};
 use crate::data::{Moments, Record, Run};
 use crate::error::Error;
 use crate::estimation::{Coordinates, accurate_fit};

@@ -8,6 +8,7 @@ use super::model::{Alternative, Covariance, LadderRung, MOST_CONTROLLERS, ServoF
 use super::quantities::quantities;
 use super::runs_alone::servo_changed;
 use super::search_progress::Watch;
+use super::search_setup::{CLIP, fine_grid, longest_delay_s, usable_stretches};
 use crate::data::column::span;
 use crate::data::{Quantisation, Record};
 use crate::error::Error;
@@ -19,7 +20,7 @@ use crate::servo_model::descent::starting_values::Shown;
 use crate::servo_model::motion::reached_speeds::ReachedSpeeds;
 use crate::servo_model::motion::simulated_motion::largest_error;
 use crate::servo_model::quantities::limit_at_work::LimitsAtWork;
-use crate::servo_model::stretches::{Stretch, stretches};
+use crate::servo_model::stretches::Stretch;
 use crate::servo_model::terms::ladder::{Climbed, Ladder, Rung, beats, misses};
 use crate::servo_model::terms::stops::PossibleStops;
 use crate::servo_model::uncertainty::covariance::Uncertainty;
@@ -34,15 +35,6 @@ use servoid_dynamics::{Grid, PulseEnd, Stops};
 /// Longest step of the integration in the search from far away \[s\], and the most steps in a sample period: what is faster does
 /// not show in samples so far apart.
 const SEARCH_STEPS: (f64, f64) = (3e-3, 16.0);
-
-/// Longest sample period \[s\].
-const LONGEST_PERIOD_S: f64 = 0.5;
-
-/// Errors beyond this many standard deviations of the output are clipped: a servo that is lost counts, but does not decide.
-pub(super) const CLIP: f64 = 0.5;
-
-/// Longest delay that is looked for \[s\], and in samples: the larger of the two.
-const LONGEST_DELAY: (f64, f64) = (0.2, 4.0);
 
 /// Command ranges up to this are taken for radians, beyond it for degrees, where the caller does not say: no R/C servo
 /// turns further than this in radians, and a load does not change over so few degrees.
@@ -144,8 +136,9 @@ pub fn fit_watched(
         return Err(Error::SearchEnded);
     }
     let mut model = describe(record, options, &found);
-    model.fit.servo_changed = (model.fit.lacking)
-        .is_some_and(|lacking| servo_changed(record, options, (found.best(), lacking), watch));
+    model.fit.servo_changed = (model.fit.lacking).is_some_and(|lacking| {
+        servo_changed(record, &options.controllers, (found.best(), lacking), watch)
+    });
     Ok(model)
 }
 
@@ -397,43 +390,6 @@ impl Search<'_> {
         let descent = self.descent(found.best());
         run_offsets::of_errors(&descent.problem(&found.parts), found.best())
     }
-}
-
-/// The grid on which the motion of the servo `point` is computed.
-pub(super) fn fine_grid(point: &Point, record: &Record) -> Grid {
-    let stiffness = point.physics(0, |_, value| value).stiffness;
-    Grid::for_stiffness(record.sample_period_s(), record.sample_phase_s(), stiffness)
-}
-
-/// The stretches of a record that a servo can be found in, and the fold that each of their blocks belongs to.
-pub(super) fn usable_stretches(
-    record: &Record,
-    controllers: &[usize],
-) -> Result<(Vec<Stretch>, Vec<usize>), Error> {
-    let (parts, fold_of) = stretches(record, controllers);
-    let samples: usize = parts.iter().map(|part| part.input.len()).sum();
-    if samples < FEWEST {
-        return Err(Error::TooShortForAuto {
-            samples,
-            needed: FEWEST,
-            at_rest: None,
-        });
-    }
-    let period_s = record.sample_period_s();
-    if period_s > LONGEST_PERIOD_S {
-        return Err(Error::PeriodTooLong {
-            period_s,
-            longest_s: LONGEST_PERIOD_S,
-        });
-    }
-    Ok((parts, fold_of))
-}
-
-/// Samples that are needed: a few for each of the blocks.
-const FEWEST: usize = 64;
-
-pub(super) fn longest_delay_s(period_s: f64) -> f64 {
-    LONGEST_DELAY.0.max(LONGEST_DELAY.1 * period_s)
 }
 
 /// Radians for each unit of the command, by the range of the command.

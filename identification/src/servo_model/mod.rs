@@ -19,6 +19,7 @@ mod motion;
 mod quantities;
 mod runs_alone;
 mod search_progress;
+mod search_setup;
 mod stretches;
 mod terms;
 mod uncertainty;

@@ -3,8 +3,8 @@
 //! Then the equation lacks nothing: supply, temperature or friction changed between the runs, and no one servo made them all.
 
 use super::candidates::polished;
-use super::estimate::{CLIP, ServoModelOptions, fine_grid, longest_delay_s, usable_stretches};
 use super::search_progress::Watch;
+use super::search_setup::{CLIP, fine_grid, longest_delay_s, usable_stretches};
 use crate::data::Record;
 use crate::servo_model::descent::chosen_terms::Descent;
 use crate::servo_model::descent::coordinates::Point;
@@ -17,12 +17,12 @@ use rayon::prelude::*;
 /// whose errors are noise, and lacks far less.
 pub(super) fn servo_changed(
     record: &Record,
-    options: &ServoModelOptions,
+    controllers: &[usize],
     (of_all, lacking): (&Point, f64),
     watch: &dyn Watch,
 ) -> bool {
     let count = record.runs().len();
-    let alone = |run: usize| lacking_alone(record, options, (of_all, run), watch);
+    let alone = |run: usize| lacking_alone(record, controllers, (of_all, run), watch);
     let lacking_alone: Option<Vec<f64>> = (0..count).into_par_iter().map(alone).collect();
     let square = |all: Vec<f64>| all.iter().map(|rms| rms * rms).sum::<f64>() / count as f64;
     let left = lacking_alone.map(square);
@@ -32,12 +32,12 @@ pub(super) fn servo_changed(
 /// What the servo of one run lacks at the most \[output, rms\], with the terms of all; `None` where its errors are not noise, or something else speaks against it.
 fn lacking_alone(
     record: &Record,
-    options: &ServoModelOptions,
+    controllers: &[usize],
     (of_all, run): (&Point, usize),
     watch: &dyn Watch,
 ) -> Option<f64> {
     let record = record.with_runs(vec![record.runs().get(run)?.clone()]);
-    let controllers = options.controllers.get(run..=run).unwrap_or_default();
+    let controllers = controllers.get(run..=run).unwrap_or_default();
     let (mut parts, fold_of) = usable_stretches(&record, controllers).ok()?;
     let period_s = record.sample_period_s();
     let shown = Shown::by(&parts, period_s);

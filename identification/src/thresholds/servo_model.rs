@@ -33,7 +33,7 @@ pub const RUN_OFFSETS_LEAVE: f64 = 0.25;
 
 /// Share of the squared errors beside noise that servos of the single runs leave at the most on the mean, for the servo to have changed between them.
 ///
-/// Protects: servos that have something the model lacks, such as a little play, which the shorter runs by themselves do not show, from being told that they changed. Evidence:
+/// Protects: servos that have something the model lacks, such as a little play, which the shorter runs by themselves do not show, from being said to have changed. Evidence:
 /// the test of a servo that changed, and of one that did not and has play.
 pub const RUNS_ALONE_LEAVE: f64 = 0.25;
 

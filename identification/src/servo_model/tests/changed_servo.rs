@@ -1,4 +1,4 @@
-//! Runs between which a servo changed are told from runs of one servo that has something the model lacks.
+//! Runs between which a servo changed are distinguished from runs of one servo that has something the model lacks.
 
 use super::{PERIOD_S, point, response, strokes, value};
 use crate::data::{Record, Run};
@@ -40,7 +40,7 @@ fn found(apart: f64, play: f64) -> ServoModel {
 }
 
 #[test]
-fn a_servo_that_changed_is_told_from_one_with_play() {
+fn a_servo_that_changed_is_distinguished_from_one_with_play() {
     let changed = found(0.2, 0.0);
     let said = (changed.covariance.withdrawn(), changed.fit.servo_changed);
     assert_eq!(said, (Some(Reason::ErrorsNotNoise), true));

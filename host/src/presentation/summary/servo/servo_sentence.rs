@@ -105,7 +105,9 @@ fn what_was_seen(
             .chain(stopped(model, units))
             .collect();
     }
-    let agreed = speeds.and_then(|speeds| agreed(model, speeds));
+    // One that was never reached may be anything, where nothing shows what the model has it from.
+    let agreed = speeds.filter(|speeds| !is_never_reached(model, speeds));
+    let agreed = agreed.and_then(|speeds| self::agreed(model, speeds));
     let kind =
         limited_to(model, agreed, units, ("moves as if limited to", 3)).unwrap_or_else(|| {
             match speeds {
@@ -118,8 +120,7 @@ fn what_was_seen(
             }
         });
     // A limit that was reached says how fast the servo moved.
-    let at_limit = agreed.is_some_and(|speeds| !is_never_reached(model, &speeds));
-    let moved = moved_at(model, units).filter(|_| !at_limit);
+    let moved = moved_at(model, units).filter(|_| agreed.is_none());
     let parts = [Some(kind), stopped(model, units), moved];
     parts.into_iter().flatten().collect()
 }
