@@ -170,6 +170,9 @@ impl QuantityDifference {
     }
 }
 
+/// A shift by other angles that is this part of the width of a difference is worth a word.
+const SHIFT_THAT_SHOWS: f64 = 0.01;
+
 /// Puts two servo models beside each other, where the ratio of the scales of their outputs has the standard deviation `scale_sd`, 0.05 for 5 %, and
 /// the outputs of both were recorded earlier or later than they are taken for by one and the same time, but for an `own_delay_error_s` of each; `None`
 /// where these times have nothing to do with each other. Where they have several controllers, the quantities are those of the first.
@@ -219,6 +222,11 @@ pub fn compare_servo_models(
         kind.and_then(|kind| by_angles(kind, [a_model, b_model]))
             .unwrap_or_default()
     };
+    let widens = |pair: &(Option<&Quantity>, Option<&Quantity>)| {
+        let found = difference(pair.0, pair.1, 0.0, None).and_then(|found| found.difference);
+        let width = found.and_then(|between| between.width());
+        width.is_some_and(|width| shift(pair).abs() > SHIFT_THAT_SHOWS * width)
+    };
     let differences = |level: f64| {
         let scale_error = pointwise_critical(level) * scale_sd;
         let of = |pair: &(Option<&Quantity>, Option<&Quantity>)| {
@@ -243,7 +251,7 @@ pub fn compare_servo_models(
             levels.into_valid().unwrap_or(Options::default().level),
         ),
         shared_delay_error: delays.is_some(),
-        at_other_angles: pairs.iter().any(|pair| shift(pair) != 0.0),
+        at_other_angles: pairs.iter().any(widens),
         bounds: levels.map(|level| QuantityDifferences {
             level,
             differences: differences(level),

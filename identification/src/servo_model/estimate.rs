@@ -136,9 +136,9 @@ pub fn fit_watched(
         return Err(Error::SearchEnded);
     }
     let mut model = describe(record, options, &found);
-    model.fit.servo_changed = (model.fit.lacking).is_some_and(|lacking| {
-        servo_changed(record, &options.controllers, (found.best(), lacking), watch)
-    });
+    let lacking = found.candidates.found.discrepancy;
+    model.fit.servo_changed = model.fit.lacking.is_some()
+        && servo_changed(record, &options.controllers, (found.best(), lacking), watch);
     Ok(model)
 }
 
@@ -527,7 +527,7 @@ fn fit_of(servo: &Found, record: &Record, spread: f64) -> ServoFit {
         largest_residual: Some(known().fold(0.0, |most, e| e.abs().max(most))),
         discrepancy: level.valid().map(|_| found.discrepancy),
         lacking: (level.withdrawn() == Some(Reason::ErrorsNotNoise) && found.at_rest.is_some())
-            .then_some(found.discrepancy),
+            .then_some(found.discrepancy.min((error / count as f64).sqrt())),
         servo_changed: false,
         largest_error: largest_error_of(&servo.parts, &possible[0].point, found),
         samples_used: count,

@@ -150,8 +150,12 @@ pub(super) fn resting_error(model: &ServoModel, units: Units<'_>) -> Option<Stri
         let wide = wide.map_or_else(String::new, |(lower, upper)| {
             format!(" ({} to {})", digits(lower, 2), digits(upper, 2))
         });
+        let from = match model.terms.load {
+            LoadKind::None => "",
+            _ => " where its load holds it",
+        };
         format!(
-            "comes to rest up to {}{command} off{wide}, as by friction, a dead band or play",
+            "comes to rest up to {}{command} off{from}{wide}, as by friction, a dead band or play",
             digits(value, 2)
         )
     })
