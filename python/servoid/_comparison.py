@@ -156,7 +156,7 @@ class Comparison(Printed):
         head = f"<Comparison: {self.verdict} (of {of}; margin {self.margin_percent:g} %)>"
         # Where machines say more than step responses, they come first.
         answer = next((part for part in self.summary.split("\n\n") if not part.startswith("A  ")), self._fields["summary"])
-        return f"{head}\n{answer.strip()}"
+        return f"{head}\n{' '.join(answer.split())}"
 
 
 class Validation(Printed):

@@ -306,7 +306,7 @@ def test_a_servo_without_intervals_is_not_called_determined():
     assert "the servo passes" not in said and "the servo ends" not in said
     assert "does not excite" not in said and "fewer than three levels" in said
     # No speed is beyond the limit for the noise of the sensor.
-    assert "is limited to 280 units/s" in said and "moved at more than" not in said
+    assert "moves as if limited to 280 units/s" in said and "moved at more than" not in said
 
 
 def test_a_validation_has_units_and_what_to_do():
