@@ -125,8 +125,7 @@ impl<'a> Identified<'a> {
         }
     }
 
-    /// Rest at the ends of the command: from the plateaus of a record with several levels or of a servo that is not linear, from the
-    /// static line of one with two, and of a linear servo that came there once. Empty where the command is not held until the servo rests, and where the output drifts, so that it rests elsewhere
+    /// Rest at the ends of the command: from the plateaus, and from the static line where a linear servo, or one with two levels, came there once. Empty where the command is not held until the servo rests, and where the output drifts, so that it rests elsewhere
     /// each time.
     ///
     /// Of three or more runs the intervals are those of the servo: they contain the scatter of the runs.
@@ -178,12 +177,11 @@ impl<'a> Identified<'a> {
                 .iter()
                 .find(|cell| cell.command == command && cell.visits > 1);
             match (cell, split) {
-                // A line goes through all that was recorded, a long rest before the first stroke too: a servo that is not linear rests elsewhere there.
-                (Some(cell), _) if commands.len() > 2 || !self.alone.linear => cell.reached,
-                (_, Some(split)) if commands.len() <= 2 || self.alone.linear => {
+                // A line goes through all that was recorded, a long rest before the first stroke too, and a servo with friction may rest elsewhere there.
+                (Some(cell), _) => cell.reached,
+                (None, Some(split)) if commands.len() <= 2 || self.alone.linear => {
                     split.level_at(command)
                 }
-                (Some(cell), None) => cell.reached,
                 _ => Interval::default(),
             }
         };

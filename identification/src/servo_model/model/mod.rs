@@ -254,6 +254,22 @@ impl LinearModels {
     }
 }
 
+/// At rest under `command`. Within a dead band the load alone places the shaft, however small it is, and derivatives by a load that the record
+/// hardly shows have no bound there: the angle counts as given, and the edges of the dead band say how far off it may be.
+fn start_at_rest(servo: &ServoParameters<Dual<MOST>>, command: Dual<MOST>) -> Start<Dual<MOST>> {
+    let angle = servo.resting_angle(command);
+    let width = servo.dead_band.map_or(0.0, Scalar::value);
+    let angle = match (command.value() - angle.value()).abs() < width {
+        true => Dual::constant(angle.value()),
+        false => angle,
+    };
+    Start {
+        output: angle * servo.gain + servo.offset,
+        rate: Dual::constant(0.0),
+        command_before: Some(command),
+    }
+}
+
 impl ServoModel {
     /// The point of the search that it stands for.
     pub(super) fn point(&self) -> Point {
@@ -391,11 +407,7 @@ impl ServoModel {
         let Some(first) = input.first().copied().map(Dual::constant) else {
             return (value, spread);
         };
-        let start = Start {
-            output: physics.resting_output(first),
-            rate: Dual::constant(0.0),
-            command_before: Some(first),
-        };
+        let start = start_at_rest(&physics, first);
         let grid = self.grid(self.timing());
         simulate(&physics, &grid, &start, input, |_, y| {
             value.push(y.value);

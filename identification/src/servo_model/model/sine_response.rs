@@ -4,12 +4,12 @@
 //! describing function; J. E. Gibson, *Nonlinear Automatic Control*, 1963). It is simulated, with the derivatives by all coordinates, whose
 //! covariance gives the intervals; other sets of terms that predict as well widen them.
 
-use super::{ServoModel, quadratic};
+use super::{ServoModel, quadratic, start_at_rest};
 use crate::numerics::not_negative;
 use crate::results::{Bounds, Interval, Reason, pointwise_critical};
 use crate::servo_model::descent::coordinates::Point;
 use crate::servo_model::descent::step::MOST;
-use servoid_dynamics::{Dual, Grid, Scalar, Start, simulate};
+use servoid_dynamics::{Dual, Grid, Scalar, simulate};
 use std::f64::consts::{PI, SQRT_2, TAU};
 
 /// Steps of a period. The command is held in each, which the harmonic of the held command takes out again.
@@ -152,11 +152,7 @@ impl ServoModel {
         let physics = point.physics(controller, |i, value| Dual::<MOST>::variable(value, i));
         let own = point.physics(controller, |_, value| value);
         let first = Dual::constant(sine.commands[0]);
-        let start = Start {
-            output: physics.resting_output(first),
-            rate: Dual::constant(0.0),
-            command_before: Some(first),
-        };
+        let start = start_at_rest(&physics, first);
         let grid = Grid::for_stiffness(sine.step_s, 0.0, own.stiffness);
         let (mut outputs, mut sums) = (Vec::new(), [Dual::<MOST>::constant(0.0); 2]);
         simulate(&physics, &grid, &start, &sine.commands, |k, y| {
