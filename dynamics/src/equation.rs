@@ -186,6 +186,16 @@ pub struct AtRest<S> {
     pub speed: S,
 }
 
+impl<S: Scalar> AtRest<S> {
+    /// Friction at `speed`, relative to that at large ones.
+    #[inline(always)]
+    pub(crate) fn factor(&self, speed: S) -> S {
+        let relative = speed / self.speed;
+        let one = S::constant(1.0);
+        one + self.excess / (one + relative * relative)
+    }
+}
+
 /// The largest drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DriveLimit<S> {

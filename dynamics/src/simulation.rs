@@ -16,8 +16,8 @@ pub struct Grid {
     pub steps: usize,
 }
 
-/// Length of a step times the bandwidth ω at small signals: the scheme is of second order, so the motion is right to about a
-/// ten-thousandth of the stroke, well below the noise of any sensor.
+/// Length of a step times the bandwidth ω at small signals: the scheme is of second order, beside friction, too, so the motion is right to about a
+/// hundred-thousandth of the stroke, well below the noise of any sensor.
 const FINENESS: f64 = 0.05;
 
 /// A servo rests where its speed comes to this share of the range of the command in the time 1/ω, and its acceleration in 1/ω²: so far from its end it is then, but

@@ -5,8 +5,8 @@
 //! [dual](crate::Dual) number carries all derivatives through every operation instead.
 
 use crate::dual::Dual;
-use crate::equation::{PARAMETERS, ServoParameters, Slopes, place};
-use crate::stepper::{Advance, Driven, State, Stepper, TooFast, cuts};
+use crate::equation::{AtRest, PARAMETERS, ServoParameters, Slopes, place};
+use crate::stepper::{Advance, Driven, State, Stepper, TooFast, braked, cuts};
 
 /// Angle and speed of the shaft, with their derivatives by the parameters.
 pub(crate) struct SlopedState {
@@ -112,21 +112,30 @@ struct Forces<'a> {
     /// What the motor's damping and the load leave of the speed.
     loaded: f64,
     driven: Driven<'a, f64>,
-    /// Friction, but for what damping leaves of it.
-    friction: Resistance,
+    /// What friction at speed takes, but for what damping leaves of it.
+    friction: f64,
 }
 
-/// Friction in a step.
-#[derive(Default)]
-struct Resistance {
-    /// What it takes without its excess at rest.
-    in_motion: f64,
-    /// The factor of that at this speed.
-    factor: f64,
-    /// Derivatives of the factor by the speed, by the excess at rest, and by the speed where half of that is gone.
-    factor_by: [f64; 3],
-    /// 1 where it brakes a motion upwards, -1 downwards, 0 without friction.
-    direction: f64,
+/// Derivatives of the speed after a step by what [`braked`] makes it of.
+struct Braked {
+    /// By the speed before the step.
+    before: f64,
+    /// By that without friction.
+    free: f64,
+    /// By what friction at speed takes.
+    friction: f64,
+    /// By the excess of friction at rest, and by the speed where half of that is gone.
+    at_rest: [f64; 2],
+}
+
+impl Braked {
+    /// Without friction.
+    const FREE: Self = Self {
+        before: 0.0,
+        free: 1.0,
+        friction: 0.0,
+        at_rest: [0.0; 2],
+    };
 }
 
 /// Derivatives of the speed after a step.
@@ -152,7 +161,9 @@ impl SlopedStepper<'_> {
         let load = plain.load.at(middle) * plain.step_s;
         let loaded = speed * plain.coasting - load;
         let driven = plain.drive(error, speed, loaded);
-        let friction = self.resistance(speed, driven.drive + load);
+        let friction = (plain.friction).map_or(0.0, |friction| {
+            plain.friction_in_motion(friction, driven.drive + load)
+        });
         Forces {
             error,
             load,
@@ -162,48 +173,54 @@ impl SlopedStepper<'_> {
         }
     }
 
-    /// Friction where drive and load together are `through_gears`.
-    #[inline(always)]
-    fn resistance(&self, speed: f64, through_gears: f64) -> Resistance {
-        let Some(friction) = self.plain.friction else {
-            return Resistance::default();
-        };
-        let in_motion =
-            friction.coulomb * self.plain.step_s + through_gears.abs() * friction.of_gears;
-        let (factor, factor_by) = match friction.at_rest {
-            None => (1.0, [0.0; 3]),
-            Some(at_rest) => {
-                let relative = speed / at_rest.speed;
-                let share = 1.0 / (1.0 + relative * relative);
-                let by_relative = -2.0 * at_rest.excess * relative * share * share;
-                let by_speed = by_relative / at_rest.speed;
-                let factor = 1.0 + at_rest.excess / (1.0 + relative * relative);
-                (factor, [by_speed, share, -by_speed * relative])
-            }
-        };
-        Resistance {
-            in_motion,
-            factor,
-            factor_by,
-            direction: 0.0,
-        }
-    }
-
     /// The speed after the step, without its limit; no derivatives where the shaft sticks.
     #[inline(always)]
     fn free_speed_after(&self, speed: f64, middle: f64, command: f64) -> (f64, Option<ByInputs>) {
-        let mut forces = self.forces(speed, middle, command);
+        let forces = self.forces(speed, middle, command);
         let damped = forces.driven.damped;
         let free = (forces.loaded + forces.driven.push) * damped;
-        let most = forces.friction.in_motion * forces.friction.factor * damped;
-        forces.friction.direction = match self.plain.friction {
-            None => 0.0,
-            Some(_) if free > most => 1.0,
-            Some(_) if free < -most => -1.0,
-            Some(_) => return (0.0, None),
+        let (after, braked) = match self.plain.friction {
+            None => (free, Braked::FREE),
+            Some(friction) => {
+                let most = forces.friction * damped;
+                let (after, braked) = self.braked(speed, free, most, friction.at_rest);
+                if after == 0.0 {
+                    return (0.0, None);
+                }
+                (after, braked)
+            }
         };
-        let after = free - forces.friction.direction * most;
-        (after, Some(self.by_inputs(speed, middle, &forces)))
+        (after, Some(self.by_inputs(speed, middle, &forces, &braked)))
+    }
+
+    /// [`braked`], with its derivatives.
+    #[inline(always)]
+    fn braked(
+        &self,
+        before: f64,
+        free: f64,
+        most: f64,
+        at_rest: Option<AtRest<f64>>,
+    ) -> (f64, Braked) {
+        let variable = |place, value| Dual::<5>::variable(value, place);
+        let at_rest = at_rest.map(|at_rest| AtRest {
+            excess: variable(3, at_rest.excess),
+            speed: variable(4, at_rest.speed),
+        });
+        let after = braked(
+            variable(0, before),
+            variable(1, free),
+            variable(2, most),
+            at_rest,
+        );
+        let [before, free, friction, excess, speed_at_rest] = after.slope;
+        let braked = Braked {
+            before,
+            free,
+            friction,
+            at_rest: [excess, speed_at_rest],
+        };
+        (after.value, braked)
     }
 
     /// The speed at its limit, which depends on nothing else.
@@ -250,36 +267,35 @@ impl SlopedStepper<'_> {
         (moved * half_s, by)
     }
 
-    /// With D the damping, x = `loaded`, p = `push` and F the friction, the speed after the step is D (x + p ± F).
+    /// With D the damping, x = `loaded`, p = `push` and F the friction, the speed after the step is that which is [`braked`] from D (x + p) by D F.
     #[inline(always)]
-    fn by_inputs(&self, speed: f64, middle: f64, forces: &Forces<'_>) -> ByInputs {
+    fn by_inputs(&self, speed: f64, middle: f64, forces: &Forces<'_>, braked: &Braked) -> ByInputs {
         let plain = &self.plain;
         let (step_s, half_s) = (plain.step_s, plain.step_s * 0.5);
         let Driven {
             side, push, damped, ..
         } = forces.driven;
-        let friction = &forces.friction;
-        // The change by what turns the gears: F = (h C + |drive + load| μ) times its factor.
+        // The change by what turns the gears: F = h C + |drive + load| μ.
         let of_gears = plain.friction.map_or(0.0, |friction| friction.of_gears);
         let through_gears = forces.driven.drive + forces.load;
-        let turned = -friction.direction * friction.factor * of_gears * through_gears.signum();
+        let turned = braked.friction * of_gears * through_gears.signum();
         let sum = forces.loaded + push;
-        let whole = sum - friction.direction * friction.in_motion * friction.factor;
+        let whole = braked.free * sum + braked.friction * forces.friction;
 
         let mut by = ByInputs::default();
         // By h times the load, by h B/2, by h (c - B)/2, by h k and by h A.
         let (by_load, by_half_motor, by_braking, by_stiffness, by_most);
         if forces.driven.full {
-            by_load = damped * (turned - 1.0);
-            by_half_motor = -damped * (speed + damped * whole);
-            by_most = damped * (1.0 + turned) * side.sign;
+            by_load = damped * (turned - braked.free);
+            by_half_motor = -damped * (braked.free * speed + damped * whole);
+            by_most = damped * (braked.free + turned) * side.sign;
             (by_braking, by_stiffness) = (0.0, 0.0);
-            by.speed = damped * plain.coasting;
+            by.speed = damped * braked.free * plain.coasting;
         } else {
             // drive = p - (x + p) D b with b = h (c - B)/2.
             let looped = turned * damped * side.braking;
-            let by_push = damped * (1.0 + turned - looped);
-            let by_loaded = damped * (1.0 - looped);
+            let by_push = damped * (braked.free + turned - looped);
+            let by_loaded = damped * (braked.free - looped);
             // D = 1/(1 + h B/2 + b).
             let by_sum_of_dampings = damped * damped * (whole - looped * sum);
             by_load = damped * turned - by_loaded;
@@ -295,9 +311,8 @@ impl SlopedStepper<'_> {
         }
         let (load_by_angle, load_by_own) = plain.load.slopes_at(middle);
         by.middle = by_load * step_s * load_by_angle - by.command;
-        let by_friction = -friction.direction * damped;
-        let by_factor = by_friction * friction.in_motion;
-        by.speed += by_factor * friction.factor_by[0];
+        let by_friction = braked.friction * damped;
+        by.speed += braked.before;
 
         let physics = self.physics;
         let (of_loop_side, of_limit) = (side.of_loop, side.of_limit);
@@ -322,10 +337,9 @@ impl SlopedStepper<'_> {
         if plain.dead_band.is_some() {
             slopes[place::DEAD_BAND] = -by.command * forces.error.signum();
         }
-        slopes[place::COULOMB] = by_friction * friction.factor * step_s;
-        slopes[place::OF_GEARS] = by_friction * friction.factor * through_gears.abs();
-        slopes[place::EXCESS_AT_REST] = by_factor * friction.factor_by[1];
-        slopes[place::SPEED_AT_REST] = by_factor * friction.factor_by[2];
+        slopes[place::COULOMB] = by_friction * step_s;
+        slopes[place::OF_GEARS] = by_friction * through_gears.abs();
+        [slopes[place::EXCESS_AT_REST], slopes[place::SPEED_AT_REST]] = braked.at_rest;
         for (slope, own) in slopes[place::LOAD..].iter_mut().zip(load_by_own) {
             *slope = by_load * step_s * own;
         }
@@ -337,7 +351,7 @@ impl SlopedStepper<'_> {
                 + by_half_motor * self.motor_damping * 0.5
                 + by_most * limit_up * of_limit
                 + by_load * plain.load.at(middle)
-                + by_friction * friction.factor * coulomb;
+                + by_friction * coulomb;
         }
         by
     }

@@ -1,7 +1,7 @@
 //! A step of the integration through the [equation](crate::ServoParameters).
 
 use crate::dual::Scalar;
-use crate::equation::{Friction, Load, ServoParameters};
+use crate::equation::{AtRest, Friction, Load, ServoParameters};
 
 /// What moves a servo by one step.
 pub(crate) trait Advance {
@@ -188,8 +188,8 @@ impl<S: Scalar> Stepper<S> {
         let speed = match self.friction {
             None => free,
             Some(friction) => {
-                let most = self.friction_at(friction, state.speed, drive + load) * damped;
-                nearer_zero(free, most)
+                let most = self.friction_in_motion(friction, drive + load) * damped;
+                braked(state.speed, free, most, friction.at_rest)
             }
         };
         let before = state.speed;
@@ -275,17 +275,45 @@ impl<S: Scalar> Stepper<S> {
         }
     }
 
-    /// Change of speed in a step that friction takes at the most, where drive and load together change it by `through_gears`.
+    /// Change of speed in a step that friction takes at speed, where drive and load together change it by `through_gears`.
     #[inline(always)]
-    fn friction_at(&self, friction: Friction<S>, speed: S, through_gears: S) -> S {
-        let most = friction.coulomb * self.step_s + through_gears.abs() * friction.of_gears;
-        let Some(at_rest) = friction.at_rest else {
-            return most;
-        };
-        let relative = speed / at_rest.speed;
-        let one = S::constant(1.0);
-        most * (one + at_rest.excess / (one + relative * relative))
+    pub(crate) fn friction_in_motion(&self, friction: Friction<S>, through_gears: S) -> S {
+        friction.coulomb * self.step_s + through_gears.abs() * friction.of_gears
     }
+}
+
+/// The speed at the end of a step that `before` is the speed at the beginning of, and `free` that at the end without friction; friction at speed takes `most` of it.
+///
+/// Friction is that at the speed in the middle of the step. Where the shaft comes to rest within the step, friction has the other direction, or holds
+/// it, for what is left of the step: with one direction for all of it the error were of first order.
+#[inline(always)]
+pub(crate) fn braked<S: Scalar>(before: S, free: S, most: S, at_rest: Option<AtRest<S>>) -> S {
+    let friction_at = |speed: S| match at_rest {
+        None => most,
+        Some(at_rest) => most * at_rest.factor(speed),
+    };
+    let from_rest = |change: S| {
+        let slow = nearer_zero(change, friction_at(S::constant(0.0)));
+        match slow.value() {
+            0.0 => slow,
+            speed => change - friction_at(slow * 0.5) * speed.signum(),
+        }
+    };
+    if before.value() == 0.0 {
+        return from_rest(free);
+    }
+    let direction = before.value().signum();
+    let slowed = free - friction_at(before) * direction;
+    let middle = match slowed.value() * direction > 0.0 {
+        true => (before + slowed) * 0.5,
+        false => before * 0.5,
+    };
+    let after = free - friction_at(middle) * direction;
+    if after.value() * direction >= 0.0 {
+        return after;
+    }
+    let left = after / (after - before);
+    from_rest(free - before) * left
 }
 
 /// Whether a limit of the speed cuts a step off that goes from the speed `before` to `free` without it, and to `after` with it.

@@ -241,6 +241,64 @@ fn a_speed_is_cut_off_as_in_tiny_steps() {
     }
 }
 
+/// Computed by Euler's rule in steps of a microsecond, in each of which friction has one direction: with and without an excess at rest, in strokes
+/// that are broken off, so that the shaft turns round and comes to rest within steps.
+#[test]
+fn friction_brakes_and_holds_as_in_tiny_steps() {
+    const TINY_S: f64 = 1e-6;
+    let (stiffness, damping, motor, most, coulomb) = (1200.0, 60.0, 30.0, 11e3, 700.0);
+    let input: Vec<f64> = (0..60_u32)
+        .flat_map(|k| [f64::from(k * 37 % 41) - 20.0; 40])
+        .collect();
+    for excess in [0.0, 0.6] {
+        let at_rest = AtRest {
+            excess,
+            speed: 13.0,
+        };
+        let servo = ServoParameters {
+            delay_s: 0.0,
+            pulse_end: None,
+            stiffness,
+            damping,
+            gain: 1.0,
+            offset: 0.0,
+            limit: Some(DriveLimit {
+                up: most,
+                down_to_up: 1.0,
+                motor_damping: motor,
+                at_one_stiffness: false,
+            }),
+            speed_limit: None,
+            dead_band: None,
+            friction: Some(Friction {
+                coulomb,
+                of_gears: 0.0,
+                at_rest: Some(at_rest),
+            }),
+            load: Load::None,
+            stops: Stops::default(),
+        };
+        let grid = Grid::new(0.002, 0.0, 1e-3);
+        let (mut angle, mut speed) = (0.0, 0.0_f64);
+        let start = Start::at_rest(angle, Some(0.0));
+        simulate(&servo, &grid, &start, &input, |k, y| {
+            // A twentieth of a thousandth of the largest stroke: a step of 1 ms in which friction has the direction or the excess of its beginning is off by
+            // a fiftieth of a degree and more.
+            assert!((y - angle).abs() < 0.002, "{excess}, {k}: {y} {angle}");
+            for _ in 0..(0.002 / TINY_S) as usize {
+                let drive = stiffness * (input[k] - angle) - (damping - motor) * speed;
+                let force = drive.clamp(-most, most) - motor * speed;
+                let friction = coulomb * at_rest.factor(speed);
+                let direction = if speed == 0.0 { force } else { speed }.signum();
+                let after = speed + TINY_S * (force - friction * direction);
+                // It holds where it would turn the motion round by itself.
+                speed = if after * direction < 0.0 { 0.0 } else { after };
+                angle += TINY_S * speed;
+            }
+        });
+    }
+}
+
 /// Both are the same sums in another order: apart by rounding, of which 500 samples of 3 steps in a stable servo gather
 /// some thousand times 1e-16 of the largest derivative.
 #[test]

@@ -186,6 +186,40 @@ static inline void {{id}}_reset({{id}}_state *servo, {{id}}_real command)
     servo->newest = 0;
 }
 
+/* What friction takes at a speed, where it takes this at high ones. */
+static inline {{id}}_real {{id}}_friction_at({{id}}_real speed, {{id}}_real held)
+{
+    {{id}}_real relative = speed / {{id}}_friction_speed;
+    return held * (1 + {{id}}_friction_at_rest / (1 + relative * relative));
+}
+
+/* The speed after a step from rest, where it would be this without friction. */
+static inline {{id}}_real {{id}}_released({{id}}_real wanted, {{id}}_real held)
+{
+    {{id}}_real slow = {{id}}_nearer_zero(wanted, {{id}}_friction_at(0, held));
+    if (slow > 0) {
+        return wanted - {{id}}_friction_at(slow / 2, held);
+    }
+    return slow < 0 ? wanted + {{id}}_friction_at(slow / 2, held) : 0;
+}
+
+/* The speed after a step, where it would be the wanted one without friction. Friction is that in the middle of
+ * the step; a shaft that comes to rest within the step is held or turns round for what is left of it. */
+static inline {{id}}_real {{id}}_braked({{id}}_real speed, {{id}}_real wanted, {{id}}_real held)
+{
+    if (!(speed < 0 || speed > 0)) {
+        return {{id}}_released(wanted, held);
+    }
+    {{id}}_real sign = speed < 0 ? -1 : 1;
+    {{id}}_real slowed = wanted - sign * {{id}}_friction_at(speed, held);
+    {{id}}_real middle = sign * slowed > 0 ? (speed + slowed) / 2 : speed / 2;
+    {{id}}_real after = wanted - sign * {{id}}_friction_at(middle, held);
+    if (sign * after >= 0) {
+        return after;
+    }
+    return {{id}}_released(wanted - speed, held) * (after / (after - speed));
+}
+
 /* The motion of h seconds under a command, without delay. */
 static inline void {{id}}_advance({{id}}_state *servo, {{id}}_real h, {{id}}_real command)
 {
@@ -206,10 +240,8 @@ static inline void {{id}}_advance({{id}}_state *servo, {{id}}_real h, {{id}}_rea
         left = 1 / (1 + {{id}}_half_motor(h));
     }
 
-    {{id}}_real relative = speed / {{id}}_friction_speed;
     {{id}}_real held = h * {{id}}_friction + {{id}}_friction_of_gears * {{id}}_size(drive + load);
-    held = held * (1 + {{id}}_friction_at_rest / (1 + relative * relative));
-    {{id}}_real wanted = {{id}}_nearer_zero((loaded + pushed) * left, left * held);
+    {{id}}_real wanted = {{id}}_braked(speed, (loaded + pushed) * left, left * held);
     {{id}}_real limit = wanted < {{id}}_lowest_speed ? {{id}}_lowest_speed : wanted;
     limit = limit > {{id}}_highest_speed ? {{id}}_highest_speed : limit;
     servo->speed = limit;

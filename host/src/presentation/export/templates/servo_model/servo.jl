@@ -16,6 +16,26 @@ load(angle) = {{load}}
 "`value` moved towards zero by `width`, and zero where it would pass it."
 nearer_zero(value, width) = value > width ? value - width : (value < -width ? value + width : 0.0)
 
+"What friction takes at a speed, where it takes `held` at high ones."
+friction_at(speed, held) = held * (1.0 + FRICTION_AT_REST / (1.0 + (speed / FRICTION_SPEED)^2))
+
+"The speed after a step from rest, where it would be `wanted` without friction."
+function released(wanted, held)
+    slow = nearer_zero(wanted, friction_at(0.0, held))
+    return slow == 0.0 ? slow : wanted - sign(slow) * friction_at(0.5 * slow, held)
+end
+
+"The speed after a step, where it would be `wanted` without friction. Friction is that in the middle of the step; a shaft that comes
+to rest within the step is held or turns round for what is left of it."
+function braked(speed, wanted, held)
+    speed == 0.0 && return released(wanted, held)
+    slowed = wanted - sign(speed) * friction_at(speed, held)
+    middle = sign(speed) * slowed > 0.0 ? 0.5 * (speed + slowed) : 0.5 * speed
+    after = wanted - sign(speed) * friction_at(middle, held)
+    sign(speed) * after >= 0.0 && return after
+    return released(wanted - speed, held) * (after / (after - speed))
+end
+
 "The angle, no farther than the stops."
 between_stops(angle) = clamp(angle, LOWEST_ANGLE, HIGHEST_ANGLE)
 
@@ -136,10 +156,8 @@ function advance!(servo::Servo, h, command)
         pushed, left = push(h, error, servo.speed, ratio), damped(h, ratio)
     end
 
-    relative = servo.speed / FRICTION_SPEED
     held = h * FRICTION + FRICTION_OF_GEARS * abs(drive + loading)
-    held = held * (1.0 + FRICTION_AT_REST / (1.0 + relative * relative))
-    before, wanted = servo.speed, nearer_zero((loaded + pushed) * left, left * held)
+    before, wanted = servo.speed, braked(servo.speed, (loaded + pushed) * left, left * held)
     servo.speed = clamp(wanted, LOWEST_SPEED, HIGHEST_SPEED)
     servo.angle = middle + 0.5 * h * servo.speed
     # The speed stays at its limit for the rest of the step.

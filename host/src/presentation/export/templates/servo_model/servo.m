@@ -142,11 +142,9 @@ else
     left = damped(h, ratio, p);
 end
 
-relative = servo.speed / p.friction_speed;
 held = h * p.friction + p.friction_of_gears * abs(drive + load);
-held = held * (1.0 + p.friction_at_rest / (1.0 + relative * relative));
 before = servo.speed;
-wanted = nearer_zero((loaded + pushed) * left, left * held);
+wanted = braked(before, (loaded + pushed) * left, left * held, p);
 servo.speed = max(p.lowest_speed, min(p.highest_speed, wanted));
 servo.angle = middle + 0.5 * h * servo.speed;
 % The speed stays at its limit for the rest of the step.
@@ -158,6 +156,38 @@ end
 if servo.angle ~= between_stops(servo.angle, p)
     servo.angle = between_stops(servo.angle, p);
     servo.speed = 0.0;
+end
+end
+
+function held = friction_at(speed, held, p)
+% What friction takes at a speed, where it takes this at high ones.
+relative = speed / p.friction_speed;
+held = held * (1.0 + p.friction_at_rest / (1.0 + relative * relative));
+end
+
+function speed = released(wanted, held, p)
+% The speed after a step from rest, where it would be this without friction.
+speed = nearer_zero(wanted, friction_at(0.0, held, p));
+if speed ~= 0.0
+    speed = wanted - sign(speed) * friction_at(0.5 * speed, held, p);
+end
+end
+
+function after = braked(speed, wanted, held, p)
+% The speed after a step, where it would be the wanted one without friction. Friction is that in the middle of
+% the step; a shaft that comes to rest within the step is held or turns round for what is left of it.
+if speed == 0.0
+    after = released(wanted, held, p);
+    return
+end
+slowed = wanted - sign(speed) * friction_at(speed, held, p);
+middle = 0.5 * speed;
+if sign(speed) * slowed > 0.0
+    middle = 0.5 * (speed + slowed);
+end
+after = wanted - sign(speed) * friction_at(middle, held, p);
+if sign(speed) * after < 0.0
+    after = released(wanted - speed, held, p) * (after / (after - speed));
 end
 end
 

@@ -25,6 +25,37 @@ def nearer_zero(value, width):
     return 0.0
 
 
+def friction_at(speed, held):
+    """What friction takes at a speed, where it takes `held` at high ones."""
+    relative = speed / FRICTION_SPEED
+    return held * (1.0 + FRICTION_AT_REST / (1.0 + relative * relative))
+
+
+def released(wanted, held):
+    """The speed after a step from rest, where it would be `wanted` without friction."""
+    slow = nearer_zero(wanted, friction_at(0.0, held))
+    if slow == 0.0:
+        return slow
+    taken = friction_at(0.5 * slow, held)
+    return wanted - taken if slow > 0.0 else wanted + taken
+
+
+def braked(speed, wanted, held):
+    """The speed after a step, where it would be `wanted` without friction.
+
+    Friction is that in the middle of the step; a shaft that comes to rest within the step is held or turns round for what is left of it.
+    """
+    if speed == 0.0:
+        return released(wanted, held)
+    sign = 1.0 if speed > 0.0 else -1.0
+    slowed = wanted - sign * friction_at(speed, held)
+    middle = 0.5 * (speed + slowed) if sign * slowed > 0.0 else 0.5 * speed
+    after = wanted - sign * friction_at(middle, held)
+    if sign * after >= 0.0:
+        return after
+    return released(wanted - speed, held) * (after / (after - speed))
+
+
 def between_stops(angle):
     """The angle, no farther than the stops."""
     return max(LOWEST_ANGLE, min(HIGHEST_ANGLE, angle))
@@ -167,10 +198,8 @@ class Servo:
         else:
             pushed, left = push(h, error, self.speed, ratio), damped(h, ratio)
 
-        relative = self.speed / FRICTION_SPEED
         held = h * FRICTION + FRICTION_OF_GEARS * abs(drive + loading)
-        held = held * (1.0 + FRICTION_AT_REST / (1.0 + relative * relative))
-        before, wanted = self.speed, nearer_zero((loaded + pushed) * left, left * held)
+        before, wanted = self.speed, braked(self.speed, (loaded + pushed) * left, left * held)
         self.speed = max(LOWEST_SPEED, min(HIGHEST_SPEED, wanted))
         self.angle = middle + 0.5 * h * self.speed
         # The speed stays at its limit for the rest of the step.
