@@ -62,7 +62,7 @@ pub use outcome::{
 pub use over_prediction::OverPrediction;
 pub use rests_apart::RestsApart;
 pub use servo_models::{
-    IntervalOfOne, QuantityDifference, QuantityDifferences, QuantityPair, ServoModelComparison,
-    SpeedLimitsOfBoth, SpreadOfBoth, StrokeTimes, compare_servo_models,
+    QuantityDifference, QuantityDifferences, QuantityPair, ServoModelComparison, SpeedLimitsOfBoth,
+    StrokeTimes, compare_servo_models,
 };
 pub use verdict::Verdict;

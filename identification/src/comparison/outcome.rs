@@ -104,7 +104,7 @@ pub struct Asymmetry {
 }
 
 /// One item for each side.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Sides<T> {
     /// The first side.
     pub a: T,
@@ -115,6 +115,13 @@ pub struct Sides<T> {
 impl<T> Sides<T> {
     pub(super) fn of<S: Copy>([a, b]: [S; 2], of: impl Fn(S) -> T) -> Self {
         Self { a: of(a), b: of(b) }
+    }
+}
+
+impl<T> Sides<Option<T>> {
+    /// Whether neither side has it.
+    pub(super) fn have_none(&self) -> bool {
+        self.a.is_none() && self.b.is_none()
     }
 }
 

@@ -12,7 +12,7 @@
 //! angles](super::at_one_angle). For independent records it is wider than it would have to be.
 
 use super::at_one_angle::{by_angles, with_shift};
-use super::outcome::Comparison;
+use super::outcome::{Comparison, Sides};
 use super::rests_apart::RestsApart;
 use super::verdict::Verdict;
 use crate::nonlinear::SpeedLimits;
@@ -95,41 +95,11 @@ pub struct QuantityPair {
     /// Of the second servo.
     pub b: Option<f64>,
     /// What other fits to the record of each say, where its errors are not noise; left out elsewhere.
-    #[serde(default, skip_serializing_if = "SpreadOfBoth::is_empty")]
-    pub other_fits: SpreadOfBoth,
+    #[serde(default, skip_serializing_if = "Sides::have_none")]
+    pub other_fits: Sides<Option<Spread>>,
     /// Its interval on the one side that has any, where the other has none; left out elsewhere.
-    #[serde(default, skip_serializing_if = "IntervalOfOne::is_empty")]
-    pub interval_of_one: IntervalOfOne,
-}
-
-/// The interval of a quantity on the one side whose model has intervals.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct IntervalOfOne {
-    /// Of the first servo.
-    pub a: Option<Interval>,
-    /// Of the second servo.
-    pub b: Option<Interval>,
-}
-
-impl IntervalOfOne {
-    fn is_empty(&self) -> bool {
-        self.a.or(self.b).is_none()
-    }
-}
-
-/// A quantity in other fits of both sides, which is no interval.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct SpreadOfBoth {
-    /// Of the first servo.
-    pub a: Option<Spread>,
-    /// Of the second servo.
-    pub b: Option<Spread>,
-}
-
-impl SpreadOfBoth {
-    fn is_empty(&self) -> bool {
-        self.a.or(self.b).is_none()
-    }
+    #[serde(default, skip_serializing_if = "Sides::have_none")]
+    pub interval_of_one: Sides<Option<Interval>>,
 }
 
 /// What is sure about the quantities of both sides.
@@ -202,14 +172,8 @@ pub fn compare_servo_models(
             unit: either.unit,
             a: of_a.map(|of| of.value),
             b: of_b.map(|of| of.value),
-            other_fits: SpreadOfBoth {
-                a: spread(of_a),
-                b: spread(of_b),
-            },
-            interval_of_one: IntervalOfOne {
-                a: of_one(of_a),
-                b: of_one(of_b),
-            },
+            other_fits: Sides::of([of_a, of_b], spread),
+            interval_of_one: Sides::of([of_a, of_b], of_one),
         })
     };
     let level = |of: &ServoModel| of.covariance.as_ref().map(|found| found.level);

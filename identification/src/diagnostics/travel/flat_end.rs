@@ -7,26 +7,13 @@
 
 use std::ops::Range;
 
-use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
-
 use super::moves_beyond::moves_beyond;
-use super::split_squares::{Rest, SplitSquares};
+use super::rests::{FEWEST, Rest, rests};
+use super::split::Split;
+use super::split_squares::SplitSquares;
 use crate::data::column::span;
-use crate::data::{EXACTLY, Hold, Record, Run, holds, last_quarter, mean_output, sensor_step};
-use crate::diagnostics::runs::common_offset::common_offset;
-use crate::numerics::{dot, median, square_about_mean};
-use crate::thresholds::{RESIDUAL_SIGNIFICANCE, SHORT_LEVEL_SIGNIFICANCE, STOP_GAIN, STOP_SHORT};
-
-/// Commands that show a line and its end at least: those of the line, and those of an end that rest at one angle with another. With fewer, a
-/// bend is a stop. A run of fewer rests does not show its own offset: it is left out beside runs that do.
-const FEWEST: usize = 3;
-
-/// Rests at a flat end.
-const FEWEST_AT_END: usize = 2;
-
-/// Share of the way to a rest below which the last two eighths of a hold agree. Holds that end before the servo rests are no rests, and
-/// scatter about the line more than a stop is short.
-const AT_REST: f64 = 0.05;
+use crate::data::{Record, sensor_step};
+use crate::numerics::median;
 
 /// Share of the range of the commands over which the line must go: two of six levels do, a few neighbours show no slope.
 const LINE: f64 = 0.15;
@@ -92,85 +79,6 @@ pub(crate) fn stops_of_several_commands(record: &Record) -> Vec<f64> {
     ends.map(|end| end.rest).collect()
 }
 
-/// Command and mean output of the holds in which the output comes to rest, by the command.
-fn rests(record: &Record) -> Vec<Rest> {
-    let by_run: Vec<Vec<(f64, f64)>> = record.runs().iter().map(rests_of).collect();
-    let has_enough = |rests: &Vec<(f64, f64)>| rests.len() >= FEWEST;
-    let show_offsets = by_run.iter().any(has_enough);
-    let of_run = |(run, rests): (usize, &Vec<(f64, f64)>)| {
-        let run = if show_offsets { run } else { 0 };
-        let rest = |&(command, output): &(f64, f64)| Rest {
-            run,
-            command,
-            output,
-        };
-        rests.iter().map(rest).collect::<Vec<_>>()
-    };
-    let used = (by_run.iter().enumerate()).filter(|(_, rests)| !show_offsets || has_enough(rests));
-    let mut all: Vec<Rest> = used.flat_map(of_run).collect();
-    all.sort_by(|a, b| a.command.total_cmp(&b.command));
-    all
-}
-
-/// Those of one run: the two halves of the last quarter agree, beside the way there. Where most holds do not end so, the motion goes on, and those that seem to
-/// are where it turns round.
-///
-/// One in which the output stays where it was is a rest, too: there is no way between commands beyond a stop.
-fn rests_of(run: &Run<'_>) -> Vec<(f64, f64)> {
-    let range = |column: &[f64]| span(column.iter().copied()).unwrap_or_default();
-    let gain = range(run.output()) / range(run.input());
-    let ends = |hold: &Hold| {
-        let last = last_quarter(&hold.samples);
-        let middle = last.start + last.len() / 2;
-        let [first, second] =
-            [last.start..middle, middle..last.end].map(|part| mean_output(run, part));
-        let (first, second) = first.zip(second)?;
-        let start = run.output()[hold.samples.start];
-        Some(HoldEnd {
-            command: hold.level,
-            rest: 0.5 * (first + second),
-            left: (second - first).abs(),
-            way: (second - start).abs(),
-            asked: gain * (hold.level - hold.before?).abs(),
-        })
-    };
-    let held = holds(run, EXACTLY);
-    let long = held
-        .iter()
-        .filter(|hold| last_quarter(&hold.samples).len() > 1);
-    let ends: Vec<HoldEnd> = long.filter_map(ends).collect();
-    let arrived = ends.iter().filter(|end| end.is_rest()).count();
-    if 2 * arrived <= ends.len() {
-        return Vec::new();
-    }
-    let rests = ends.iter().filter(|end| end.is_rest() || end.stays());
-    rests.map(|end| (end.command, end.rest)).collect()
-}
-
-/// How a hold ends.
-struct HoldEnd {
-    command: f64,
-    /// Mean output in the last quarter.
-    rest: f64,
-    /// From the first half of that quarter to the second.
-    left: f64,
-    /// From the beginning of the hold to its end.
-    way: f64,
-    /// The way that the command asks for, by the gain over the whole run.
-    asked: f64,
-}
-
-impl HoldEnd {
-    fn is_rest(&self) -> bool {
-        self.left < AT_REST * self.way
-    }
-
-    /// Whether the output does not follow the command at all.
-    fn stays(&self) -> bool {
-        self.left.max(self.way) < AT_REST * self.asked
-    }
-}
-
 fn of_rests(rests: &[Rest], step: f64) -> [Option<TravelEnd>; 2] {
     let places = places(rests);
     let squares = SplitSquares::new(rests, &places);
@@ -179,7 +87,9 @@ fn of_rests(rests: &[Rest], step: f64) -> [Option<TravelEnd>; 2] {
         .into_iter()
         .filter_map(|sides| best_split(rests, (&places, &squares), sides))
         .find(|split| split.is_flat(rests, step));
-    found.map_or([None; 2], |split| [1, 0].map(|side| split.end(rests, side)))
+    found.map_or([None; 2], |split| {
+        [1, 0].map(|side| end(&split, rests, side))
+    })
 }
 
 /// Where the command changes, among rests by the command; of many places some.
@@ -188,11 +98,6 @@ fn places(rests: &[Rest]) -> Vec<usize> {
     let all: Vec<usize> = changes.collect();
     let every = 1 + all.len() / PLACES;
     all.into_iter().step_by(every).collect()
-}
-
-/// Number of different commands, among rests by the command.
-fn commands(rests: &[Rest]) -> usize {
-    rests.chunk_by(|a, b| a.command == b.command).count()
 }
 
 /// The line between the ends `sides` (0 the lower, 1 the upper one) that leaves least.
@@ -214,6 +119,30 @@ fn best_split(
         .min_by(|a, b| a.square.total_cmp(&b.square))
 }
 
+/// The end beyond one side of the line, at the common offset.
+fn end(split: &Split, rests: &[Rest], side: usize) -> Option<TravelEnd> {
+    let mut end = split.beyond(rests, side);
+    if side == 0 {
+        end.reverse();
+    }
+    let (first, last) = (end.first()?, end.last()?);
+    let moved = split.moved()?;
+    // A mean is moved by a hold that ends just before the stop.
+    let rest = median(
+        end.iter()
+            .map(|rest| rest.output - moved[rest.run])
+            .collect(),
+    )?;
+    let mut commands: Vec<f64> = end.iter().map(|rest| rest.command).collect();
+    commands.dedup();
+    Some(TravelEnd {
+        rest,
+        commands: (first.command, last.command),
+        count: commands.len(),
+        is_shown: true,
+    })
+}
+
 /// Whether `inner` are rests of a line, with enough commands in it and beside it.
 fn is_line(rests: &[Rest], inner: &Range<usize>) -> bool {
     let Some([first, .., last]) = rests.get(inner.clone()) else {
@@ -229,244 +158,6 @@ fn is_line(rests: &[Rest], inner: &Range<usize>) -> bool {
     let beyond = ends.map(|end| few(end).saturating_sub(1));
     last.command - first.command > LINE * range
         && few(&rests[inner.clone()]) + beyond[0] + beyond[1] >= FEWEST
-}
-
-/// A line in the middle of the rests, and what is beyond it at rest at one angle.
-struct Split {
-    /// The rests of the line.
-    inner: Range<usize>,
-    slope: f64,
-    /// Mean command and output, and count, of the rests of the line in each run.
-    runs: Vec<(f64, f64, f64)>,
-    /// Sum of squares of the commands about these means.
-    spread: f64,
-    /// The way of the output along the line.
-    way: f64,
-    /// Sum of squares about the line, and the largest distance from it.
-    of_line: f64,
-    largest: f64,
-    /// Sum of squares about the line and about the means of the ends.
-    square: f64,
-}
-
-impl Split {
-    /// `None` where the line is not determined, or no rest is left over.
-    fn of(rests: &[Rest], inner: Range<usize>) -> Option<Self> {
-        let line = rests.get(inner.clone())?;
-        let (first, last) = (line.first()?, line.last()?);
-        let runs = 1 + rests.iter().map(|rest| rest.run).max()?;
-        let mut sums = vec![(0.0, 0.0, 0.0); runs];
-        for rest in line {
-            let sum = &mut sums[rest.run];
-            *sum = (sum.0 + rest.command, sum.1 + rest.output, sum.2 + 1.0);
-        }
-        let runs: Vec<(f64, f64, f64)> = sums.iter().map(|(u, y, n)| (u / n, y / n, *n)).collect();
-        let (mut spread, mut product) = (0.0, 0.0);
-        for rest in line {
-            let (u, y, _) = runs[rest.run];
-            spread += (rest.command - u).powi(2);
-            product += (rest.command - u) * (rest.output - y);
-        }
-        let mut split = Self {
-            inner,
-            slope: product / spread,
-            way: (product / spread * (last.command - first.command)).abs(),
-            runs,
-            spread,
-            of_line: 0.0,
-            largest: 0.0,
-            square: 0.0,
-        };
-        for rest in line {
-            let distance = split.beside_line(rest).abs();
-            split.of_line += distance * distance;
-            split.largest = split.largest.max(distance);
-        }
-        let ends = [0, 1].map(|side| split.about_mean(rests, side));
-        split.square = split.of_line + ends[0] + ends[1];
-        (spread > 0.0 && split.degrees() > 0.0).then_some(split)
-    }
-
-    /// Degrees of freedom that the line leaves.
-    fn degrees(&self) -> f64 {
-        let used = self.runs.iter().filter(|(_, _, count)| *count > 0.0);
-        self.inner.len() as f64 - used.count() as f64 - 1.0
-    }
-
-    /// Output above the line; NaN in a run of which the line has no rest.
-    fn beside_line(&self, rest: &Rest) -> f64 {
-        let (u, y, _) = self.runs[rest.run];
-        rest.output - y - self.slope * (rest.command - u)
-    }
-
-    /// Output above that of the line under command 0.
-    fn beside_run(&self, rest: &Rest) -> f64 {
-        let (u, y, _) = self.runs[rest.run];
-        rest.output - y + self.slope * u
-    }
-
-    /// The rests of one end, of runs that the line has.
-    fn beyond<'r>(&self, rests: &'r [Rest], side: usize) -> Vec<&'r Rest> {
-        let end = match side {
-            0 => &rests[..self.inner.start],
-            _ => &rests[self.inner.end..],
-        };
-        let is_known = |rest: &&Rest| self.runs[rest.run].2 > 0.0;
-        end.iter().filter(is_known).collect()
-    }
-
-    fn about_mean(&self, rests: &[Rest], side: usize) -> f64 {
-        let outputs = self.beyond(rests, side).into_iter();
-        let outputs: Vec<f64> = outputs.map(|rest| self.beside_run(rest)).collect();
-        match outputs.len() {
-            0 => 0.0,
-            _ => square_about_mean(&outputs),
-        }
-    }
-
-    /// Whether the ends that there are lie short of the line at one angle, and no polynomial describes the rests better.
-    fn is_flat(&self, rests: &[Rest], step: f64) -> bool {
-        let ends = [0, 1].map(|side| self.beyond(rests, side));
-        let is_end = |side: usize| ends[side].is_empty() || self.is_short(&ends[side], side, step);
-        let count = ends.iter().filter(|end| !end.is_empty()).count();
-        // Two stops and a cubic bend are much alike.
-        is_end(0) && is_end(1) && count as f64 * self.square < square_beside_polynomial(rests)
-    }
-
-    /// Whether the rests of an end lie on the inner side of the line: those of the last command each farther than any of the line, their
-    /// mean beyond chance and beyond rounding; and do not follow the command.
-    fn is_short(&self, end: &[&Rest], side: usize, step: f64) -> bool {
-        let outwards = if side == 0 { -1.0 } else { 1.0 } * self.slope.signum();
-        let short = |rest: &&Rest| -outwards * self.beside_line(rest);
-        let count = end.len() as f64;
-        let mean = end.iter().map(short).sum::<f64>() / count;
-        // Of the mean of the line there: its offset in each run, and its slope.
-        let (mut by_offsets, mut arm) = (0.0, 0.0);
-        for (run, (u, _, known)) in self.runs.iter().enumerate() {
-            let own = end.iter().filter(|rest| rest.run == run);
-            let (n, sum) = own.fold((0.0, 0.0), |(n, sum), rest| {
-                (n + 1.0, sum + rest.command - u)
-            });
-            if n > 0.0 {
-                by_offsets += (n / count).powi(2) / known;
-                arm += sum / count;
-            }
-        }
-        let leverage = 1.0 / count + by_offsets + arm * arm / self.spread;
-        let sd = (self.of_line / self.degrees() * leverage).sqrt();
-        let student = StudentsT::new(0.0, 1.0, self.degrees());
-        // A line through one command has no slope, and what lies beside it no chance.
-        let beyond = Some(mean / sd).filter(|beyond| !beyond.is_nan());
-        let tail = beyond.zip(student.ok()).map(|(beyond, t)| t.sf(beyond));
-        let extreme = end[if side == 0 { 0 } else { end.len() - 1 }].command;
-        let mut at_extreme = end.iter().filter(|rest| rest.command == extreme);
-        end.len() >= FEWEST_AT_END
-            && mean > step.max(STOP_SHORT * self.way)
-            && at_extreme.all(|rest| short(rest) > self.largest)
-            && (self.slope_of(end) / self.slope).abs() < STOP_GAIN
-            && tail.is_some_and(|tail| tail < SHORT_LEVEL_SIGNIFICANCE)
-    }
-
-    /// Slope of some rests; 0 of a single command.
-    fn slope_of(&self, end: &[&Rest]) -> f64 {
-        let mean = end.iter().map(|rest| rest.command).sum::<f64>() / end.len() as f64;
-        let (mut spread, mut product) = (0.0, 0.0);
-        for rest in end {
-            spread += (rest.command - mean).powi(2);
-            product += (rest.command - mean) * self.beside_run(rest);
-        }
-        if spread > 0.0 { product / spread } else { 0.0 }
-    }
-
-    /// What the offset of each run is above the [common one](common_offset) where they differ beyond chance, else 0: what friction makes of the mean of a few rests
-    /// is no zero of the sensor that moved.
-    fn moved(&self) -> Option<Vec<f64>> {
-        let offset = |(u, y, _): &(f64, f64, f64)| y - self.slope * u;
-        let used = || self.runs.iter().filter(|(_, _, count)| *count > 0.0);
-        let common = common_offset(&used().map(offset).collect::<Vec<_>>())?;
-        let all: f64 = used().map(|run| run.2).sum();
-        let mean = used().map(|run| run.2 * offset(run)).sum::<f64>() / all;
-        let between: f64 = used().map(|run| run.2 * (offset(run) - mean).powi(2)).sum();
-        let freedom = (used().count() as f64 - 1.0, self.degrees());
-        let ratio = between / freedom.0 / (self.of_line / freedom.1);
-        let f = FisherSnedecor::new(freedom.0, freedom.1);
-        let differ = f.is_ok_and(|f| f.sf(ratio) < RESIDUAL_SIGNIFICANCE);
-        let above = |run: &(f64, f64, f64)| if differ { offset(run) - common } else { 0.0 };
-        Some(self.runs.iter().map(above).collect())
-    }
-
-    /// The end of one side, at the common offset.
-    fn end(&self, rests: &[Rest], side: usize) -> Option<TravelEnd> {
-        let mut end = self.beyond(rests, side);
-        if side == 0 {
-            end.reverse();
-        }
-        let (first, last) = (end.first()?, end.last()?);
-        let moved = self.moved()?;
-        // A mean is moved by a hold that ends just before the stop.
-        let rest = median(
-            end.iter()
-                .map(|rest| rest.output - moved[rest.run])
-                .collect(),
-        )?;
-        let mut commands: Vec<f64> = end.iter().map(|rest| rest.command).collect();
-        commands.dedup();
-        Some(TravelEnd {
-            rest,
-            commands: (first.command, last.command),
-            count: commands.len(),
-            is_shown: true,
-        })
-    }
-}
-
-/// Sum of squares beside a cubic polynomial of the commands with an offset of each run, or a parabola where four commands leave no more.
-fn square_beside_polynomial(rests: &[Rest]) -> f64 {
-    let degree = commands(rests).saturating_sub(2).min(3);
-    let largest = rests
-        .iter()
-        .map(|rest| rest.command.abs())
-        .fold(0.0, f64::max);
-    let runs = rests.iter().map(|rest| rest.run + 1).max().unwrap_or(0);
-    let of_run = |run: usize| {
-        rests
-            .iter()
-            .map(move |rest| f64::from(rest.run == run))
-            .collect()
-    };
-    let of_power = |power: usize| {
-        let powers = rests
-            .iter()
-            .map(|rest| (rest.command / largest).powi(power as i32));
-        powers.collect()
-    };
-    let columns: Vec<Vec<f64>> = (0..runs)
-        .map(of_run)
-        .chain((1..=degree).map(of_power))
-        .collect();
-    let mut left: Vec<f64> = rests.iter().map(|rest| rest.output).collect();
-    let mut basis: Vec<Vec<f64>> = Vec::new();
-    for mut column in columns {
-        for earlier in &basis {
-            remove(&mut column, earlier);
-        }
-        remove(&mut left, &column);
-        basis.push(column);
-    }
-    dot(&left, &left)
-}
-
-/// Takes the part along `direction` out of `values`.
-fn remove(values: &mut [f64], direction: &[f64]) {
-    let square = dot(direction, direction);
-    let share = if square > 0.0 {
-        dot(values, direction) / square
-    } else {
-        0.0
-    };
-    for (value, along) in values.iter_mut().zip(direction) {
-        *value -= share * along;
-    }
 }
 
 #[cfg(test)]

@@ -3,19 +3,12 @@
 //! The sums up to each place give those between any two. They lose digits where nothing is left, so they say only which pairs are worth
 //! a pass over all rests.
 
+use super::rests::Rest;
 use std::collections::BTreeMap;
 use std::ops::{Range, Sub};
 
 /// Part of a sum of squares that its rounding is far below.
 const ROUNDING: f64 = 1e-9;
-
-/// Where the output comes to rest under a command.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Rest {
-    pub(super) run: usize,
-    pub(super) command: f64,
-    pub(super) output: f64,
-}
 
 /// Number of rests, and the sums of their commands, outputs and products.
 #[derive(Clone, Copy, Default)]

@@ -10,7 +10,7 @@ use crate::presentation::summary::wording::layout::wrapped;
 use crate::presentation::summary::wording::numbers::{digits, digits_beside, four_digits, percent};
 use crate::presentation::summary::wording::sixty_degrees::{both_ways, whole_ms};
 use servoid_identification::comparison::{
-    IntervalOfOne, QuantityPair, RestsApart, ServoModelComparison, SpeedLimitsOfBoth,
+    QuantityPair, RestsApart, ServoModelComparison, Sides, SpeedLimitsOfBoth,
 };
 use servoid_identification::nonlinear::SpeedLimits;
 use servoid_identification::results::{Bounds, Interval, with_unit};
@@ -240,7 +240,7 @@ pub(crate) fn what_is_below(found: &ServoModelComparison) -> String {
 /// Whether one side has intervals, and the other one none.
 fn has_interval_of_one(found: &ServoModelComparison) -> bool {
     let mut pairs = found.quantities.iter();
-    pairs.any(|pair| pair.interval_of_one != IntervalOfOne::default())
+    pairs.any(|pair| pair.interval_of_one != Sides::default())
 }
 
 /// The way the differences were computed.
@@ -434,7 +434,7 @@ fn stroke_rows(found: &ServoModelComparison) -> Vec<TableRow> {
 mod tests {
     use super::*;
     use servoid_identification::comparison::{
-        QuantityDifference, QuantityDifferences, SpreadOfBoth, StrokeTimes,
+        QuantityDifference, QuantityDifferences, StrokeTimes,
     };
     use servoid_identification::results::Reason;
 
@@ -455,8 +455,8 @@ mod tests {
                 unit: Unit::Command,
                 a,
                 b,
-                other_fits: SpreadOfBoth::default(),
-                interval_of_one: IntervalOfOne::default(),
+                other_fits: Sides::default(),
+                interval_of_one: Sides::default(),
             }],
             stops: None,
             rests_apart: RestsApart::default(),
