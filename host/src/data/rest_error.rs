@@ -107,7 +107,7 @@ pub(super) fn advice(record: &Record, units: Units<'_>) -> Option<Advice> {
             Check::Zeros,
             match of_gain {
                 true => format!(
-                    "Under a command of 0 the servo rests at {off:.2}{unit} (a line through {} rests).",
+                    "A straight line through {} rests is at {off:.2}{unit} where the command is 0.",
                     all.len()
                 ),
                 false => format!(
@@ -403,8 +403,8 @@ mod tests {
     #[test]
     fn a_gain_is_no_zero_that_is_off() {
         let found = five_levels(0.9, 0.5, 2.0, 20.0).unwrap();
-        let said = "Under a command of 0 the servo rests at 2.0";
-        assert!(found.finding.starts_with(said), "{}", found.finding);
+        let said = "rests is at 2.0";
+        assert!(found.finding.contains(said), "{}", found.finding);
         assert!((found.value - 2.0).abs() < 0.1, "{}", found.value);
         // In the middle of its commands it rests 2 beside them.
         assert_eq!(five_levels(0.9, 0.5, 0.0, 20.0), None);

@@ -87,7 +87,7 @@ pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Co
             level,
             units: [&options.input_unit, &options.output_unit],
         };
-        comparison.over_prediction = over_prediction(b.record, &predictor);
+        comparison.over_prediction = over_prediction([a.record, b.record], &predictor);
         comparison.levels = Some(Sides::of([&a, &b], Identified::levels));
         comparison.asymmetry = Some(Sides::of([&a, &b], Identified::asymmetry));
     }

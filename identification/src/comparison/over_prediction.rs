@@ -12,7 +12,8 @@
 //! Plateaus are the units of scatter: with a_j the mean of plateau j, w_j its length, K their number,
 //! s² = K/(K-1) sum (w_j (a_j - a))² / (sum w_j)², the interval is Student's with K-1 degrees of freedom
 //! around (s/â)² + v (a/â²)² + (s_zero/â)² + (s_scale a/â)², v the variance of â and s_scale that of the ratio of both scales. Drift and scatter between runs are not in
-//! it.
+//! it. It is wider by what the first model misses of its own record's plateaus, likewise: a line does not rest where a servo does that begins elsewhere, or is driven by
+//! pulses that it knows at their ends.
 
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -73,11 +74,36 @@ fn counts_from_zero([low, high]: [f64; 2], (minus, plus): (f64, f64)) -> bool {
     minus * plus <= 0.0 || (low * high >= 0.0 && at_zero.abs() <= OFF_ZERO * travel.abs())
 }
 
-/// `None` when the record has no two ends with two plateaus each.
+/// Of the second record `b`, by the model of the first, `a`; `None` when the second has no two ends with two plateaus each.
 pub(crate) fn over_prediction(
-    record: &Record,
+    [a, b]: [&Record; 2],
     predictor: &Predictor<'_>,
 ) -> Option<OverPrediction> {
+    let found = of_record(b, predictor)?;
+    Some(match of_record(a, predictor) {
+        Some(own) => found.reaching(&own),
+        None => found,
+    })
+}
+
+impl OverPrediction {
+    /// Wider by what the first model misses of its `own` record.
+    fn reaching(self, own: &Self) -> Self {
+        let wider = |of: Interval, own: Interval| match own.value.map(f64::abs) {
+            Some(missed) if missed.is_finite() => of.reaching(missed, missed),
+            _ => of,
+        };
+        Self {
+            plus_percent: wider(self.plus_percent, own.plus_percent),
+            minus_percent: wider(self.minus_percent, own.minus_percent),
+            travel_percent: wider(self.travel_percent, own.travel_percent),
+            ..self
+        }
+    }
+}
+
+/// Of one record.
+fn of_record(record: &Record, predictor: &Predictor<'_>) -> Option<OverPrediction> {
     let levels: Vec<f64> = record
         .runs()
         .iter()
@@ -138,7 +164,7 @@ pub(crate) fn over_prediction(
         definition: format!(
             "(predicted - measured) / predicted of the plateaus at {} (plus) and {} (minus), from \
              {} samples after the edge, of these recordings; predicted by the first model from the second's own input; {} and {} \
-             plateaus; zero of the sensor {}",
+             plateaus; intervals are wider by what that model misses of its own plateaus; zero of the sensor {}",
             with(high, input),
             with(low, input),
             predictor.wait,

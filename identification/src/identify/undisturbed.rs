@@ -8,8 +8,8 @@ use super::disturbances::Disturbances;
 use super::estimate::Estimate;
 use crate::data::{HELD, Moments, Quantisation, Record, sensor_step, usual_hold};
 use crate::diagnostics::{
-    Beside, LevelEffects, Outliers, RunTrends, Simulated, drift, hum, outliers, run_offsets,
-    simulated, simulated_whole, slopes_left,
+    Beside, LevelEffects, Outliers, RunOffsets, RunTrends, Simulated, drift, hum, outliers,
+    run_offsets, simulated, simulated_whole, slopes_left,
 };
 use crate::error::Error;
 use crate::options::{Detrend, Options};
@@ -36,24 +36,71 @@ impl<'a> Undisturbed<'a> {
     pub(super) fn of(record: &'a Record, options: &Options) -> Result<Self, Error> {
         let complete = record.with_complete_inputs();
         let first = Self::without(Disturbances::default(), &complete, options)?;
-        let found = first.in_turns(&complete, options, false)?;
-        match found.with_levels_put_right(&complete, options) {
-            Some(better) => better.in_turns(&complete, options, false),
-            None => Ok(found),
+        let mut found = first.in_turns(&complete, options, false)?;
+        for explained_by in [Self::with_runs_apart, Self::with_levels_put_right] {
+            if let Some(better) = explained_by(&found, &complete, options) {
+                found = better.in_turns(&complete, options, false)?;
+            }
         }
+        Ok(found)
+    }
+
+    /// The usual hold, where the response goes on beyond it.
+    fn outlasted_hold(&self) -> Option<usize> {
+        let choice = self.candidate.plan.choice.as_ref()?;
+        let hold = usual_hold(&self.record);
+        (choice.settling > hold && hold >= HELD).then_some(hold)
+    }
+
+    /// With an offset of each run and no more, where that is a better explanation than a response that goes on beyond the usual hold: runs have few parts as long as that, which
+    /// show no offsets, and what it leaves of these looks like a drift.
+    fn with_runs_apart(&self, complete: &Record<'a>, options: &Options) -> Option<Self> {
+        let hold = self.outlasted_hold()?;
+        let found = &self.disturbances;
+        let have_offsets_alone = !found.offsets.is_empty() && found.trends.is_empty();
+        if options.detrend != Detrend::Auto || have_offsets_alone {
+            return None;
+        }
+        let mut disturbances = Disturbances {
+            offsets: RunOffsets::default(),
+            trends: RunTrends::default(),
+            ..found.clone()
+        };
+        let record = disturbances.removed_from(complete);
+        // What a response of one hold lacks is in all runs, and no offset of one.
+        let settling = odd_at_most(hold);
+        let Candidate { plan, moments, .. } =
+            Candidate::for_settling(&record, settling, options).ok()?;
+        let estimate = Estimate::new(&plan, &moments, Some(&record)).ok()?;
+        let (moments, fit) = (&estimate.information.moments, &estimate.fit);
+        let left = simulated_whole(&record, moments, fit);
+        let beside = Beside {
+            left: &left,
+            taken_out: &[],
+            moments,
+            fit,
+        };
+        disturbances.offsets = run_offsets(&left, Some(beside), settling, true);
+        self.unless_worse(disturbances, complete, options)
     }
 
     /// With the levels put right that are off, where that is a better explanation than a response that goes on beyond the usual hold.
     fn with_levels_put_right(&self, complete: &Record<'a>, options: &Options) -> Option<Self> {
-        let choice = self.candidate.plan.choice.as_ref()?;
-        let hold = usual_hold(&self.record);
-        if choice.settling <= hold || hold < HELD {
-            return None;
-        }
+        let hold = self.outlasted_hold()?;
         let disturbances = Disturbances {
             levels: self.levels_off(hold, options)?,
             ..self.disturbances.clone()
         };
+        self.unless_worse(disturbances, complete, options)
+    }
+
+    /// Without these disturbances, if that is the better explanation.
+    fn unless_worse(
+        &self,
+        disturbances: Disturbances,
+        complete: &Record<'a>,
+        options: &Options,
+    ) -> Option<Self> {
         let found = Self::without(disturbances, complete, options).ok()?;
         (found.criterion() < self.criterion()).then_some(found)
     }
@@ -86,7 +133,9 @@ impl<'a> Undisturbed<'a> {
         } = &self.estimate;
         let rows = fit.rows as f64;
         let least = IMMATERIAL_ERROR.powi(2) * information.moments.output_spread() / rows;
-        let parameters = fit.coordinates.len() + fit.ar.len() + self.disturbances.levels.len();
+        let found = &self.disturbances;
+        let of_runs = found.offsets.len() + found.trends.len();
+        let parameters = fit.coordinates.len() + fit.ar.len() + found.levels.len() + of_runs;
         fit.variance.max(least).ln() + parameters as f64 * rows.ln() / rows
     }
 

@@ -27,5 +27,6 @@ mod run_gains;
 mod runs_at_levels;
 mod scattering_holds;
 mod servo_model;
+mod several_runs;
 mod smooth;
 mod streaming;

@@ -19,7 +19,7 @@ use servoid_identification::comparison::{
 };
 use servoid_identification::flight_model::FlightModel;
 use servoid_identification::results::{Advice, Interval, Metrics, Model};
-use servoid_identification::servo_model::{Quantity, QuantityKind, ServoModel};
+use servoid_identification::servo_model::{Quantity, QuantityKind, ServoModel, Spread};
 
 /// A number for people.
 #[derive(Clone, Debug)]
@@ -65,6 +65,15 @@ const OF_A_MACHINE: [QuantityKind; 10] = [
     QuantityKind::Gain,
     QuantityKind::ErrorOfFullDrive,
     QuantityKind::Offset,
+];
+
+/// What else two of them may differ in.
+const OF_TWO_MACHINES: [QuantityKind; 5] = [
+    QuantityKind::AccelerationUpwards,
+    QuantityKind::AccelerationDownwards,
+    QuantityKind::LoadAtMiddle,
+    QuantityKind::SpringOfLoad,
+    QuantityKind::LoadOfLevelArm,
 ];
 
 /// Of a linear model, with the low-order model of a band.
@@ -417,8 +426,8 @@ pub(crate) fn of_both_machines(
             },
         }
     };
-    let mut pairs: Vec<(usize, &QuantityPair)> = OF_A_MACHINE
-        .iter()
+    let mut pairs: Vec<(usize, &QuantityPair)> = (OF_A_MACHINE.iter())
+        .chain(&OF_TWO_MACHINES)
         .filter(|kind| !is_at_no_pulse(**kind, models[0], units))
         .filter_map(of_kind)
         .collect();
@@ -438,22 +447,38 @@ pub(crate) fn of_both_machines(
     all
 }
 
-/// Where a pair of quantities stands among others: 0 where both servos differ in it, 1 where they are not known to, 2 where it is known of one alone.
+/// Where a pair of quantities stands among others: 0 where both servos differ in it, 1 where they are not known to, 2 where it is known of one alone. Where
+/// there is no interval of the difference they differ where what is known of each does.
 fn place_of(pair: &QuantityPair, difference: Option<&QuantityDifference>) -> u8 {
     let interval = difference.and_then(|found| found.difference);
     let bounds = interval.and_then(|interval| interval.lower.zip(interval.upper));
+    let apart = known_of(pair.interval_of_one.a, pair.other_fits.a)
+        .zip(known_of(pair.interval_of_one.b, pair.other_fits.b))
+        .map(|(a, b)| a[1] < b[0] || b[1] < a[0]);
+    let visibly = |(a, b): (f64, f64)| (a - b).abs() > VISIBLY * a.abs().max(b.abs());
     match (pair.a.zip(pair.b), bounds) {
         (Some(_), Some((lower, upper))) => u8::from(lower <= 0.0 && upper >= 0.0),
-        (Some((a, b)), None) => u8::from((a - b).abs() <= VISIBLY * a.abs().max(b.abs())),
-        // A servo whose model does without such a term follows to the end.
-        (None, _)
-            if matches!(
-                pair.kind(),
-                Some(QuantityKind::DeadBand | QuantityKind::RestingError)
-            ) =>
-        {
-            0
-        }
+        (Some(both), None) => u8::from(!(visibly(both) && apart.unwrap_or(true))),
+        // A servo whose model does without such a term follows to the end, or has no load.
+        (None, _) if pair.kind().is_some_and(is_of_a_term) => 0,
         (None, _) => 2,
     }
+}
+
+/// The interval of a side, or the range of its other fits.
+fn known_of(interval: Option<Interval>, fits: Option<Spread>) -> Option<[f64; 2]> {
+    let of_interval = interval.and_then(|of| Some([of.lower?, of.upper?]));
+    of_interval.or(fits.map(|of| [of.least, of.most]))
+}
+
+/// Whether a servo without it has none, rather than one that is not known.
+fn is_of_a_term(kind: QuantityKind) -> bool {
+    matches!(
+        kind,
+        QuantityKind::DeadBand
+            | QuantityKind::RestingError
+            | QuantityKind::LoadAtMiddle
+            | QuantityKind::SpringOfLoad
+            | QuantityKind::LoadOfLevelArm
+    )
 }

@@ -1,7 +1,7 @@
 //! Findings on the record: whether it is enough, sound for the arithmetic, and of one piece.
 
 use crate::diagnostics::advice::evidence::Evidence;
-use crate::diagnostics::runs::run_scatter::{RunComparison, RunDifference};
+use crate::diagnostics::runs::run_scatter::{RunComparison, RunDifference, Scatter};
 use crate::estimation::{Solver, WELL_CONDITIONED};
 use crate::numerics::{four_digits, two_digits};
 use crate::results::{Advice, Check};
@@ -88,30 +88,56 @@ pub(super) fn scatter(evidence: &Evidence<'_>) -> Option<Advice> {
         }
         false => "",
     };
+    // Beside one that is found, those that are not are left out.
+    let is_found = |of: &Scatter| of.p < threshold;
+    let moves = is_found(&runs.gain_percent) || is_found(&runs.delay_s);
+    let named = [
+        (
+            &runs.gain_percent,
+            format!("gain by {} %", two_digits(runs.gain_percent.sd)),
+        ),
+        (
+            &runs.delay_s,
+            format!("delay by {} ms", two_digits(1000.0 * runs.delay_s.sd)),
+        ),
+        (
+            &runs.offset,
+            format!(
+                "offset by {} {}",
+                evidence.output(two_digits(runs.offset.sd)),
+                at_mean_command(runs, evidence)
+            ),
+        ),
+    ];
+    let named = named.into_iter().filter(|(of, _)| is_found(of));
+    let named: Vec<String> = named.map(|(_, words)| words).collect();
     (p < threshold).then(|| {
         Advice::new(
             Check::RunScatter,
             format!(
-                "The runs differ{} by more than their noise: gain by {} %, delay by {} ms, offset by {} {} \
-                 (standard deviations between runs; another bandwidth or damping passes for gain and delay here).{bounds}{}",
+                "The runs differ{} by more than their noise: {} (standard deviations between runs{}).{bounds}{}",
                 match evidence.model.linear {
                     true => "",
                     false => ", each as of a linear servo,",
                 },
-                two_digits(runs.gain_percent.sd),
-                two_digits(1000.0 * runs.delay_s.sd),
-                evidence.output(two_digits(runs.offset.sd)),
-                at_mean_command(runs, evidence),
+                named.join(", "),
+                match moves {
+                    true => "; another bandwidth or damping passes for gain and delay here",
+                    false => "",
+                },
                 farthest(evidence, runs).unwrap_or_default()
             ),
             p,
             threshold,
-            match evidence.model.linear {
-                true => {
+            match (evidence.model.linear, moves) {
+                (true, false) => {
+                    "The step response does not depend on it. Look at the zero of the sensor, at the horn on its spline and at loads that pull to one side."
+                }
+                (true, true) => {
                     "Look for what changes from run to run, such as the supply voltage, the temperature, or when pulses come that have a clock of their own; \
                      compare servos by several runs each."
                 }
-                false => {
+                (false, _) => {
                     "This servo is not linear: it answers another motion, and levels in another order, in another way, and behind a dead band or friction its rests depend on where it comes \
                      from. Runs of one order show what is left: look there for what changes from run to run, such as the supply voltage, the temperature, or when pulses come that have a clock of \
                      their own."

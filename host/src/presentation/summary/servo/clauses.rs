@@ -4,7 +4,9 @@ use super::top_speeds::{determined, is_never_reached};
 use crate::data::units::Units;
 use crate::presentation::summary::wording::layout::listed_words;
 use crate::presentation::summary::wording::numbers::{digits, four_digits};
-use crate::presentation::summary::wording::speed_words::{reached_speed, speed_in_words, upwards};
+use crate::presentation::summary::wording::speed_words::{
+    reached_in_words, speed_in_words, upwards,
+};
 use servoid_identification::results::Reason;
 use servoid_identification::servo_model::{
     LoadKind, Quantity, QuantityKind, ServoModel, Spread, Stops,
@@ -39,16 +41,11 @@ pub(super) fn moved_at(model: &ServoModel, units: Units<'_>) -> Option<String> {
     // A recording may have no stroke in one direction.
     let moved = directions.iter().filter(|(speed, _)| *speed > 0.0);
     let each = moved.map(|(speed, direction)| {
-        let speed = speed_in_words(model, reached_speed(*speed), units);
+        let speed = reached_in_words(model, *speed, units);
         format!("{speed} {direction}")
     });
     let each: Vec<String> = each.collect();
-    (!each.is_empty()).then(|| {
-        format!(
-            "moved at more than {} in this recording",
-            listed_words(&each)
-        )
-    })
+    (!each.is_empty()).then(|| format!("moved at {} in this recording", listed_words(&each)))
 }
 
 /// The same where the model has no limit, which it may have beyond.

@@ -22,7 +22,14 @@ pub(crate) fn speed_in_words(
     with_turn(&figure, turn(model, speed, units), units)
 }
 
-/// The same of a recording in which no model is asked: without the time for 60 degrees where the unit is not known.
+/// "more than 170 deg/s (less than 0.353 s/60°)", of a speed that was reached at least.
+pub(crate) fn reached_in_words(model: &ServoModel, speed: f64, units: Units<'_>) -> String {
+    let (speed, figure) = reached_speed(speed);
+    let turn = turn(model, speed, units).map(|seconds| format!("less than {seconds}"));
+    format!("more than {}", with_turn(&figure, turn, units))
+}
+
+/// [`speed_in_words`] of a recording in which no model is asked: without the time for 60 degrees where the unit is not known.
 pub(crate) fn measured_speed_in_words((speed, figure): (f64, String), units: Units<'_>) -> String {
     with_turn(&figure, seconds_per_60_degrees(speed, units), units)
 }
