@@ -6,6 +6,7 @@
 use super::candidate::Candidate;
 use super::disturbances::Disturbances;
 use super::estimate::Estimate;
+use crate::data::column::span;
 use crate::data::{HELD, Moments, Quantisation, Record, sensor_step, usual_hold};
 use crate::diagnostics::{
     Beside, LevelEffects, Outliers, RunOffsets, RunTrends, Simulated, drift, hum, outliers,
@@ -235,8 +236,16 @@ impl<'a> Undisturbed<'a> {
             Detrend::Auto => drift(&errors),
             Detrend::Linear => true,
         };
-        if drifts {
-            next.trends = self.slopes();
+        // A line that changes by more than all that was measured is not in it: beside a response that is longer than the servo's, slopes may be anything.
+        let slopes = drifts.then(|| self.slopes()).filter(|slopes| {
+            let most = span(complete.outputs().filter(|y| !y.is_nan())).unwrap_or_default();
+            let mut changes = (complete.runs().iter().zip(slopes))
+                .map(|(run, slope)| slope.abs() * run.len() as f64);
+            changes.all(|change| change <= most)
+        });
+        let drifts = slopes.is_some();
+        if let Some(slopes) = slopes {
+            next.trends = slopes;
             without_trends = next.removed_from(complete);
             errors = simulated_whole(&without_trends, moments, fit);
         }

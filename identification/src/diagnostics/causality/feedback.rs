@@ -146,9 +146,10 @@ fn inputs_to_come(runs: &[Simulated<'_>], moments: &Moments, fit: &GlsFit) -> Op
     let lags = fit.coordinates.basis.settling();
     let d = noise_filter(&fit.ar);
     let gain: f64 = d.iter().sum();
-    let mut sums = LaggedSums::new(lags, LEADS);
+    // The leads, and behind them the errors.
+    let mut sums = LaggedSums::new(lags, LEADS + 1);
     let mut own = Mat::<f64>::zeros(LEADS, LEADS);
-    let (mut with_offset, mut score) = ([0.0; LEADS], [0.0; LEADS]);
+    let (mut with_offset, mut score) = ([0.0; LEADS + 1], [0.0; LEADS]);
     for run in runs {
         let history = lags + fit.ar.len();
         let input = with_history(&run.run, history, moments.centre.0);
@@ -175,19 +176,28 @@ fn inputs_to_come(runs: &[Simulated<'_>], moments: &Moments, fit: &GlsFit) -> Op
                 }
             }
         }
-        let leads: Vec<&[f64]> = leads.iter().map(Vec::as_slice).collect();
-        sums.add(&filtered(&input, &d)[history + 1 - lags..], &leads);
+        with_offset[LEADS] += gain * errors.iter().sum::<f64>();
+        let columns = leads.iter().chain([&errors]).map(Vec::as_slice);
+        let columns: Vec<&[f64]> = columns.collect();
+        sums.add(&filtered(&input, &d)[history + 1 - lags..], &columns);
     }
     let sums = sums.sums();
     let by_coordinate = fit
         .coordinates
-        .compress(Mat::from_fn(lags, LEADS, |a, j| sums[j][a]));
+        .compress(Mat::from_fn(lags, LEADS + 1, |a, j| sums[j][a]));
     let p = fit.coordinates.len();
-    let cross = Mat::from_fn(LEADS, p + 1, |j, i| match i < p {
+    let with_regressors = Mat::from_fn(LEADS + 1, p + 1, |j, i| match i < p {
         true => by_coordinate[(i, j)],
         false => with_offset[j],
     });
-    let left = &own - &cross * &fit.solution.inverse * cross.transpose();
+    let cross = with_regressors.as_ref().subrows(0, LEADS);
+    let weighted = cross * &fit.solution.inverse;
+    let left = &own - &weighted * cross.transpose();
+    // What gains, delays and offsets of runs leave of the errors is not all beside the regressors: those are of the rows beside missing samples, too.
+    let of_errors = &weighted * with_regressors.row(LEADS).transpose();
+    for (score, of_regressors) in score.iter_mut().zip(of_errors.iter()) {
+        *score -= of_regressors;
+    }
     let found = ScoreTest::new(&left, &own, &score)?;
     Some(chi_square_upper_tail(
         found.reduction / fit.variance,

@@ -3,7 +3,6 @@
 //! Tests of the errors look at the beginning of a record only.
 
 use faer::Mat;
-use std::ops::Range;
 
 use super::residual_tests::ScoreTest;
 use crate::data::{Moments, Record, Run};
@@ -62,15 +61,14 @@ impl Simulated<'_> {
         self.own_errors.is_some()
     }
 
-    /// What a gain, a delay and an offset of its own leave of the errors. They are those of the `rows` of the fit: errors of others, beside a missing sample, would leave
-    /// in these rows what the fit took out.
-    fn without_own_numbers(&self, rows: &[Range<usize>]) -> Vec<f64> {
+    /// What a gain, a delay and an offset of its own leave of the errors.
+    fn without_own_numbers(&self) -> Vec<f64> {
         let row = |k: usize, speed: &[f64]| [self.output[k], speed[k], 1.0];
         let speed = self.speed();
         let mut moments = Mat::<f64>::zeros(3, 3);
         let mut score = [0.0; 3];
-        for k in rows.iter().flat_map(Range::clone) {
-            let (row, error) = (row(k, &speed), self.errors[k]);
+        for (k, error) in self.errors.iter().enumerate().filter(|(_, e)| !e.is_nan()) {
+            let row = row(k, &speed);
             for i in 0..3 {
                 score[i] += row[i] * error;
                 for j in 0..3 {
@@ -150,8 +148,7 @@ fn simulated_up_to<'a>(
         .collect();
     if runs.len() > 1 {
         for run in &mut runs {
-            let rows = (run.run).complete_rows(moments.input_lags(), moments.output_lags());
-            run.own_errors = Some(run.without_own_numbers(&rows));
+            run.own_errors = Some(run.without_own_numbers());
         }
     }
     runs
