@@ -37,7 +37,7 @@ impl FittedOrder {
 
 impl Fitter {
     /// Increments of the response from sample to sample.
-    fn impulse(&self, transfer: &LowOrder) -> Vec<f64> {
+    pub(super) fn impulse(&self, transfer: &LowOrder) -> Vec<f64> {
         let (first_s, period_s) = (self.timing.seconds(0.0), self.timing.sample_period_s);
         let mut before = 0.0;
         transfer

@@ -193,6 +193,7 @@ fn choose(
         beyond_even_noise: fitter.projection.beyond_even_noise(model),
         band_hz,
         is_of_motion: !model.linear && band_hz.is_none(),
+        gain: (model.metrics.dc_gain.value).filter(|_| band_hz.is_none()),
         hold_period_s: options.frame_period_s,
     };
     Ok(report::of(&fitter, chosen, &fits, &circumstances))

@@ -3,6 +3,7 @@
 use super::estimates::Estimates;
 use super::fitter::{FittedOrder, Fitter};
 use super::intervals::{self, Widths};
+use super::low_order::LowOrder;
 use super::model::FlightModel;
 use super::order::OrderTried;
 use crate::numerics::pointwise_critical;
@@ -21,6 +22,8 @@ pub(super) struct Circumstances {
     pub(super) band_hz: Option<[f64; 2]>,
     /// Whether the response is one of this motion alone: the servo is not linear.
     pub(super) is_of_motion: bool,
+    /// The gain of the identified response, where all of it is known.
+    pub(super) gain: Option<f64>,
     pub(super) hold_period_s: Option<f64>,
 }
 
@@ -31,9 +34,24 @@ pub(super) fn of(
     fits: &[FittedOrder],
     under: &Circumstances,
 ) -> FlightModel {
-    let (transfer, order) = (chosen.transfer, chosen.order);
+    let order = chosen.order;
     let is_tested = under.level.valid().is_some();
     let is_rejected = chosen.tried.is_rejected();
+    // A shape that is not the servo's is fitted best with another gain, and would rest elsewhere.
+    let rests = under.gain.filter(|_| !is_tested || is_rejected);
+    let transfer = LowOrder {
+        gain: rests.unwrap_or(chosen.transfer.gain),
+        ..chosen.transfer
+    };
+    let largest_error_percent = match rests {
+        Some(_) => {
+            100.0
+                * fitter
+                    .projection
+                    .largest_difference(&fitter.impulse(&transfer))
+        }
+        None => chosen.tried.largest_error_percent,
+    };
     let level = under
         .level
         .unless(is_rejected.then_some(Reason::OrderRejected));
@@ -51,7 +69,10 @@ pub(super) fn of(
     let last = chosen.minimum.parameters.len() - 1;
     let found = FlightModel {
         transfer,
-        gain: estimates.interval(0),
+        gain: match rests {
+            Some(gain) => Interval::around(gain, None),
+            None => estimates.interval(0),
+        },
         delay_s: estimates.interval(1),
         omega_rad_s: oscillates.then(|| estimates.exponential(2)),
         damping: oscillates.then(|| estimates.exponential(3)),
@@ -67,7 +88,7 @@ pub(super) fn of(
             true => chosen.tried.lack_of_fit(),
             false => 1.0,
         },
-        largest_error_percent: chosen.tried.largest_error_percent,
+        largest_error_percent,
         band_hz: under.band_hz,
         hold_period_s: under.hold_period_s,
         statement: String::new(),
@@ -88,6 +109,9 @@ fn statement(found: &FlightModel, tried: &OrderTried) -> String {
     );
     if found.bounds.valid().is_some() {
         text += &of_intervals(found);
+    }
+    if found.approximation && found.transfer.delay_s < 0.0 {
+        text += " Its delay is part of the shape, and none of the servo: nothing answers before its command.";
     }
     if found.transfer.has_real_poles_alone() {
         text += " Its three poles are real, and which of them is called the lag is a convention: the two that are closest are w and zeta.";

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 use servoid_identification::flight_model::{FlightModel, FlightModelOptions, fit, of_model};
-use servoid_identification::results::Reason;
+use servoid_identification::results::{Model, Reason};
 use servoid_identification::{Frequencies, Options, Record, Settling, identify};
 
 use servoid_test_support::servos::{Limit, Linear, PERIOD, limited, measured, staircase};
@@ -14,6 +14,17 @@ fn flight(
     phase: f64,
     seed: u64,
 ) -> FlightModel {
+    with_response(clean, settling, frequencies, phase, seed).1
+}
+
+/// The response that is fitted beside it.
+fn with_response(
+    clean: &[f64],
+    settling: usize,
+    frequencies: Frequencies,
+    phase: f64,
+    seed: u64,
+) -> (Model, FlightModel) {
     let record = Record::of_run(PERIOD, staircase(), measured(clean, 1.0, seed))
         .unwrap()
         .with_sample_phase(phase);
@@ -28,7 +39,8 @@ fn flight(
         frame_period_s: Some(0.02),
         ..FlightModelOptions::default()
     };
-    fit(&record, &model, &options).unwrap()
+    let found = fit(&record, &model, &options).unwrap();
+    (model, found)
 }
 
 #[test]
@@ -109,9 +121,12 @@ fn the_order_is_that_of_the_servo() {
 #[test]
 fn a_nonlinear_servo_gives_an_approximation_that_says_so() {
     let clean = limited(0.5, 60.0, Limit::Rate(180.0, 180.0), &staircase(), -5.0);
-    let found = flight(&clean, 151, Frequencies::Auto, 0.0, 5);
+    let (model, found) = with_response(&clean, 151, Frequencies::Auto, 0.0, 5);
     assert!(found.approximation && found.inflation > 10.0);
     assert!(found.statement.contains("approximation") && found.statement.contains("20.0 ms"));
+    // It rests where the response does, whatever shape is fitted to the way there.
+    assert_eq!(Some(found.transfer.gain), model.metrics.dc_gain.value);
+    assert_eq!(found.gain.value, model.metrics.dc_gain.value);
     assert!(found.largest_error_percent > 0.5);
     // By how much its parameters are off, nothing shows.
     assert_eq!(found.bounds.withdrawn(), Some(Reason::OrderRejected));

@@ -67,12 +67,12 @@ impl StatedPulses {
         let decimals = (-(1e3 * self.frame_step_s).log10()).ceil().clamp(0.0, 6.0) as usize;
         let closest = match self.frame_s == self.stated_frame_s {
             true => format!(
-                "Commands wait for pulses every {stated_ms} ms. With the moments of these, which were looked for, the model is closest: error {least} rms, and up to {largest} \
+                "With pulses every {stated_ms} ms, as stated, at moments that were looked for, the model is closest: error {least} rms, and up to {largest} \
                  with others. No other length that was tried, within {WITHIN_PERCENT} % of that, is closer."
             ),
             false => format!(
-                "Commands wait for pulses every {:.decimals$} ms, by the clock of this recording. With this length and the moments of the pulses, which were looked for, \
-                 the model is closest of all that were tried: error {least} rms. With {stated_ms} ms it is {as_stated}, and up to {largest} with other moments.",
+                "With pulses every {:.decimals$} ms, by the clock of this recording, at moments that were looked for, the model is closest of all lengths that were tried, within {WITHIN_PERCENT} % of what \
+                 was stated: error {least} rms. With {stated_ms} ms it is {as_stated}, and up to {largest} with other moments. Pulses of quite another length show by a smaller error.",
                 1e3 * self.frame_s
             ),
         };

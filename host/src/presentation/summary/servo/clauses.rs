@@ -102,7 +102,7 @@ pub(super) fn limited_to(
         _ => " under the load at the middle of its commands",
     };
     Some(match is_never_reached(model, &speeds?) {
-        true => format!("never reached its top speed of {limits}{under}"),
+        true => format!("is not shown at its top speed of {limits}{under}"),
         false => format!("{how} {limits}{under}"),
     })
 }
