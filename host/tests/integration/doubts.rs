@@ -301,6 +301,14 @@ fn commands_that_change_between_rows_are_suspected_and_corrected() {
     assert!((lower..upper).contains(&truth), "{text}");
     // A quarter of a row: the changes of this command do not lie evenly between rows.
     assert!((value - truth).abs() < 0.005, "{value}");
+    // Another file of that model is not silently taken as polled, too.
+    let model = file.with_extension("json");
+    let taken = |more: &[&str]| {
+        let validated = [&["validate", arg(&model), arg(&file)], more].concat();
+        let said = servoid(&validated).output().unwrap().stderr;
+        String::from_utf8_lossy(&said).contains("taken as polled")
+    };
+    assert!(taken(&[]) && !taken(&["--polled"]));
 }
 
 /// A linear servo (60 rad/s, damping 0.7) in rows of 10 ms, whose column of the command has noise that it was not sent.

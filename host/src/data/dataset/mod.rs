@@ -137,6 +137,10 @@ fn together<'a>(all: Loaded<'a>, names: &str) -> Result<Dataset<'a>, DatasetErro
     })
 }
 
+/// What a model of polled commands makes of other files: nothing in these says how they were written.
+const READ_AS_POLLED: &str = "the commands are taken as polled, half a row early, as those of the model were (--polled): in a file that has them in the rows in which they begin to act, the model \
+    seems half a row later than it is; a copy of the model file with \"polled\": false reads them as written";
+
 /// Reads files as the runs of a model were read (`like`), unless `options` say otherwise. Files that cannot be read so, such as
 /// recordings of servoid, are read for themselves.
 pub fn load_as(
@@ -151,6 +155,7 @@ pub fn load_as(
     let mut remarks = vec![
         "the files are read as those of the model were (columns, period, runs, rest); options override this".to_owned(),
     ];
+    remarks.extend((joined.polled && !options.polled).then(|| READ_AS_POLLED.to_owned()));
     let mut found = load(paths, &joined);
     if let Some((without, remark)) = found
         .as_ref()
