@@ -136,6 +136,30 @@ impl Braked {
         friction: 0.0,
         at_rest: [0.0; 2],
     };
+
+    /// [`braked`], with its derivatives.
+    #[inline(always)]
+    fn of(before: f64, free: f64, most: f64, at_rest: Option<AtRest<f64>>) -> (f64, Self) {
+        let variable = |place, value| Dual::<5>::variable(value, place);
+        let at_rest = at_rest.map(|at_rest| AtRest {
+            excess: variable(3, at_rest.excess),
+            speed: variable(4, at_rest.speed),
+        });
+        let after = braked(
+            variable(0, before),
+            variable(1, free),
+            variable(2, most),
+            at_rest,
+        );
+        let [before, free, friction, excess, speed_at_rest] = after.slope;
+        let by = Self {
+            before,
+            free,
+            friction,
+            at_rest: [excess, speed_at_rest],
+        };
+        (after.value, by)
+    }
 }
 
 /// Derivatives of the speed after a step.
@@ -183,7 +207,7 @@ impl SlopedStepper<'_> {
             None => (free, Braked::FREE),
             Some(friction) => {
                 let most = forces.friction * damped;
-                let (after, braked) = self.braked(speed, free, most, friction.at_rest);
+                let (after, braked) = Braked::of(speed, free, most, friction.at_rest);
                 if after == 0.0 {
                     return (0.0, None);
                 }
@@ -191,36 +215,6 @@ impl SlopedStepper<'_> {
             }
         };
         (after, Some(self.by_inputs(speed, middle, &forces, &braked)))
-    }
-
-    /// [`braked`], with its derivatives.
-    #[inline(always)]
-    fn braked(
-        &self,
-        before: f64,
-        free: f64,
-        most: f64,
-        at_rest: Option<AtRest<f64>>,
-    ) -> (f64, Braked) {
-        let variable = |place, value| Dual::<5>::variable(value, place);
-        let at_rest = at_rest.map(|at_rest| AtRest {
-            excess: variable(3, at_rest.excess),
-            speed: variable(4, at_rest.speed),
-        });
-        let after = braked(
-            variable(0, before),
-            variable(1, free),
-            variable(2, most),
-            at_rest,
-        );
-        let [before, free, friction, excess, speed_at_rest] = after.slope;
-        let braked = Braked {
-            before,
-            free,
-            friction,
-            at_rest: [excess, speed_at_rest],
-        };
-        (after.value, braked)
     }
 
     /// The speed at its limit, which depends on nothing else.

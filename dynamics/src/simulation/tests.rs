@@ -129,6 +129,24 @@ fn servos() -> Vec<ServoParameters<f64>> {
     servos
 }
 
+/// A servo of second order without delay and limits.
+fn plain(stiffness: f64, damping: f64) -> ServoParameters<f64> {
+    ServoParameters {
+        delay_s: 0.0,
+        pulse_end: None,
+        stiffness,
+        damping,
+        gain: 1.0,
+        offset: 0.0,
+        limit: None,
+        speed_limit: None,
+        dead_band: None,
+        friction: None,
+        load: Load::None,
+        stops: Stops::default(),
+    }
+}
+
 /// A staircase, and then an input that changes with every sample.
 fn input() -> Vec<f64> {
     let sample = |k: usize| match k {
@@ -200,12 +218,6 @@ fn a_speed_is_cut_off_as_in_tiny_steps() {
         .collect();
     for full in [None, Some(8000.0)] {
         let servo = ServoParameters {
-            delay_s: 0.0,
-            pulse_end: None,
-            stiffness,
-            damping,
-            gain: 1.0,
-            offset: 0.0,
             // What does not count beside a limit of the speed.
             limit: full.map(|up| DriveLimit {
                 up,
@@ -217,10 +229,8 @@ fn a_speed_is_cut_off_as_in_tiny_steps() {
                 up,
                 down_to_up: down / up,
             }),
-            dead_band: None,
-            friction: None,
             load: Load::Constant(load),
-            stops: Stops::default(),
+            ..plain(stiffness, damping)
         };
         let grid = Grid::for_stiffness(0.002, 0.0, stiffness);
         let rest = -load / stiffness;
@@ -256,27 +266,18 @@ fn friction_brakes_and_holds_as_in_tiny_steps() {
             speed: 13.0,
         };
         let servo = ServoParameters {
-            delay_s: 0.0,
-            pulse_end: None,
-            stiffness,
-            damping,
-            gain: 1.0,
-            offset: 0.0,
             limit: Some(DriveLimit {
                 up: most,
                 down_to_up: 1.0,
                 motor_damping: motor,
                 at_one_stiffness: false,
             }),
-            speed_limit: None,
-            dead_band: None,
             friction: Some(Friction {
                 coulomb,
                 of_gears: 0.0,
                 at_rest: Some(at_rest),
             }),
-            load: Load::None,
-            stops: Stops::default(),
+            ..plain(stiffness, damping)
         };
         let grid = Grid::new(0.002, 0.0, 1e-3);
         let (mut angle, mut speed) = (0.0, 0.0_f64);

@@ -403,8 +403,10 @@ mod tests {
     #[test]
     fn a_gain_is_no_zero_that_is_off() {
         let found = five_levels(0.9, 0.5, 2.0, 20.0).unwrap();
-        let said = "rests is at 2.0";
-        assert!(found.finding.contains(said), "{}", found.finding);
+        let finding = &found.finding;
+        assert!(finding.starts_with("A straight line through "), "{finding}");
+        assert!(finding.contains(" rests is at 2.0"), "{finding}");
+        assert!(finding.ends_with(" where the command is 0."), "{finding}");
         assert!((found.value - 2.0).abs() < 0.1, "{}", found.value);
         // In the middle of its commands it rests 2 beside them.
         assert_eq!(five_levels(0.9, 0.5, 0.0, 20.0), None);

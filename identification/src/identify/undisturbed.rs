@@ -7,7 +7,7 @@ use super::candidate::Candidate;
 use super::disturbances::Disturbances;
 use super::estimate::Estimate;
 use crate::data::column::span;
-use crate::data::{HELD, Moments, Quantisation, Record, sensor_step, usual_hold};
+use crate::data::{HELD, Moments, Quantisation, Record, Run, sensor_step, usual_hold};
 use crate::diagnostics::{
     Beside, LevelEffects, Outliers, RunOffsets, RunTrends, Simulated, drift, hum, outliers,
     run_offsets, simulated, simulated_whole, slopes_left,
@@ -236,16 +236,11 @@ impl<'a> Undisturbed<'a> {
             Detrend::Auto => drift(&errors),
             Detrend::Linear => true,
         };
-        // A line that changes by more than all that was measured is not in it: beside a response that is longer than the servo's, slopes may be anything.
-        let slopes = drifts.then(|| self.slopes()).filter(|slopes| {
-            let most = span(complete.outputs().filter(|y| !y.is_nan())).unwrap_or_default();
-            let mut changes = (complete.runs().iter().zip(slopes))
-                .map(|(run, slope)| slope.abs() * run.len() as f64);
-            changes.all(|change| change <= most)
-        });
-        let drifts = slopes.is_some();
-        if let Some(slopes) = slopes {
-            next.trends = slopes;
+        if drifts {
+            next.trends = self.slopes(complete);
+        }
+        let drifts = !next.trends.is_empty();
+        if drifts {
             without_trends = next.removed_from(complete);
             errors = simulated_whole(&without_trends, moments, fit);
         }
@@ -288,8 +283,9 @@ impl<'a> Undisturbed<'a> {
         next
     }
 
-    /// The slopes of the runs: those that were taken out, and what the errors say that is left.
-    fn slopes(&self) -> RunTrends {
+    /// The slopes of the runs: those that were taken out, and what the errors say that is left. None where a line changes by more than all that was measured: it is not in
+    /// that, and beside a response that is longer than the servo's, slopes may be anything.
+    fn slopes(&self, complete: &Record) -> RunTrends {
         let Estimate {
             information, fit, ..
         } = &self.estimate;
@@ -297,9 +293,14 @@ impl<'a> Undisturbed<'a> {
         let left = slopes_left(&simulated_whole(&self.record, moments, fit), moments, fit);
         let taken_out = &self.disturbances.trends;
         let taken_out = |run: usize| taken_out.get(run).copied().unwrap_or(0.0);
-        (0..)
-            .zip(left)
-            .map(|(run, left)| taken_out(run) + left)
-            .collect()
+        let slopes = (0..).zip(left).map(|(run, left)| taken_out(run) + left);
+        let slopes: RunTrends = slopes.collect();
+        let most = span(complete.outputs().filter(|y| !y.is_nan())).unwrap_or_default();
+        let change = |(run, slope): (&Run<'_>, &f64)| slope.abs() * run.len() as f64;
+        let mut changes = complete.runs().iter().zip(&slopes).map(change);
+        match changes.all(|change| change <= most) {
+            true => slopes,
+            false => RunTrends::default(),
+        }
     }
 }

@@ -68,7 +68,7 @@ pub const MOTION_NOISE_RATIO: f64 = 1.25;
 pub const MOTION_NOISE_CHANCE: f64 = 4.0;
 
 /// Probability below which errors of a servo model follow the command, or are those of play or of another part that the equation lacks: seven tests, of which
-/// one in a hundred right models fails any.
+/// one in a hundred right models fails any. So unlikely is also another servo beside which the errors are larger by chance.
 ///
 /// Protects: the intervals of servos outside of the model's class. Evidence: table "Measured coverage" of docs/servo-model.md. At 0.01 for each test,
 /// recordings outside of the class have intervals a tenth less often, which hold as often.
