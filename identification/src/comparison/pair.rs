@@ -229,7 +229,8 @@ impl<'a> Identified<'a> {
 }
 
 /// Both sides with one structure: the longer settling time of the two, as far as the references of
-/// both distinguish lags. Where a side that has bounds by itself loses them with that, as a servo that is not linear may, each keeps its own structure.
+/// both distinguish lags. Where a side that has bounds by itself loses them with that, as a servo that is not linear may, each keeps its own structure, and
+/// so it does where that time is longer than one side, which is not linear, responds for.
 /// Neither has bounds where they are `withheld`.
 pub(super) fn identified<'a>(
     a: &'a Record<'a>,
@@ -266,6 +267,10 @@ pub(super) fn identified<'a>(
         },
         ..*options
     };
+    let is_too_long = found.iter().any(|side| {
+        let limited = side.explanation.settling.as_ref();
+        limited.is_some_and(|choice| choice.within_holds && longer > choice.longest)
+    });
     let [mut alone_a, mut alone_b] = found;
     if let Some(reason) = withheld {
         alone_a.model.withdraw(reason);
@@ -277,7 +282,8 @@ pub(super) fn identified<'a>(
         Identified::new(b, alone_b.clone(), of_a, &common)?,
     ];
     let is_lost = |side: &Identified<'_>| side.model.level().withdrawn().is_some();
-    let [side_a, side_b] = if of_a.or(of_b).is_none() && together.iter().any(is_lost) {
+    let loses_bounds = of_a.or(of_b).is_none() && together.iter().any(is_lost);
+    let [side_a, side_b] = if is_too_long || loses_bounds {
         [
             Identified::with_its_own_structure(a, alone_a, options)?,
             Identified::with_its_own_structure(b, alone_b, options)?,

@@ -294,7 +294,7 @@ fn choice_in_words(choice: &Choice, period: f64) -> String {
     };
     let settling = seconds(choice.settling);
     let limited = if choice.within_holds {
-        " None longer than the usual hold of the reference was tried, because the servo is not linear: \
+        " None was tried that is longer than the usual hold of the reference, or than the output takes to rest, because the servo is not linear: \
          what it answers to the next step differently would pass for a late response to this one."
     } else {
         ""

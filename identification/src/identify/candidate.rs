@@ -129,11 +129,12 @@ impl Candidate {
     }
 
     /// As one whose N is limited to the usual hold; `None` where no N up to it was acceptable, unless the response is known to rest
-    /// by then.
-    pub(super) fn within_holds(self, rests: bool) -> Option<Self> {
+    /// by then. A response of more lags may have `moved_until` later.
+    pub(super) fn within_holds(self, rests: bool, moved_until: Option<usize>) -> Option<Self> {
         let choice = (self.plan.choice).filter(|choice| choice.settled || rests)?;
         let choice = Some(Choice {
             within_holds: true,
+            moved_until,
             settled: true,
             ..choice
         });

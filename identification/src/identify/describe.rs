@@ -5,11 +5,11 @@ use super::assess::figures_of_merit;
 use super::fitted::Fitted;
 use super::responses::Responses;
 use super::task::Task;
-use crate::data::{Run, Timing, usual_hold};
+use crate::data::{Run, Timing};
 use crate::diagnostics::{
     AllowedEnd, Bank, CommandNoise, Explanation, InexactCommands, PriorOutcome, Resolution,
     RunComparison, RunOffsets, ServoStopped, SlowServo, TimeFault, TravelEnd, Validity,
-    ValidityEvidence, contradicted_rest, gain_drift, noise_of_commands, rests_within,
+    ValidityEvidence, contradicted_rest, gain_drift, noise_of_commands,
 };
 use crate::estimation::{Excitation, Noise};
 use crate::numerics::matrix_rows::to_rows;
@@ -18,7 +18,7 @@ use crate::results::{
     Model, ParameterBounds, Residuals, SelectedBy, StepBounds, StepResponse, Structure,
 };
 use crate::selection::{hidden_end, longest_settling};
-use crate::thresholds::{MOVES_LITTLE, UNSETTLED_END};
+use crate::thresholds::UNSETTLED_END;
 
 /// Whether bounds hold, decided before any are drawn.
 pub(super) fn validity(
@@ -89,27 +89,10 @@ fn travel_ends(task: &Task<'_>, fitted: &Fitted) -> [Option<TravelEnd>; 2] {
 fn is_linear(task: &Task<'_>, fitted: &Fitted) -> bool {
     let follows_motion = fitted.linearity.is_some_and(|found| found.is_rejected());
     let other_strokes = task.disturbances.outliers.other_strokes();
-    fitted.misfit.is_none() && !follows_motion && !other_strokes && !moves_after_rest(task, fitted)
-}
-
-/// Whether the response moves by what matters where the output is seen at rest: that is an answer to the steps before.
-fn moves_after_rest(task: &Task<'_>, fitted: &Fitted) -> bool {
+    // What moves where the output is seen at rest is an answer to the steps before.
     let choice = fitted.candidate.plan.choice.as_ref();
-    let Some((record, choice)) = task.recorded.zip(choice) else {
-        return false;
-    };
-    let estimate = &fitted.estimate;
-    let step = estimate
-        .coordinates
-        .basis
-        .step_response(&estimate.fit.theta());
-    let until = choice.detected.min(usual_hold(record));
-    let (at_rest, end) = (step.get(until / 2..until), step.last());
-    let moves = at_rest.zip(end).is_some_and(|(at_rest, end)| {
-        let mean = at_rest.iter().sum::<f64>() / at_rest.len() as f64;
-        (end - mean).abs() > MOVES_LITTLE * end.abs()
-    });
-    moves && rests_within(record, until)
+    let moves_at_rest = choice.is_some_and(|choice| choice.moved_until.is_some());
+    fitted.misfit.is_none() && !follows_motion && !other_strokes && !moves_at_rest
 }
 
 fn is_closed_loop(fitted: &Fitted) -> bool {

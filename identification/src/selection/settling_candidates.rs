@@ -54,10 +54,13 @@ pub struct Choice {
     /// The lags that the input resolves, where it repeats itself after them \[samples\].
     #[serde(default)]
     pub repeats_after: Option<usize>,
-    /// Whether N is limited to the usual hold of the input, because the servo is not linear and seemed to
-    /// respond for longer.
+    /// Whether N is limited to the usual hold of the input, or to the rest of the output within it, because the servo is not linear and
+    /// seemed to respond for longer.
     #[serde(default)]
     pub within_holds: bool,
+    /// Until when a response of more lags moves, where the output is seen at rest before \[samples\]: it answers the steps before.
+    #[serde(default)]
+    pub moved_until: Option<usize>,
     /// Whether N is the longest because of a slow end that no single lag shows.
     #[serde(default)]
     pub for_slow_end: bool,
@@ -91,6 +94,7 @@ impl Choice {
             frequencies: None,
             repeats_after: None,
             within_holds: false,
+            moved_until: None,
             for_slow_end: false,
             ar,
             candidates,

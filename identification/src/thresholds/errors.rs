@@ -69,7 +69,7 @@ pub const MOVES_LITTLE: f64 = 0.005;
 /// Probability below which such motion is not by chance.
 ///
 /// Protects: slow ends that move by less than [`MOVES_LITTLE`]. A servo at rest that is not seen to be one is no loss. Evidence: as there.
-pub const AT_REST_SIGNIFICANCE: f64 = 0.001;
+pub const AT_REST_SIGNIFICANCE: f64 = 0.003;
 
 /// Share of its largest value by which a response must move after a hold to contradict an output at rest.
 ///

@@ -68,11 +68,16 @@ pub const MOTION_NOISE_RATIO: f64 = 1.25;
 pub const MOTION_NOISE_CHANCE: f64 = 4.0;
 
 /// Probability below which errors of a servo model follow the command, or are those of play or of another part that the equation lacks: seven tests, of which
-/// one in a hundred right models fails any. So unlikely is also another servo beside which the errors are larger by chance.
+/// one in a hundred right models fails any. So unlikely is also another servo beside which its errors are larger by chance.
 ///
 /// Protects: the intervals of servos outside of the model's class. Evidence: table "Measured coverage" of docs/servo-model.md. At 0.01 for each test,
 /// recordings outside of the class have intervals a tenth less often, which hold as often.
 pub const SERVO_LACK_OF_FIT: f64 = 0.0015;
+
+/// Probability below which a servo of other terms, whose errors are larger, is not a possible one beside the best.
+///
+/// Protects: intervals, which contain all possible servos. It is the share of right ones that they may leave out. Evidence: as there.
+pub const SERVO_ALTERNATIVE: f64 = 0.01;
 
 /// Levels of the command from which on a record distinguishes gain, offset, friction, dead band and load: each shapes the line through the
 /// positions of rest, and between two of these any fits.

@@ -66,6 +66,38 @@ fn no_response_outlasts_holds_in_which_a_servo_with_play_rests() {
     }
 }
 
+/// Nothing repeats itself, so that a response of several holds is no description of the holds: it is one of the steps before, after which play leaves
+/// the servo elsewhere. It moved until 0.8 s and said so of the settling time.
+#[test]
+fn a_servo_with_play_settles_when_it_rests_where_holds_differ() {
+    let up_and_down = [-20.0, -10.0, 0.0, 10.0, 20.0, 10.0, 0.0, -10.0];
+    let levels = up_and_down.into_iter().cycle().take(49);
+    let held = levels.enumerate().flat_map(|(hold, level)| {
+        let rows = HOLD + 11 + 7 * hold % 17;
+        std::iter::repeat_n(level, rows)
+    });
+    let input: Vec<f64> = held.collect();
+    for seed in 0..3 {
+        for play in [0.6, 1.0] {
+            let found = identified(&input, Limit::Play(play), seed, undisturbed);
+            let model = &found.model;
+            assert!(!model.linear, "play of {play}, seed {seed}");
+            let mut advice = model.advice.iter();
+            let said = advice.any(|advice| advice.finding.contains("but the output is at rest"));
+            let is_withdrawn = model.bounds.withdrawn().is_some();
+            assert!(
+                said || is_withdrawn,
+                "play of {play}, seed {seed}: {:?}",
+                model.advice
+            );
+            // A lag of 25 ms, which is over after 100 ms, and the row before it.
+            let settling = model.metrics.settling_time_s.value;
+            let is_right = settling.map_or(is_withdrawn, |seconds| seconds < 0.12);
+            assert!(is_right, "play of {play}, seed {seed}: {settling:?} s");
+        }
+    }
+}
+
 #[test]
 fn linear_servos_that_rest_keep_their_bounds() {
     for seed in 0..3 {

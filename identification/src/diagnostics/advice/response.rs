@@ -42,36 +42,53 @@ fn after_holds(evidence: &Evidence<'_>, choice: &Choice, hold: usize) -> Advice 
     )
 }
 
-/// Samples within which the output rests after a command, where the response moves for longer.
-fn rests_before(evidence: &Evidence<'_>, choice: &Choice) -> Option<usize> {
+/// Until when a response moves that is seen to rest before, and the samples within which it does.
+fn moves_after_rest(evidence: &Evidence<'_>, choice: &Choice) -> Option<(usize, usize)> {
     let record = evidence.recorded?;
-    time_until_rest(record, choice.detected.min(usual_hold(record)))
+    let seen = (choice.moved_until).or((!choice.settled).then_some(choice.detected));
+    let until = seen?;
+    Some((
+        until,
+        time_until_rest(record, until.min(usual_hold(record)))?,
+    ))
 }
 
-/// That a response which moves behind the rest of the servo, `within` samples after a command, is no response.
-fn after_rest(evidence: &Evidence<'_>, choice: &Choice, within: usize) -> Advice {
+/// That a response which moves `until` later than the servo rests, `within` samples after a command, is no response.
+fn after_rest(evidence: &Evidence<'_>, choice: &Choice, (until, within): (usize, usize)) -> Advice {
     let seconds = |samples: usize| samples as f64 * evidence.model.sample_period_s;
+    let remedy = match choice.within_holds {
+        true => {
+            "Record runs with their levels in other orders, which show what the answer depends on."
+                .to_owned()
+        }
+        false => format!(
+            "State a settling time of {within} samples, within which it rests; runs with their levels in other orders show what the answer depends on."
+        ),
+    };
+    let left_out = match choice.within_holds {
+        true => {
+            "That is left out here, and levels and final value are a mean over what came before."
+        }
+        false => "The final value is not certain.",
+    };
     Advice::new(
         Check::Settled,
         format!(
-            "The linear response moves until {:.3} s, but the output is at rest {:.3} s after a command: what moves later is no answer to one step, but to the steps before it, \
-             as where play, a dead band or friction leave the servo on the side from which it came. The final value is not certain.",
-            seconds(choice.detected),
+            "The linear response that fits best moves until {:.3} s, but the output is at rest {:.3} s after a command: what moves later is no answer to one step, but to the \
+             steps before it, as where play, a dead band or friction leave the servo on the side from which it came. {left_out}",
+            seconds(until),
             seconds(within)
         ),
-        choice.detected as f64,
+        until as f64,
         within as f64,
-        format!(
-            "State a settling time of {within} samples, within which it rests; runs with their levels in other orders show what the answer depends on."
-        ),
+        remedy,
     )
 }
 
 pub(super) fn settled(evidence: &Evidence<'_>) -> Option<Advice> {
     let choice = trusted_choice(evidence)?;
-    let is_linear = choice.settled && evidence.model.linear;
-    if let Some(within) = rests_before(evidence, choice).filter(|_| !is_linear) {
-        return Some(after_rest(evidence, choice, within));
+    if let Some(rest) = moves_after_rest(evidence, choice) {
+        return Some(after_rest(evidence, choice, rest));
     }
     if choice.settled {
         return None;

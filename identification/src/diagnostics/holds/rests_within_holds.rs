@@ -8,9 +8,10 @@
 //! the servo beside its command, and at rest.
 
 use crate::data::{HELD, Hold, Record, Run, holds, mean_output, measured_within};
-use crate::numerics::{dot, normal_upper_quantile};
+use crate::numerics::{dot, normal_upper_quantile, student_critical};
 use crate::thresholds::{
-    AT_REST_SIGNIFICANCE, DETECTION, MOVES_AFTER_HOLD, MOVES_LITTLE, STROKES_FOR_REST,
+    AT_REST_SIGNIFICANCE, DETECTION, MOVES_AFTER_HOLD, MOVES_LITTLE, SHORTEST_SETTLING,
+    STROKES_FOR_REST,
 };
 
 /// Parts of the second half. A servo that rings may come to the same mean in both halves of it.
@@ -41,7 +42,9 @@ pub(crate) fn rests_within(record: &Record, hold: usize) -> bool {
     let between_halves = EndMotion::of(&ends, from_first_half);
     let each =
         (0..parts).map(|part| EndMotion::of(&ends, |end| end.parts[part] - mean(&end.parts)));
-    let chance = normal_upper_quantile(AT_REST_SIGNIFICANCE / (parts + 1) as f64);
+    let degrees_of_freedom = (ends.len() - 1) as f64;
+    let of_normal = normal_upper_quantile(AT_REST_SIGNIFICANCE / (parts + 1) as f64);
+    let chance = student_critical(of_normal, &[degrees_of_freedom])[0];
     let is_chance = |motion: EndMotion| motion.share.abs() <= chance * motion.sd;
     between_halves.share.abs() + chance * between_halves.sd < MOVES_LITTLE
         && is_chance(between_halves)
@@ -53,7 +56,7 @@ pub(crate) fn rests_within(record: &Record, hold: usize) -> bool {
 pub(crate) fn time_until_rest(record: &Record, longest: usize) -> Option<usize> {
     let halves = std::iter::successors(Some(longest), |samples| Some(samples / 2));
     halves
-        .take_while(|samples| rests_within(record, *samples))
+        .take_while(|samples| *samples >= SHORTEST_SETTLING && rests_within(record, *samples))
         .last()
 }
 

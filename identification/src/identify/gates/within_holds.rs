@@ -6,22 +6,23 @@
 //!
 //! Protects: N of a servo that is not linear. Beyond the usual hold the next steps are under way, and how they
 //! are answered differently because of this one passes for a late part of its response. The same differences come in each run of one reference,
-//! so that several runs are no more evidence of a longer response than one.
+//! so that several runs are no more evidence of a longer response than one. Nor does a servo with play or friction respond when its output is at
+//! rest: what its response does later answers the steps before.
 //!
-//! If not, N is chosen again among settling times up to the usual hold. Holds that are too short for a choice,
-//! or for the response, limit nothing. An N that was stated stays, and bounds lose their level.
+//! If not, N is chosen again among settling times up to the usual hold, or up to the rest of the output within it. Holds that are too short for a
+//! choice, or for the response, limit nothing. An N that was stated stays, and bounds lose their level.
 
 use crate::data::{Record, usual_hold};
-use crate::diagnostics::{moves_after, moves_again, rests_within};
+use crate::diagnostics::{moves_after, moves_again, rests_within, time_until_rest};
 use crate::error::Error;
 use crate::estimation::CurveVariance;
 use crate::identify::candidate::Candidate;
 use crate::identify::estimate::Estimate;
 use crate::identify::fitted::Fitted;
 use crate::identify::task::Task;
-use crate::thresholds::MARGIN;
+use crate::thresholds::{MARGIN, MOVES_LITTLE};
 
-pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
+pub(super) fn pass(task: &Task<'_>, mut fitted: Fitted) -> Result<Fitted, Error> {
     let plan = &fitted.candidate.plan;
     // A comparison gives N of another choice, which has been here.
     let is_stated = plan.choice.is_none() && !task.may_go_on;
@@ -30,20 +31,26 @@ pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
     };
     let hold = usual_hold(record);
     let settling = plan.basis.settling();
-    if settling <= hold {
-        return Ok(fitted);
-    }
-    let estimate = &fitted.estimate;
-    let rounding = (estimate.steps_of_sensor(record)).map_or(0.0, |found| found.allowance);
-    let moves_again = moves_again(&estimate.information, &estimate.fit, hold, rounding);
+    let outlasts = match settling > hold {
+        true => Outlasts::of(record, settling, hold, &fitted.estimate),
+        false => Outlasts::default(),
+    };
+    let at_rest = match outlasts.is_seen() {
+        true => None,
+        false => rest_before(record, hold, &fitted),
+    };
     let is_rejected = fitted.linearity.is_some_and(|found| found.is_rejected());
-    let outlasts_holds = outlasts_holds(record, settling, hold, estimate);
-    let rests = moves_again.is_some() || outlasts_holds.is_some();
-    if !rests && !is_rejected {
+    let limit = at_rest.unwrap_or(hold);
+    let rests = outlasts.is_seen() || at_rest.is_some();
+    if settling <= limit || !(rests || is_rejected) {
         return Ok(fitted);
     }
-    let shorter = Candidate::of_repeated_errors(record, hold, task.options).ok();
-    let Some(shorter) = shorter.and_then(|found| found.within_holds(rests)) else {
+    let moved_until = (plan.choice.as_ref()).and_then(|choice| at_rest.and(Some(choice.detected)));
+    if let Some(choice) = &mut fitted.candidate.plan.choice {
+        choice.moved_until = moved_until;
+    }
+    let shorter = Candidate::of_repeated_errors(record, limit, task.options).ok();
+    let Some(shorter) = shorter.and_then(|found| found.within_holds(rests, moved_until)) else {
         return Ok(fitted);
     };
     if is_stated {
@@ -56,29 +63,55 @@ pub(super) fn pass(task: &Task<'_>, fitted: Fitted) -> Result<Fitted, Error> {
     let shorter = Fitted::new(task, shorter)?;
     Ok(Fitted {
         linearity: shorter.linearity.or(fitted.linearity),
-        moves_again,
-        outlasts_holds,
+        moves_again: outlasts.again,
+        outlasts_holds: outlasts.holds,
         ..shorter
     })
 }
 
-/// For how many holds the response goes on, where the output is seen to rest within each of them.
-fn outlasts_holds(
-    record: &Record,
-    settling: usize,
-    hold: usize,
-    estimate: &Estimate,
-) -> Option<f64> {
+/// Samples within which the output rests after a command, where the response moves after that by what matters.
+fn rest_before(record: &Record, hold: usize, fitted: &Fitted) -> Option<usize> {
+    let choice = fitted.candidate.plan.choice.as_ref()?;
+    let rest = time_until_rest(record, choice.detected.min(hold))?;
     let Estimate {
-        coordinates,
-        information,
-        fit,
-    } = estimate;
+        coordinates, fit, ..
+    } = &fitted.estimate;
     let step = coordinates.basis.step_response(&fit.theta());
-    let spread = || CurveVariance::of_fit(information, fit, &coordinates.step_map());
-    // A response that is over in the first half of a hold has an acceptable N that is no longer than the hold.
-    let holds = settling as f64 / hold as f64;
-    let outlasts =
-        holds > MARGIN && rests_within(record, hold) && moves_after(&step, &spread().sd, hold);
-    outlasts.then_some(holds)
+    let (at_rest, end) = (step.get(rest / 2..rest)?, step.last()?);
+    let mean = at_rest.iter().sum::<f64>() / at_rest.len() as f64;
+    ((end - mean).abs() > MOVES_LITTLE * end.abs()).then_some(rest)
+}
+
+/// What a response longer than the holds does behind them.
+#[derive(Default)]
+struct Outlasts {
+    /// The share of its largest value by which it moves again a hold later.
+    again: Option<f64>,
+    /// For how many holds it goes on, where the output is seen to rest within each of them.
+    holds: Option<f64>,
+}
+
+impl Outlasts {
+    fn of(record: &Record, settling: usize, hold: usize, estimate: &Estimate) -> Self {
+        let Estimate {
+            coordinates,
+            information,
+            fit,
+        } = estimate;
+        let step = coordinates.basis.step_response(&fit.theta());
+        let spread = || CurveVariance::of_fit(information, fit, &coordinates.step_map());
+        let rounding = (estimate.steps_of_sensor(record)).map_or(0.0, |found| found.allowance);
+        // A response that is over in the first half of a hold has an acceptable N that is no longer than the hold.
+        let holds = settling as f64 / hold as f64;
+        let outlasts =
+            holds > MARGIN && rests_within(record, hold) && moves_after(&step, &spread().sd, hold);
+        Self {
+            again: moves_again(information, fit, hold, rounding),
+            holds: outlasts.then_some(holds),
+        }
+    }
+
+    fn is_seen(&self) -> bool {
+        self.again.is_some() || self.holds.is_some()
+    }
 }

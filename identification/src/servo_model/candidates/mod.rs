@@ -13,6 +13,7 @@ use crate::servo_model::terms::ladder::Climbed;
 use crate::servo_model::uncertainty::covariance::{Uncertainty, uncertainty};
 use crate::servo_model::uncertainty::possible_servo::PossibleServo;
 use crate::servo_model::uncertainty::validity::against;
+use crate::thresholds::{SERVO_ALTERNATIVE, SERVO_LACK_OF_FIT};
 use other_fits::fits_of_folds;
 use other_valleys::{outside_of_the_terms, with_quick_drive, with_soft_drive};
 use rayon::prelude::*;
@@ -84,11 +85,11 @@ impl Candidates {
     ) {
         for point in outside_of_the_terms(problem, best) {
             let other = uncertainty(problem, &point, blocks);
-            let is_better = self.found.is_beaten_by(&other);
+            let is_better = self.found.is_beaten_by(&other, SERVO_LACK_OF_FIT);
             self.level = self
                 .level
                 .unless(is_better.then_some(Reason::ErrorsNotNoise));
-            if !other.is_beaten_by(&self.found) {
+            if !other.is_beaten_by(&self.found, SERVO_ALTERNATIVE) {
                 self.possible.push(other.servo_at(point));
             }
         }

@@ -22,7 +22,6 @@ use crate::servo_model::descent::error_row::Row;
 use crate::servo_model::descent::fit::Problem;
 use crate::servo_model::descent::step::MOST;
 use crate::servo_model::motion::simulated_motion::ServoMotion;
-use crate::thresholds::SERVO_LACK_OF_FIT;
 use faer::Mat;
 
 /// Highest order of the noise model.
@@ -82,13 +81,13 @@ impl Uncertainty {
         root_mean_square(&self.errors())
     }
 
-    /// Whether the errors of `other` are smaller beyond chance, as far as the noise at rest shows.
-    pub(crate) fn is_beaten_by(&self, other: &Self) -> bool {
+    /// Whether the errors of `other` are smaller than by a chance of this `significance`, as far as the noise at rest shows.
+    pub(crate) fn is_beaten_by(&self, other: &Self, significance: f64) -> bool {
         let Some(noise) = &self.at_rest else {
             return false;
         };
         let gained = noise.white_squares(&self.errors()) - noise.white_squares(&other.errors());
-        chi_square_upper_tail(gained, FURTHER) < SERVO_LACK_OF_FIT
+        chi_square_upper_tail(gained, FURTHER) < significance
     }
 
     /// The servo `point`, which this is the uncertainty of.
