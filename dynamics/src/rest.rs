@@ -47,12 +47,13 @@ impl<S: Scalar> ServoParameters<S> {
     pub fn staying_angles(&self, command: S) -> [S; 2] {
         let drives = self.holding_drives(self.load.at(self.resting_angle(command)));
         let width = self.dead_band.unwrap_or(S::constant(0.0));
-        let [high, low] = [(drives[0], -1.0), (drives[1], 1.0)].map(|(drive, side)| {
-            let error = match drive.value() {
-                0.0 => width * side,
-                _ => self.error_of(drive),
+        let [high, low] = [(End::Upper, -1.0), (End::Lower, 1.0)].map(|(end, side)| {
+            // Nothing pushes it within the dead band.
+            let angle = match drives[end as usize].value() {
+                0.0 => command - width * side,
+                _ => self.end(command, end),
             };
-            self.between_stops(command - error)
+            self.between_stops(angle)
         });
         [low, high]
     }
@@ -343,6 +344,31 @@ mod tests {
             assert!(left_alone(servo, command, upper + 5e-3) < upper + 1e-3);
             assert!(left_alone(servo, command, lower - 5e-3) > lower - 1e-3);
         }
+    }
+
+    /// A load that grows with the angle balances full drive before the command.
+    #[test]
+    fn a_shaft_that_full_drive_does_not_move_stays_between_two_angles() {
+        let spring = Load::Spring {
+            constant: 500.0,
+            rate: 400.0,
+        };
+        let stalled = ServoParameters {
+            friction: friction(400.0, 0.0, 0.5),
+            load: spring,
+            ..servo()
+        };
+        let [full, _] = stalled.limit.unwrap().both_ways();
+        let [low, high] = stalled.staying_angles(40.0);
+        // Friction at rest is 600.
+        let held_at = |drive: f64| (drive - 500.0) / 400.0;
+        assert!((low - held_at(full - 600.0)).abs() < 1e-9, "{low}");
+        assert!((high - held_at(full + 600.0)).abs() < 1e-9, "{high}");
+        for inside in [low + 5e-3, high - 5e-3] {
+            assert_eq!(left_alone(&stalled, 40.0, inside), inside);
+        }
+        assert!(left_alone(&stalled, 40.0, low - 5e-3) > low - 1e-3);
+        assert!(left_alone(&stalled, 40.0, high + 5e-3) < high + 1e-3);
     }
 
     /// Friction or a dead band keeps the shaft where it came to rest, between the angles and nowhere beyond them.

@@ -3,7 +3,7 @@
 use super::input::{SecondSideArgs, TableArgs};
 use super::output::{Output, Talk, sides_are_open, wrong_usage};
 use super::servo_search::{NoServoModel, ServoSearch};
-use crate::analysis::Compared;
+use crate::analysis::{Compared, ServoModelSearch};
 use crate::data::dataset::listed;
 use crate::data::dataset::suggested_columns::quoted;
 use crate::data::model_file::{ModelFile, is_model};
@@ -106,7 +106,12 @@ impl Compare {
             }
         };
         self.output.write_json(self.out.as_ref(), &compared)?;
-        let text = compared.as_text(names);
+        let mut text = compared.as_text(names);
+        let of_recordings = !a.iter().chain(b).any(|file| is_model(file));
+        let may_ask = of_recordings && search == ServoModelSearch::WhereNeeded;
+        if may_ask && compared.leaves_machines_open() {
+            text += &self.output.talk.next(MACHINES);
+        }
         self.output.talk.result(text, &compared)
     }
 
@@ -133,6 +138,9 @@ impl Compare {
         )
     }
 }
+
+/// What is typed next where a servo is not linear.
+const MACHINES: &str = "the same with --servo-model, which compares the servos as machines: their speeds, friction and loads";
 
 /// A margin below this is more likely a fraction \[%\].
 const SMALL_MARGIN_PERCENT: f64 = 0.5;

@@ -44,6 +44,7 @@ pub use holds::hold_scatter::HoldScatter;
 pub(crate) use holds::hold_scatter::allow_for_hold_scatter;
 pub(crate) use holds::level_effects::LevelEffects;
 pub(crate) use holds::moves_again::moves_again;
+pub(crate) use holds::moves_with_next_step::moves_with_next_step;
 pub(crate) use holds::rests_within_holds::{moves_after, rests_within, time_until_rest};
 pub(crate) use linearity::test_linearity;
 pub use linearity::{BetweenRuns, Linearity};

@@ -128,6 +128,11 @@ impl Candidate {
         Ok(self)
     }
 
+    /// Until when a response moves that answers the steps before, too \[samples\].
+    pub(super) fn moved_until(&self) -> Option<usize> {
+        self.plan.choice.as_ref()?.moved_until
+    }
+
     /// As one whose N is limited to the usual hold; `None` where no N up to it was acceptable, unless the response is known to rest
     /// by then. A response of more lags may have `moved_until` later.
     pub(super) fn within_holds(self, rests: bool, moved_until: Option<usize>) -> Option<Self> {

@@ -90,8 +90,7 @@ fn is_linear(task: &Task<'_>, fitted: &Fitted) -> bool {
     let follows_motion = fitted.linearity.is_some_and(|found| found.is_rejected());
     let other_strokes = task.disturbances.outliers.other_strokes();
     // What moves where the output is seen at rest is an answer to the steps before.
-    let choice = fitted.candidate.plan.choice.as_ref();
-    let moves_at_rest = choice.is_some_and(|choice| choice.moved_until.is_some());
+    let moves_at_rest = fitted.candidate.moved_until().is_some();
     fitted.misfit.is_none() && !follows_motion && !other_strokes && !moves_at_rest
 }
 

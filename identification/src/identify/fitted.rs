@@ -72,8 +72,7 @@ impl Fitted {
 
     /// Whether the servo is known to rest within holds, and the fit to more lags does not.
     pub(super) fn rests_within_holds(&self) -> bool {
-        let choice = self.candidate.plan.choice.as_ref();
-        let moves_at_rest = choice.is_some_and(|choice| choice.moved_until.is_some());
+        let moves_at_rest = self.candidate.moved_until().is_some();
         self.moves_again.is_some() || self.outlasts_holds.is_some() || moves_at_rest
     }
 

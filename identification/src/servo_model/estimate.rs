@@ -144,7 +144,12 @@ pub fn fit_watched(
 
 /// Of servos that predict as well as the best, one with the stops that the record [shows](PossibleStops::missing), and of these one with the fewest that are
 /// [guesses](PossibleStops::guessed), and of these the one with the fewest numbers, each stop that is not shown being one: a load of the air stands for a stop, and a stop that nothing touches for nothing. Of those alike, the one that predicts better.
+///
+/// A stop speaks for nothing where the servo that has it would stay there without it: a load that the drive does not overcome holds it.
 fn preferred(mut all: Vec<Found>, possible: &PossibleStops) -> Found {
+    let with_shown = (all.iter()).find(|found| found.best().stops == possible.shown);
+    let of_shown = with_shown.map(|found| found.best().physics(0, |_, value| value));
+    let possible = &of_shown.map_or(*possible, |servo| possible.needed_by(&servo));
     let stops = |found: &Found| {
         let best = found.best();
         let servo = best.physics(0, |_, value| value);

@@ -348,6 +348,18 @@ impl Compared {
         })
     }
 
+    /// Whether the servos as machines would say more, and were not looked for.
+    #[must_use]
+    pub fn leaves_machines_open(&self) -> bool {
+        let is_open = self.servo_model.is_none() && self.no_servo_model.is_none();
+        let mut advice = self
+            .found
+            .compared()
+            .into_iter()
+            .flat_map(|found| &found.advice);
+        is_open && advice.any(Advice::is_of_linearity)
+    }
+
     /// The comparison as text.
     #[must_use]
     pub fn as_text(&self, names: [&str; 2]) -> String {

@@ -8,4 +8,5 @@ pub(super) mod level_answers;
 pub(super) mod level_effects;
 pub(super) mod level_scatter;
 pub(super) mod moves_again;
+pub(super) mod moves_with_next_step;
 pub(super) mod rests_within_holds;

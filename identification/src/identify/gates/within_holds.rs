@@ -13,7 +13,9 @@
 //! choice, or for the response, limit nothing. An N that was stated stays, and bounds lose their level.
 
 use crate::data::{Record, usual_hold};
-use crate::diagnostics::{moves_after, moves_again, rests_within, time_until_rest};
+use crate::diagnostics::{
+    moves_after, moves_again, moves_with_next_step, rests_within, time_until_rest,
+};
 use crate::error::Error;
 use crate::estimation::CurveVariance;
 use crate::identify::candidate::Candidate;
@@ -37,18 +39,20 @@ pub(super) fn pass(task: &Task<'_>, mut fitted: Fitted) -> Result<Fitted, Error>
     };
     let at_rest = match outlasts.is_seen() {
         true => None,
-        false => rest_before(record, hold, &fitted),
+        false => AtRest::before_the_end(record, hold, &fitted),
     };
     let is_rejected = fitted.linearity.is_some_and(|found| found.is_rejected());
-    let limit = at_rest.unwrap_or(hold);
-    let rests = outlasts.is_seen() || at_rest.is_some();
+    let is_no_end = |found: &AtRest| is_rejected || found.moves_with_next_step;
+    let within = (at_rest.as_ref()).filter(|found| is_no_end(found));
+    let limit = within.map_or(hold, |found| found.within);
+    let rests = outlasts.is_seen() || within.is_some();
+    if let Some(choice) = &mut fitted.candidate.plan.choice {
+        choice.moved_until = at_rest.map(|_| choice.detected);
+    }
     if settling <= limit || !(rests || is_rejected) {
         return Ok(fitted);
     }
-    let moved_until = (plan.choice.as_ref()).and_then(|choice| at_rest.and(Some(choice.detected)));
-    if let Some(choice) = &mut fitted.candidate.plan.choice {
-        choice.moved_until = moved_until;
-    }
+    let moved_until = fitted.candidate.moved_until();
     let shorter = Candidate::of_repeated_errors(record, limit, task.options).ok();
     let Some(shorter) = shorter.and_then(|found| found.within_holds(rests, moved_until)) else {
         return Ok(fitted);
@@ -69,17 +73,37 @@ pub(super) fn pass(task: &Task<'_>, mut fitted: Fitted) -> Result<Fitted, Error>
     })
 }
 
-/// Samples within which the output rests after a command, where the response moves after that by what matters.
-fn rest_before(record: &Record, hold: usize, fitted: &Fitted) -> Option<usize> {
-    let choice = fitted.candidate.plan.choice.as_ref()?;
-    let rest = time_until_rest(record, choice.detected.min(hold))?;
-    let Estimate {
-        coordinates, fit, ..
-    } = &fitted.estimate;
-    let step = coordinates.basis.step_response(&fit.theta());
-    let (at_rest, end) = (step.get(rest / 2..rest)?, step.last()?);
-    let mean = at_rest.iter().sum::<f64>() / at_rest.len() as f64;
-    ((end - mean).abs() > MOVES_LITTLE * end.abs()).then_some(rest)
+/// The rest of the output, where the response moves after that.
+struct AtRest {
+    /// Samples after a command.
+    within: usize,
+    /// Whether the response moves with the next step, as a slow end does not.
+    moves_with_next_step: bool,
+}
+
+impl AtRest {
+    /// `None` where the output is not seen to rest, or the response moves by nothing that matters.
+    fn before_the_end(record: &Record, hold: usize, fitted: &Fitted) -> Option<Self> {
+        let choice = fitted.candidate.plan.choice.as_ref()?;
+        let within = time_until_rest(record, choice.detected.min(hold))?;
+        let Estimate {
+            coordinates,
+            information,
+            fit,
+        } = &fitted.estimate;
+        let step = coordinates.basis.step_response(&fit.theta());
+        let end = *step.last()?;
+        let at_rest = step.get(within / 2..within)?;
+        let mean = at_rest.iter().sum::<f64>() / at_rest.len() as f64;
+        let rounding =
+            (fitted.estimate.steps_of_sensor(record)).map_or(0.0, |found| found.allowance);
+        let found = Self {
+            within,
+            moves_with_next_step: moves_with_next_step(information, fit, (within, hold), rounding),
+        };
+        let matters = (end - mean).abs() > MOVES_LITTLE * end.abs();
+        (matters || found.moves_with_next_step).then_some(found)
+    }
 }
 
 /// What a response longer than the holds does behind them.

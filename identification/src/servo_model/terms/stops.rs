@@ -19,7 +19,7 @@ pub(crate) struct PossibleStops {
     /// Those among them that rests or crests speak for.
     pub(super) seen: Stops,
     /// Those among these that the record shows by itself.
-    pub(super) shown: Stops,
+    pub(crate) shown: Stops,
     /// Those that several commands show, or crests: one command alone may be held by a load, friction or play.
     sure: Stops,
     /// The least and the largest command of the record.
@@ -102,6 +102,25 @@ impl PossibleStops {
     /// How many stops of a `servo` are guesses, which nothing but prediction speaks for: neither rests nor crests, nor a command under which the servo stays
     /// nowhere but beyond them.
     pub(crate) fn guessed(&self, servo: &ServoParameters) -> usize {
+        beyond(self.not_passed(servo), self.seen)
+    }
+
+    /// The same without what rests and crests say of the stops at which this `servo` may stay without them, under every command: its load and friction hold it there.
+    pub(crate) fn needed_by(&self, servo: &ServoParameters) -> Self {
+        let held = self.not_passed(servo);
+        let without = |stops: Stops| Stops {
+            lower: stops.lower.filter(|_| held.lower.is_none()),
+            upper: stops.upper.filter(|_| held.upper.is_none()),
+        };
+        Self {
+            seen: without(self.seen),
+            shown: without(self.shown),
+            ..*self
+        }
+    }
+
+    /// The stops of a `servo` at or before which it may stay without them, whatever the command.
+    fn not_passed(&self, servo: &ServoParameters) -> Stops {
         let [least, largest] = servo.range();
         let free = servo.without_stops();
         let [_, highest_below] = free.staying_angles(self.commands.0);
@@ -113,11 +132,10 @@ impl PossibleStops {
             [low, high]
         };
         let Stops { lower: a, upper: b } = servo.stops;
-        let not_passed = Stops {
+        Stops {
             lower: a.filter(|_| !lower),
             upper: b.filter(|_| !upper),
-        };
-        beyond(not_passed, self.seen)
+        }
     }
 
     /// How many of the `chosen` one command alone shows, or nothing but prediction.
@@ -251,6 +269,36 @@ mod tests {
         assert_eq!(guessed(before, 50.0, 40.0), 0);
         assert_eq!(guessed(before, 10.0, -40.0), 1);
         assert_eq!(possible.further_choices(&possible), []);
+    }
+
+    #[test]
+    fn a_stop_that_load_and_friction_make_needless_is_not_spoken_for() {
+        let record = record();
+        let possible = PossibleStops::of(&record, &[], 1.0);
+        let upper = possible.shown.upper;
+        assert!(upper.is_some() && possible.shown.lower.is_none());
+        let shown_beside = |load| {
+            let servo = ServoParameters {
+                delay_s: 0.0,
+                pulse_end: None,
+                stiffness: 100.0,
+                damping: 20.0,
+                gain: 1.0,
+                offset: 0.0,
+                limit: None,
+                speed_limit: None,
+                dead_band: None,
+                friction: None,
+                load: Load::Constant(load),
+                stops: possible.all,
+            };
+            let needed = possible.needed_by(&servo);
+            assert_eq!(needed.shown, needed.seen);
+            needed.shown.upper
+        };
+        // The largest command is 10: a load of 300 keeps the shaft 3 before it, and one of 500 holds it at 5, before the stop at 6.
+        assert_eq!(shown_beside(300.0), upper);
+        assert_eq!(shown_beside(500.0), None);
     }
 
     #[test]

@@ -24,7 +24,7 @@ pub(crate) fn whole_stroke(model: &ServoModel, units: Units<'_>) -> Option<Strin
             "the one at top speed, which the servo did not reach in this recording, so that it is extrapolated".to_owned()
         }
         (false, Some(limits)) => format!("that of {limits}"),
-        (false, None) => "the one at top speed".to_owned(),
+        (false, None) => "the one at top speed, which this recording does not show".to_owned(),
     };
     Some(format!(
         "A stroke of 60 degrees takes {times}, with delay, acceleration and braking: from the change of the command until the servo stays within 2 % of the stroke from its end.{} \

@@ -83,8 +83,8 @@ pub(crate) fn how_compared(found: &Comparison) -> &'static str {
              metrics: its settling time may be quite another."
         }
         (false, Some(_)) => {
-            "Difference: second less first. Each side has a settling time and number of frequencies of its own: with one for both, a side that is not linear \
-             had no bounds."
+            "Difference: second less first. Each side has a settling time and number of frequencies of its own: one for both would leave a side that is not \
+             linear without bounds, or with its answers to the steps before."
         }
         (false, None) => {
             "Difference: second less first. Each side has the structure of its own model: the \
