@@ -26,7 +26,7 @@ pub enum Reason {
     CommandsWait,
     /// The output stops at an angle within the range of the commands, as at a mechanical stop, or under a load that holds the drive.
     TravelEnd,
-    /// The output falls short of its outermost commands, and too few of them show whether a stop, a load or friction does that.
+    /// The output falls short of its outermost commands, and they do not show whether a stop, a load or friction does that.
     TravelEndOpen,
     /// As [`TravelEnd`](Self::TravelEnd), where a servo model explains it by a load that holds the drive, and has no stop.
     LoadHoldsDrive,
@@ -117,7 +117,7 @@ impl Reason {
                 "the servo does not go as far as its outermost commands, as at a stop or under a load that holds it"
             }
             Self::TravelEndOpen => {
-                "the servo falls short of its outermost commands, and too few of them show why"
+                "the servo falls short of its outermost commands, and they do not show why"
             }
             Self::LoadHoldsDrive => "a load, or a stop, holds the servo short of some commands",
             Self::GainDrift => "the servo's gain changes along the recording",

@@ -143,21 +143,24 @@ pub fn fit_watched(
 }
 
 /// Of servos that predict as well as the best, one with the stops that the record [shows](PossibleStops::missing), and of these one with the fewest that are
-/// [guesses](PossibleStops::guessed), and of these the one with the fewest numbers, each stop that is not shown being one: a load of the air stands for a stop, and a stop that nothing touches for nothing. Of those alike, the one that predicts better.
+/// [guesses](PossibleStops::guessed), and of these the one with the fewest numbers, each stop being one: a load of the air stands for a stop, and a stop that nothing touches for nothing. Of those alike, the one that predicts better.
 ///
-/// A stop speaks for nothing where the servo that has it would stay there without it: a load that the drive does not overcome holds it.
+/// A stop that the record shows is none where the servo has the same load without it, which holds it there.
 fn preferred(mut all: Vec<Found>, possible: &PossibleStops) -> Found {
     let with_shown = (all.iter()).find(|found| found.best().stops == possible.shown);
-    let of_shown = with_shown.map(|found| found.best().physics(0, |_, value| value));
-    let possible = &of_shown.map_or(*possible, |servo| possible.needed_by(&servo));
+    let load_beside = with_shown.map(|found| found.best().terms.load);
     let stops = |found: &Found| {
         let best = found.best();
         let servo = best.physics(0, |_, value| value);
-        (possible.missing(best.stops), possible.guessed(&servo))
+        let missing = match load_beside == Some(best.terms.load) {
+            true => 0,
+            false => possible.missing(best.stops),
+        };
+        (missing, possible.guessed(&servo))
     };
     let numbers = |found: &Found| {
         let best = found.best();
-        best.coordinates.len() + possible.not_shown(best.stops)
+        best.coordinates.len() + best.stops.count()
     };
     all.sort_by(|a, b| {
         let by_stops = stops(a).cmp(&stops(b));
@@ -175,7 +178,8 @@ fn preferred(mut all: Vec<Found>, possible: &PossibleStops) -> Found {
     let mut found = all.swap_remove(chosen);
     // With other stops it predicts better, if only by chance: a load stands for a stop down to the noise, with another delay.
     let is_open = stops != found.best().stops;
-    let has_open_stop = possible.open(found.best().stops) > 0;
+    let servo = found.best().physics(0, |_, value| value);
+    let has_open_stop = possible.open(found.best().stops) > 0 || possible.may_be_load(&servo);
     let level = &mut found.candidates.level;
     *level = match level.withdrawn() {
         Some(Reason::TravelEnd) if has_open_stop => Bounds::Withdrawn(Reason::TravelEndOpen),

@@ -366,8 +366,14 @@ pub(super) fn whiteness(evidence: &Evidence<'_>) -> Option<Advice> {
         }
         None => return None,
     };
-    let remedy =
-        "Look for a periodic disturbance or a nonlinearity; a higher noise order may help.";
+    let remedy = match runs_differ(evidence) {
+        true => {
+            "Runs that differ leave such errors by themselves: identify one run alone to see whether it has them."
+        }
+        false => {
+            "Look for a periodic disturbance or a nonlinearity; a higher noise order may help."
+        }
+    };
     Some(Advice::new(check, finding, value, threshold, remedy))
 }
 
@@ -391,9 +397,16 @@ pub(super) fn independence(evidence: &Evidence<'_>) -> Option<Advice> {
     ))
 }
 
+fn runs_differ(evidence: &Evidence<'_>) -> bool {
+    let runs = evidence.explanation.runs.as_ref();
+    runs.is_some_and(RunComparison::differ)
+}
+
 pub(super) fn slow_noise(evidence: &Evidence<'_>) -> Option<Advice> {
-    // The errors of a servo that is not linear follow its motion, which looks like drift.
-    if evidence.errors_follow_motion() {
+    // The errors of a servo that is not linear follow its motion, or its steps before, and those of runs that differ their commands: that looks like drift.
+    let choice = evidence.explanation.settling.as_ref();
+    let answers_before = choice.is_some_and(|choice| choice.moved_until.is_some());
+    if evidence.errors_follow_motion() || answers_before || runs_differ(evidence) {
         return None;
     }
     let root = evidence.model.noise.largest_root();
@@ -404,9 +417,8 @@ pub(super) fn slow_noise(evidence: &Evidence<'_>) -> Option<Advice> {
         };
         (format!("The noise drifts slowly{effect}."), root, SLOW_ROOT)
     } else {
-        // Few runs that differ, and few steps, leave few degrees of freedom at any noise.
-        let runs = evidence.explanation.runs.as_ref();
-        if runs.is_some_and(RunComparison::differ) || evidence.model.noise.ar.is_empty() {
+        // Few steps leave few degrees of freedom at any noise.
+        if evidence.model.noise.ar.is_empty() {
             return None;
         }
         let degrees = evidence.explanation.degrees_of_freedom.iter().flatten();

@@ -4,7 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::visits::Visit;
 use crate::data::column::{mean, span};
-use crate::thresholds::STOP_SHORT;
+use crate::numerics::square_about_mean;
+use crate::thresholds::{DETECTION, STOP_SHORT};
 
 /// A command under which the servo rests elsewhere than a model of it: beyond it there may be a stop.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -18,14 +19,24 @@ pub struct MissedRest {
 }
 
 /// Of the lowest and the highest command that was visited, those whose rests in `modelled`, visit by visit, are off by more than 1 % of the way between the farthest
-/// rests, and rests under one command are `apart` \[output\].
+/// rests, by more than rests under one command are `apart` \[output\], and by more than the scatter of what the others are off by.
 pub(super) fn missed(measured: &[Visit], modelled: &[Visit], apart: f64) -> Vec<MissedRest> {
     let Some(way) = span(measured.iter().map(|visit| visit.rest)) else {
         return Vec::new();
     };
     let commands = || measured.iter().map(|visit| visit.command);
     let ends = [commands().reduce(f64::min), commands().reduce(f64::max)];
+    let off: Vec<(f64, f64)> = (measured.iter().zip(modelled))
+        .map(|(seen, model)| (seen.command, seen.rest - model.rest))
+        .collect();
     let missed = ends.into_iter().flatten().filter_map(|command| {
+        let (at_end, others): (Vec<_>, Vec<_>) = off.iter().partition(|(at, _)| *at == command);
+        let others: Vec<f64> = others.into_iter().map(|(_, off)| off).collect();
+        let variance = match others.len() {
+            0 | 1 => 0.0,
+            count => square_about_mean(&others) / (count - 1) as f64,
+        };
+        let chance = DETECTION * (variance / at_end.len() as f64).sqrt();
         let mean_rest = |visits: &[Visit]| {
             let at_end = visits.iter().filter(|visit| visit.command == command);
             mean(&at_end.map(|visit| visit.rest).collect::<Vec<f64>>())
@@ -35,7 +46,7 @@ pub(super) fn missed(measured: &[Visit], modelled: &[Visit], apart: f64) -> Vec<
             measured: mean_rest(measured)?,
             modelled: mean_rest(modelled)?,
         };
-        ((rest.measured - rest.modelled).abs() > apart + STOP_SHORT * way).then_some(rest)
+        ((rest.measured - rest.modelled).abs() > apart + STOP_SHORT * way + chance).then_some(rest)
     });
     missed.collect()
 }

@@ -544,7 +544,7 @@ impl ServoModel {
     }
 
     /// Whether the recording shows that its stops are stops: several commands beyond each end there. One command alone ends short of itself
-    /// before a load, too, and by friction.
+    /// before a load, too, and by friction, and all of them do so before a load that stalls the drive.
     #[must_use]
     pub fn shows_its_stops(&self) -> bool {
         self.covariance.withdrawn() != Some(Reason::TravelEndOpen)

@@ -102,25 +102,6 @@ impl PossibleStops {
     /// How many stops of a `servo` are guesses, which nothing but prediction speaks for: neither rests nor crests, nor a command under which the servo stays
     /// nowhere but beyond them.
     pub(crate) fn guessed(&self, servo: &ServoParameters) -> usize {
-        beyond(self.not_passed(servo), self.seen)
-    }
-
-    /// The same without what rests and crests say of the stops at which this `servo` may stay without them, under every command: its load and friction hold it there.
-    pub(crate) fn needed_by(&self, servo: &ServoParameters) -> Self {
-        let held = self.not_passed(servo);
-        let without = |stops: Stops| Stops {
-            lower: stops.lower.filter(|_| held.lower.is_none()),
-            upper: stops.upper.filter(|_| held.upper.is_none()),
-        };
-        Self {
-            seen: without(self.seen),
-            shown: without(self.shown),
-            ..*self
-        }
-    }
-
-    /// The stops of a `servo` at or before which it may stay without them, whatever the command.
-    fn not_passed(&self, servo: &ServoParameters) -> Stops {
         let [least, largest] = servo.range();
         let free = servo.without_stops();
         let [_, highest_below] = free.staying_angles(self.commands.0);
@@ -132,20 +113,36 @@ impl PossibleStops {
             [low, high]
         };
         let Stops { lower: a, upper: b } = servo.stops;
-        Stops {
+        let not_passed = Stops {
             lower: a.filter(|_| !lower),
             upper: b.filter(|_| !upper),
-        }
+        };
+        beyond(not_passed, self.seen)
+    }
+
+    /// Whether full drive does not bring a `servo` without its stops to the command beyond one of them: it may be the load alone that holds the shaft there.
+    pub(crate) fn may_be_load(&self, servo: &ServoParameters) -> bool {
+        let free = servo.without_stops();
+        let Some(limit) = free.drive_limit() else {
+            return false;
+        };
+        let [up, down] = limit.both_ways();
+        let is_stalled = |command: f64, drive: f64| {
+            let short = command - free.resting_angle(command);
+            short / free.error_of(drive) > 1.0
+        };
+        let [low, high] = if servo.gain < 0.0 {
+            [servo.stops.upper, servo.stops.lower]
+        } else {
+            [servo.stops.lower, servo.stops.upper]
+        };
+        (low.is_some() && is_stalled(self.commands.0, -down))
+            || (high.is_some() && is_stalled(self.commands.1, up))
     }
 
     /// How many of the `chosen` one command alone shows, or nothing but prediction.
     pub(crate) fn open(&self, chosen: Stops) -> usize {
         beyond(chosen, self.sure)
-    }
-
-    /// How many of the `chosen` are not shown.
-    pub(crate) fn not_shown(&self, chosen: Stops) -> usize {
-        beyond(chosen, self.shown)
     }
 }
 
@@ -172,7 +169,7 @@ fn among(record: &Record, at: &[f64]) -> Stops {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use servoid_dynamics::{Friction, Load};
+    use servoid_dynamics::{DriveLimit, Friction, Load};
 
     /// Levels that are held for 40 samples behind a lag of three, up to a stop at 6.
     fn record() -> Record<'static> {
@@ -271,34 +268,35 @@ mod tests {
         assert_eq!(possible.further_choices(&possible), []);
     }
 
+    /// Full drive is 1000, which a load that grows by 150 for each unit of the angle holds at 6.7: before the command of 10, and beyond the stop at 6.
     #[test]
-    fn a_stop_that_load_and_friction_make_needless_is_not_spoken_for() {
+    fn a_stop_beside_a_load_that_full_drive_does_not_overcome_may_be_the_load() {
         let record = record();
         let possible = PossibleStops::of(&record, &[], 1.0);
-        let upper = possible.shown.upper;
-        assert!(upper.is_some() && possible.shown.lower.is_none());
-        let shown_beside = |load| {
-            let servo = ServoParameters {
-                delay_s: 0.0,
-                pulse_end: None,
-                stiffness: 100.0,
-                damping: 20.0,
-                gain: 1.0,
-                offset: 0.0,
-                limit: None,
-                speed_limit: None,
-                dead_band: None,
-                friction: None,
-                load: Load::Constant(load),
-                stops: possible.all,
-            };
-            let needed = possible.needed_by(&servo);
-            assert_eq!(needed.shown, needed.seen);
-            needed.shown.upper
+        let with = |rate| ServoParameters {
+            delay_s: 0.0,
+            pulse_end: None,
+            stiffness: 1000.0,
+            damping: 60.0,
+            gain: 1.0,
+            offset: 0.0,
+            limit: Some(DriveLimit {
+                up: 1000.0,
+                down_to_up: 1.0,
+                motor_damping: 10.0,
+                at_one_stiffness: false,
+            }),
+            speed_limit: None,
+            dead_band: None,
+            friction: None,
+            load: Load::Spring {
+                constant: 0.0,
+                rate,
+            },
+            stops: possible.all,
         };
-        // The largest command is 10: a load of 300 keeps the shaft 3 before it, and one of 500 holds it at 5, before the stop at 6.
-        assert_eq!(shown_beside(300.0), upper);
-        assert_eq!(shown_beside(500.0), None);
+        assert!(possible.may_be_load(&with(150.0)));
+        assert!(!possible.may_be_load(&with(50.0)));
     }
 
     #[test]

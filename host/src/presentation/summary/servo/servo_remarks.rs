@@ -140,8 +140,8 @@ fn of_stops(model: &ServoModel, units: Units<'_>) -> Option<String> {
     Some(match model.shows_its_stops() {
         true => format!("The servo has {stops}."),
         false => format!(
-            "The servo may have {stops}: the model predicts better with that, but too few commands show it, and a load, friction or a gain that falls there \
-             looks the same."
+            "The servo may have {stops}: the model predicts better with that, but a load, friction or a gain that falls there looks the same \
+             under these commands."
         ),
     })
 }

@@ -1,7 +1,7 @@
 //! How long a whole stroke takes, which is longer than a data sheet says.
 
 use super::measured_limits::limits_in_words;
-use super::top_speeds::has_unreached_top_speeds;
+use super::top_speeds::{has_unreached_top_speeds, top_speeds};
 use crate::data::units::Units;
 use crate::presentation::summary::wording::sixty_degrees::{both_ways, sixty_degrees};
 use servoid_identification::servo_model::ServoModel;
@@ -24,6 +24,7 @@ pub(crate) fn whole_stroke(model: &ServoModel, units: Units<'_>) -> Option<Strin
             "the one at top speed, which the servo did not reach in this recording, so that it is extrapolated".to_owned()
         }
         (false, Some(limits)) => format!("that of {limits}"),
+        (false, None) if top_speeds(model).is_some() => "the one at top speed".to_owned(),
         (false, None) => "the one at top speed, which this recording does not show".to_owned(),
     };
     Some(format!(
