@@ -289,10 +289,32 @@ fn rest(levels: &Sides<Levels>, options: &ComparisonOptions) -> Option<String> {
                     Some(format!("; commanded {commanded} both come to rest at {a}"))
                 }
                 (a, b) => sure.then(|| {
-                    format!("; commanded {commanded} it comes to rest at {b}, the first at {a}")
+                    let zeros = match are_shifted(levels, options) {
+                        true => {
+                            ", and as far off at the other end: so do sensors whose zeros differ"
+                        }
+                        false => "",
+                    };
+                    format!(
+                        "; commanded {commanded} it comes to rest at {b}, the first at {a}{zeros}"
+                    )
                 }),
             }
         })
+}
+
+/// Whether the second rests as far from the first at both ends, as far as is known, and at both for sure.
+fn are_shifted(levels: &Sides<Levels>, options: &ComparisonOptions) -> bool {
+    let off = |a: Interval, b: Interval| {
+        let half_width = half_width_of_difference(a, b, options)?;
+        let off = b.value? - a.value?;
+        (off.abs() > half_width).then_some((off, half_width))
+    };
+    let (a, b) = (&levels.a, &levels.b);
+    let ends = off(a.plus, b.plus).zip(off(a.minus, b.minus));
+    ends.is_some_and(|((plus, of_plus), (minus, of_minus))| {
+        (plus - minus).abs() <= of_plus.hypot(of_minus)
+    })
 }
 
 /// Of two rests of two recordings, whose sensors may have other zeros and scales.
@@ -306,6 +328,30 @@ fn half_width_of_difference(a: Interval, b: Interval, options: &ComparisonOption
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn rests_that_are_off_alike_at_both_ends_may_be_the_zeros_of_sensors() {
+        let of = |minus: f64, plus: f64| Levels {
+            command_plus: 10.0,
+            plus: Interval::new(plus, plus - 0.1, plus + 0.1),
+            command_minus: -10.0,
+            minus: Interval::new(minus, minus - 0.1, minus + 0.1),
+        };
+        let said = |minus: f64, plus: f64| {
+            let levels = Sides {
+                a: of(-9.0, 9.0),
+                b: of(minus, plus),
+            };
+            rest(&levels, &ComparisonOptions::default()).unwrap()
+        };
+        let shifted = said(-7.0, 11.1);
+        assert!(shifted.ends_with("the first at 9.00, and as far off at the other end: so do sensors whose zeros differ"), "{shifted}");
+        let larger = said(-10.5, 11.0);
+        assert!(
+            larger.ends_with("it comes to rest at 11.0, the first at 9.00"),
+            "{larger}"
+        );
+    }
 
     #[test]
     fn two_rests_differ_where_that_is_sure() {
