@@ -345,10 +345,10 @@ mod tests {
             rest(&levels, &ComparisonOptions::default()).unwrap()
         };
         let shifted = said(-7.0, 11.1);
-        assert!(shifted.ends_with("the first at 9.00, and as far off at the other end: so do sensors whose zeros differ"), "{shifted}");
+        assert!(shifted.ends_with("the first at 9.0, and as far off at the other end: so do sensors whose zeros differ"), "{shifted}");
         let larger = said(-10.5, 11.0);
         assert!(
-            larger.ends_with("it comes to rest at 11.0, the first at 9.00"),
+            larger.ends_with("it comes to rest at 11.0, the first at 9.0"),
             "{larger}"
         );
     }

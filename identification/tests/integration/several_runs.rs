@@ -1,6 +1,7 @@
 //! Several runs of a linear servo, with zeros of their own or samples missing: neither passes for something of the servo.
 
 use rand::RngExt;
+use servoid_identification::results::Check;
 use servoid_identification::{Options, Record, Run, identify};
 use servoid_test_support::plants::{Noise, PERIOD, Plant, random, simulate};
 
@@ -53,4 +54,33 @@ fn missing_samples_make_no_feedback() {
 fn zeros_of_runs_make_no_late_response() {
     let found = withdrawn(Plant::B, 0.2, 0.0, 46..52);
     assert_eq!(found, []);
+}
+
+/// White noise beside gains that differ by 1 % (standard deviation of these four: 0.9 %).
+#[test]
+fn runs_whose_gains_differ_have_no_slow_noise() {
+    for seed in 0..4 {
+        let whole = record(Plant::A, 0.0, 0.0, seed);
+        let gains = [0.99, 1.005, 1.012, 0.995];
+        let of_own_gain = |(run, gain): (&Run<'static>, f64)| {
+            let output: Vec<f64> = run.output().iter().map(|y| gain * y).collect();
+            Run::new(run.input().to_vec(), output).unwrap()
+        };
+        let runs = whole.runs().iter().zip(gains).map(of_own_gain);
+        let model = identify(
+            &Record::new(PERIOD, runs.collect()).unwrap(),
+            &Options::default(),
+        )
+        .unwrap();
+        let says = |check: Check| model.advice.iter().find(|advice| advice.check == check);
+        assert!(
+            says(Check::RunScatter).is_some(),
+            "seed {seed}: {:?}",
+            model.advice
+        );
+        assert_eq!(says(Check::SlowNoise), None, "seed {seed}");
+        let of_whiteness = says(Check::Whiteness).unwrap();
+        let of_runs = of_whiteness.remedy.contains("identify one run alone");
+        assert!(of_runs, "seed {seed}: {of_whiteness:?}");
+    }
 }

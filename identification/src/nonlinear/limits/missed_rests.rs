@@ -79,4 +79,24 @@ mod tests {
         assert!(missed(&measured, &modelled, 1.55).is_empty());
         assert!(missed(&measured, &visits(6.5, 0.1), 0.0).is_empty());
     }
+
+    /// Gusts: the one visit of the highest command is off by no more than others.
+    #[test]
+    fn a_rest_that_is_off_as_others_are_is_not_missed() {
+        let rests = |off: [f64; 6]| -> Vec<Visit> {
+            let levels = [0.0, 4.0, 2.0, 8.0, -4.0, 4.0, 0.0];
+            let visit = |(pair, off): (&[f64], f64)| Visit {
+                command: pair[1],
+                before: pair[0],
+                rest: pair[1] + off,
+                moved: 0.0,
+            };
+            levels.windows(2).zip(off).map(visit).collect()
+        };
+        let modelled = rests([0.0; 6]);
+        let gusts = rests([0.4, -0.3, -0.5, 0.5, -0.4, 0.2]);
+        assert!(missed(&gusts, &modelled, 0.0).is_empty());
+        let calm = rests([0.01, -0.02, -0.5, 0.01, 0.02, 0.0]);
+        assert_eq!(missed(&calm, &modelled, 0.0).len(), 1);
+    }
 }
