@@ -9,11 +9,13 @@ use super::simulated_runs::simulated_with_rest;
 use crate::instrument::rig::roll_frames;
 use serde::Serialize;
 use servoid_identification::results::{Bounds, Reason};
-use servoid_identification::servo_model::{Quantity, QuantityKind, ServoModelOptions, Terms, fit};
+use servoid_identification::servo_model::{
+    PulseEnd, Quantity, QuantityKind, ServoModelOptions, Terms, fit,
+};
 use servoid_identification::{Error, Record, Run};
 use servoid_protocol::reference::Reference;
 use servoid_protocol::timing::SAMPLES_PER_FRAME;
-use servoid_simulator::{ServoKind, SimulationOptions};
+use servoid_simulator::{SERVO_SCALE, ServoKind, SimulationOptions};
 
 /// Samples that are identified: some seconds of computing.
 const MOST_SAMPLES: usize = 8_000;
@@ -60,6 +62,11 @@ impl ServoQuantities {
         let options = ServoModelOptions {
             level: request.level,
             radians_per_command: Some(1f64.to_radians()),
+            // The servo may know a pulse at its end, as it may in a recording.
+            pulses: Some(PulseEnd {
+                s_per_command: 1e-6 * SERVO_SCALE.us_per_degree,
+                neutral: 0.0,
+            }),
             ..ServoModelOptions::default()
         };
         let found = fit(&record, &options)?;

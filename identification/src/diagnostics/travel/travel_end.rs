@@ -26,11 +26,16 @@ impl TravelEnd {
         (moments, fit): (&Moments, &GlsFit),
     ) -> [Option<Self>; 2] {
         let of_rests = Self::of_rests(record);
-        if of_rests.iter().any(Option::is_some) {
+        if !is_linear {
             return of_rests;
         }
-        if !is_linear {
-            return [None; 2];
+        let runs = simulated_whole(record, moments, fit);
+        // A linear servo that still rings or creeps when a hold ends is not where it would rest.
+        let of_model = Self::of_rests(&with_outputs_of(record, &runs));
+        let is_of_servo = |side: usize| of_rests[side].filter(|_| of_model[side].is_none());
+        let of_rests = [0, 1].map(is_of_servo);
+        if of_rests.iter().any(Option::is_some) {
+            return of_rests;
         }
         let model = Rests {
             gain: fit.impulse().iter().sum(),
@@ -39,9 +44,15 @@ impl TravelEnd {
             settling: fit.coordinates.basis.settling(),
         };
         let step = sensor_step(record).unwrap_or_default();
-        let runs = simulated_whole(record, moments, fit);
         [1.0, -1.0].map(|sign| Touched::by(&runs, sign, step, &model).end(fit, model.gain))
     }
+}
+
+/// `record` with what a model simulates in place of its outputs.
+fn with_outputs_of<'r>(record: &Record<'r>, runs: &[Simulated<'_>]) -> Record<'r> {
+    let of_model = record.runs().iter().zip(runs);
+    let of_model = of_model.map(|(run, simulated)| run.with_output(simulated.output.clone()));
+    record.with_runs(of_model.collect())
 }
 
 /// Where the model rests. Inputs and outputs of it count from `centre`.

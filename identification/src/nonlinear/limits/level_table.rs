@@ -2,10 +2,10 @@
 //!
 //! Each hold that is long enough for the response to settle gives one visit: the mean output of its last
 //! quarter, less the motion that a linear model which describes the servo still predicts there. Holds at one level, reached from one
-//! side, form a cell. The scatter within cells is the only measure of uncertainty, so that it includes all
-//! differences between visits.
+//! side, form a cell. The scatter within cells is the measure of uncertainty, so that it includes all differences between visits; the motion that the model
+//! takes out is in the intervals besides, because it is off by the same in each visit.
 
-use super::visits::Visit;
+use super::visits::{Visit, share_of_variance};
 use crate::results::Interval;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -18,6 +18,15 @@ pub enum Side {
     Below,
     /// By a stroke downwards.
     Above,
+}
+
+impl Side {
+    fn of(visit: &Visit) -> Self {
+        match visit.is_from_below() {
+            true => Self::Below,
+            false => Self::Above,
+        }
+    }
 }
 
 /// All visits to one level from one side.
@@ -54,6 +63,8 @@ pub(super) struct Table {
 pub(super) struct LevelMean {
     pub(super) command: f64,
     pub(super) mean: f64,
+    /// Its variance, as a share of that of one visit.
+    pub(super) share: f64,
     pub(super) visits: usize,
 }
 
@@ -66,14 +77,6 @@ impl Table {
         step: f64,
         level: Option<f64>,
     ) -> Self {
-        let cell_of = |visit: &Visit| {
-            let from = match visit.is_from_below() {
-                true => Side::Below,
-                false => Side::Above,
-            };
-            (visit.command, from, visit.rest)
-        };
-        let visits: Vec<(f64, Side, f64)> = visits.iter().map(cell_of).collect();
         let mut table = Self {
             cells: Vec::new(),
             levels: Vec::new(),
@@ -83,37 +86,40 @@ impl Table {
             rounding: 0.5 * step,
             needed_s,
         };
-        table.fill(&visits, zeros);
+        table.fill(visits, zeros);
         table
     }
 
-    fn fill(&mut self, visits: &[(f64, Side, f64)], zeros: usize) {
-        let mut commands: Vec<f64> = visits.iter().map(|visit| visit.0).collect();
+    fn fill(&mut self, visits: &[Visit], zeros: usize) {
+        let mut commands: Vec<f64> = visits.iter().map(|visit| visit.command).collect();
         commands.sort_by(f64::total_cmp);
         commands.dedup();
         let mut square = 0.0;
         let mut cells = Vec::new();
         for &command in &commands {
-            let mut all = Vec::new();
+            let of_level = || visits.iter().filter(|visit| visit.command == command);
             for from in [Side::Below, Side::Above] {
-                let values: Vec<f64> = visits
-                    .iter()
-                    .filter(|visit| visit.0 == command && visit.1 == from)
-                    .map(|visit| visit.2)
-                    .collect();
-                if values.is_empty() {
+                let of_side = || of_level().filter(|visit| Side::of(visit) == from);
+                let count = of_side().count();
+                if count == 0 {
                     continue;
                 }
-                let mean = values.iter().sum::<f64>() / values.len() as f64;
-                square += values.iter().map(|y| (y - mean).powi(2)).sum::<f64>();
-                self.degrees += values.len() - 1;
-                cells.push((command, from, mean, values.len()));
-                all.extend(values);
+                let mean = of_side().map(|visit| visit.rest).sum::<f64>() / count as f64;
+                square += of_side()
+                    .map(|visit| (visit.rest - mean).powi(2))
+                    .sum::<f64>();
+                self.degrees += count - 1;
+                let taken_out =
+                    of_side().map(|visit| visit.taken_out.abs()).sum::<f64>() / count as f64;
+                let share = share_of_variance(of_side(), visits);
+                cells.push((command, from, (mean, taken_out), share, count));
             }
+            let count = of_level().count();
             self.levels.push(LevelMean {
                 command,
-                mean: all.iter().sum::<f64>() / all.len() as f64,
-                visits: all.len(),
+                mean: of_level().map(|visit| visit.rest).sum::<f64>() / count as f64,
+                share: share_of_variance(of_level(), visits),
+                visits: count,
             });
         }
         self.degrees = self.degrees.saturating_sub(zeros);
@@ -124,10 +130,10 @@ impl Table {
         };
         self.cells = cells
             .into_iter()
-            .map(|(command, from, mean, visits)| Cell {
+            .map(|(command, from, (mean, taken_out), share, visits)| Cell {
                 command,
                 from,
-                reached: self.around(mean, 1.0 / visits as f64),
+                reached: self.around(mean, share).reaching(taken_out, taken_out),
                 visits,
             })
             .collect();

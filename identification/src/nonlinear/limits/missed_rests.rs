@@ -65,6 +65,8 @@ mod tests {
                 before: pair[0],
                 rest: pair[1].min(stop) + off,
                 moved: 0.0,
+                samples: 10,
+                taken_out: 0.0,
             };
             levels.windows(2).map(visit).collect()
         };
@@ -90,6 +92,8 @@ mod tests {
                 before: pair[0],
                 rest: pair[1] + off,
                 moved: 0.0,
+                samples: 10,
+                taken_out: 0.0,
             };
             levels.windows(2).zip(off).map(visit).collect()
         };

@@ -28,7 +28,7 @@ use crate::results::{Interval, Model};
 use crate::thresholds::MARGIN;
 use directed_strokes::strokes_by_direction;
 use time_to_rest::time_to_rest;
-use visits::{Visit, visits};
+use visits::{Visit, visits, with_what_was_taken_out};
 
 pub use hysteresis::Hysteresis;
 pub use level_table::{Cell, Side};
@@ -182,8 +182,10 @@ struct Rests {
 impl Rests {
     fn of(record: &Record, model: &Model) -> Self {
         let settling = settling(record, model);
+        let seen = visits(record.runs(), settling);
+        let at_rest = visits(&runs_at_rest(record, model), settling);
         Self {
-            visits: visits(&runs_at_rest(record, model), settling),
+            visits: with_what_was_taken_out(at_rest, &seen),
             zeros_taken_out: 0,
             settling,
             sample_period_s: record.sample_period_s(),

@@ -93,7 +93,7 @@ impl Table {
         let mut end = RangeEnd {
             softens: None,
             command: level.command,
-            reached: self.around(level.mean, 1.0 / level.visits as f64),
+            reached: self.around(level.mean, level.share),
             gain_ratio: Interval::default(),
             statement: open.statement(),
             remedy: Some(open.remedy),
@@ -199,7 +199,7 @@ impl Table {
         Segment {
             gain: (high.mean - low.mean) / width,
             width,
-            share: (low.visits as f64).recip() + (high.visits as f64).recip(),
+            share: low.share + high.share,
             has_common_side: false,
         }
     }
@@ -267,6 +267,8 @@ mod tests {
                 before: command - 1.0,
                 rest: command.clamp(-stop, stop) + 0.02 * ((k * 7 % 5) as f64 - 2.0),
                 moved: 0.0,
+                samples: 10,
+                taken_out: 0.0,
             })
         });
         visits.collect()
@@ -300,6 +302,8 @@ mod tests {
             before: command + side,
             rest: (command + 0.4 * side).max(stop) + 0.02 * ((k * 7 % 5) as f64 - 2.0),
             moved: 0.0,
+            samples: 10,
+            taken_out: 0.0,
         };
         let sides = |command: f64| {
             if command == -50.0 {

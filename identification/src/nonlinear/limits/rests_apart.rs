@@ -9,13 +9,13 @@
 //! from max(|d| - h)   to max(|d| + h),   h = t s sqrt(1/n + 1/m) + |m_a| + |m_b|
 //! ```
 //!
-//! holds the largest distance with the probability of the level, because all differences are within h of their estimates at once. m is by how much the rests of a cell still
+//! of visits that are as long as others, and larger where they are shorter, holds the largest distance with the probability of the level, because all differences are within h of their estimates at once. m is by how much the rests of a cell still
 //! move on the mean, from the first half to the second of what is taken for a rest: that does not scatter. The steps of a sensor add one
 //! of them. Unlike the mean over directions of [`Hysteresis`](super::Hysteresis), strokes that overshoot and strokes that do not
 //! cancel nothing. One level at least has to be reached from both sides: strokes of one direction may all end at the same edge, and their rests agree
 //! whatever the play is.
 
-use super::visits::Visit;
+use super::visits::{Visit, share_of_variance};
 use crate::results::Interval;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -73,7 +73,8 @@ pub(super) fn rests_apart(
         .inverse_cdf(missed);
     let ends = pairs.iter().map(|[a, b]| {
         let apart = (a.rest() - b.rest()).abs();
-        let share = 1.0 / a.visits.len() as f64 + 1.0 / b.visits.len() as f64;
+        let share = [a, b].map(|cell| share_of_variance(cell.visits.iter().copied(), visits));
+        let share: f64 = share.iter().sum();
         let half = critical * sd * share.sqrt() + step + a.still_to_go() + b.still_to_go();
         [apart, (apart - half).max(0.0), apart + half]
     });
@@ -130,6 +131,8 @@ mod tests {
                 before,
                 rest: command + side * stroke.signum() * play / 2.0 + error,
                 moved: 0.0,
+                samples: 10,
+                taken_out: 0.0,
             }
         };
         (0..72).map(visit).collect()
@@ -204,6 +207,8 @@ mod tests {
                 before: from(k),
                 rest: 0.01 * (k * 7 % 5) as f64,
                 moved: 0.0,
+                samples: 10,
+                taken_out: 0.0,
             };
             (0..20).map(visit).collect()
         };

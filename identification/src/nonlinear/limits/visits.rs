@@ -13,6 +13,11 @@ pub(super) struct Visit {
     pub(super) rest: f64,
     /// Mean output of the second half of that less that of the first: what is left of the motion, and noise.
     pub(super) moved: f64,
+    /// Samples of that quarter.
+    pub(super) samples: usize,
+    /// What was taken out of the rest, as motion that a model says to be left \[output\]. Each visit after one stroke has the same of it, so that no scatter shows by how much
+    /// that is off.
+    pub(super) taken_out: f64,
 }
 
 impl Visit {
@@ -35,8 +40,10 @@ pub(super) fn visits(runs: &[Run], settling: usize) -> Vec<Vec<Visit>> {
             Some(Visit {
                 command: hold.level,
                 before,
-                rest: mean_output(run, last).filter(|_| settled)?,
+                rest: mean_output(run, last.clone()).filter(|_| settled)?,
                 moved: second? - first?,
+                samples: last.len(),
+                taken_out: 0.0,
             })
         };
         holds(run, EXACTLY)
@@ -45,6 +52,37 @@ pub(super) fn visits(runs: &[Run], settling: usize) -> Vec<Vec<Visit>> {
             .collect::<Vec<_>>()
     };
     runs.iter().map(of_run).collect()
+}
+
+/// The visits with what was taken out of those that were `seen`.
+pub(super) fn with_what_was_taken_out(
+    mut visits: Vec<Vec<Visit>>,
+    seen: &[Vec<Visit>],
+) -> Vec<Vec<Visit>> {
+    for (run, seen) in visits.iter_mut().zip(seen) {
+        for (visit, seen) in run.iter_mut().zip(seen) {
+            visit.taken_out = seen.rest - visit.rest;
+        }
+    }
+    visits
+}
+
+/// The variance of the mean rest of these visits, as a share of the mean variance of one among `all`.
+///
+/// What differs from visit to visit is noise, which is larger in the mean of few samples, or the servo, which is not: each counts where it makes the share larger.
+pub(super) fn share_of_variance<'v>(
+    visits: impl Iterator<Item = &'v Visit> + Clone,
+    all: &[Visit],
+) -> f64 {
+    let mean_of_reciprocals = |of: &mut dyn Iterator<Item = &Visit>| {
+        let (sum, count) = of.fold((0.0, 0.0), |(sum, count), visit| {
+            (sum + (visit.samples as f64).recip(), count + 1.0)
+        });
+        (sum / count, count)
+    };
+    let (own, count) = mean_of_reciprocals(&mut visits.clone());
+    let (usual, _) = mean_of_reciprocals(&mut all.iter());
+    (own / usual).max(1.0) / count
 }
 
 /// Takes the mean rest of each run to that of all, where there are several and all make the same strokes: then no distance between the mean rests of two strokes
@@ -68,4 +106,30 @@ pub(super) fn with_one_zero(runs: &mut [Vec<Visit>]) -> Option<usize> {
         run.iter_mut().for_each(|visit| visit.rest -= zero);
     }
     Some(runs.len() - 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn visit(samples: usize) -> Visit {
+        Visit {
+            command: 1.0,
+            before: 0.0,
+            rest: 1.0,
+            moved: 0.0,
+            samples,
+            taken_out: 0.0,
+        }
+    }
+
+    #[test]
+    fn short_visits_have_more_of_the_noise_and_long_ones_no_less_of_what_the_servo_does() {
+        let all = [visit(10), visit(10), visit(40), visit(40)];
+        // 1/10 and 1/40 are 1.6 and 0.4 times their mean.
+        let short = share_of_variance(all[..2].iter(), &all);
+        assert!((short - 0.8).abs() < 1e-12, "{short}");
+        let long = share_of_variance(all[2..].iter(), &all);
+        assert!((long - 0.5).abs() < 1e-12, "{long}");
+    }
 }
