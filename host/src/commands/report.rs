@@ -33,7 +33,7 @@ pub(super) struct Report {
     #[arg(long, num_args = 1.., value_name = "FILE", conflicts_with = "files")]
     a: Vec<PathBuf>,
     /// Recordings of the other condition, several runs
-    #[arg(long, num_args = 1.., value_name = "FILE", requires = "a")]
+    #[arg(long, num_args = 1.., value_name = "FILE", conflicts_with = "files", requires = "a")]
     b: Vec<PathBuf>,
     /// The page to write
     #[arg(long, short, value_name = "FILE.html")]

@@ -99,3 +99,20 @@ fn manual_pages_are_there_for_every_command() {
     }
     assert!(run(&["man"]).contains("servoid"));
 }
+
+/// A side that is left out would make a page on the other alone.
+#[test]
+fn two_sides_are_stated_in_one_way() {
+    for command in ["report", "compare"] {
+        let words = [
+            "servoid",
+            command,
+            "a.csv",
+            "--b",
+            "b.csv",
+            "-o",
+            "page.html",
+        ];
+        assert!(Cli::try_parse_from(words).is_err(), "{command}");
+    }
+}
