@@ -208,7 +208,11 @@ fn a_recording_without_steps_says_for_which_steps_it_stands() {
     let said = |name: &str, rows: &str| {
         let path = dir.path().join(name);
         std::fs::write(&path, format!("time_ms,u_deg,y_deg\n{rows}")).unwrap();
-        run(&[&["identify", "-q", arg(&path)][..], &IN_DEGREES].concat())
+        run(&[
+            &["identify", "-q", "--no-servo-model", arg(&path)][..],
+            &IN_DEGREES,
+        ]
+        .concat())
     };
     let words = "This recording is not one of steps: in 99 % of it the servo moves no faster, ";
     let smooth = said("smooth.csv", &filtered_levels((0.3, 0.05), 20));
@@ -220,7 +224,11 @@ fn a_recording_without_steps_says_for_which_steps_it_stands() {
     );
     let steps = dir.path().join("steps.csv");
     std::fs::write(&steps, logged(5, |command| command)).unwrap();
-    let said = run(&[&["identify", "-q", arg(&steps)][..], &IN_DEGREES].concat());
+    let said = run(&[
+        &["identify", "-q", "--no-servo-model", arg(&steps)][..],
+        &IN_DEGREES,
+    ]
+    .concat());
     assert!(!said.contains("is not one of steps"), "{said}");
 }
 

@@ -83,9 +83,15 @@ impl Motion {
     /// two. The mean is the same for all.
     fn has_the_same_chips(&self, other: &Self) -> bool {
         let near = |a: f64, b: f64| a.max(b) <= EQUALLY_LONG * a.min(b);
-        self.levels == Some(2)
+        self.is_between_two_levels()
             && near(self.shortest_hold_s, other.shortest_hold_s)
             && near(self.mean_hold_s, other.mean_hold_s)
+    }
+
+    /// Whether all strokes go to and fro between two levels, which determine no servo as a machine.
+    #[must_use]
+    pub fn is_between_two_levels(&self) -> bool {
+        self.levels == Some(2)
     }
 
     fn has_random_levels(&self) -> bool {

@@ -1,10 +1,11 @@
 //! References that repeat themselves, under which a servo that is not linear and rests in each hold passes for a slow linear one.
 
-use servoid_identification::results::Check;
+use servoid_identification::results::{Check, Reason};
 use servoid_identification::{Identification, Options, Record, identify_explained};
 
-use servoid_test_support::plants::{normal, random};
-use servoid_test_support::servos::{Limit, PERIOD, limited};
+use rand::RngExt;
+use servoid_test_support::plants::{Noise, normal, random};
+use servoid_test_support::servos::{Limit, Linear, PERIOD, limited};
 
 /// Rows of 2 ms from row to row: 12 ms.
 const EVERY: usize = 6;
@@ -96,6 +97,60 @@ fn a_servo_with_play_settles_when_it_rests_where_holds_differ() {
             assert!(is_right, "play of {play}, seed {seed}: {settling:?} s");
         }
     }
+}
+
+/// A linear servo whose last half or whole percent creeps, every second one, under stairs of holds that differ.
+fn creeping(seed: u64) -> Identification {
+    let mut random = random(seed);
+    let (omega, zeta) = (
+        random.random_range(30.0..80.0),
+        random.random_range(0.6..1.0),
+    );
+    let share = [0.0, 0.005, 0.0, 0.01][seed as usize % 4];
+    let lag_s = random.random_range(0.3..3.0);
+    let levels = [-20.0, -10.0, 0.0, 10.0, 20.0, 10.0, 0.0, -10.0];
+    let input: Vec<f64> = (levels.into_iter().cycle().take(25))
+        .flat_map(|level| std::iter::repeat_n(level, random.random_range(320..420)))
+        .collect();
+    let quick = Linear::second_order(1.0 - share, 0.0, zeta, omega);
+    let slow = Linear::first_order(share, 0.0, lag_s);
+    let [quick, slow] = [quick, slow].map(|part| part.respond(&input, input[0], 0.0));
+    let noise = match seed % 8 < 4 {
+        true => Noise::White,
+        false => Noise::Ar1,
+    };
+    let noise = noise.samples(&mut random, input.len());
+    let output = quick.iter().zip(&slow).zip(noise);
+    let output: Vec<f64> = output
+        .map(|((quick, slow), noise)| quick + slow + noise)
+        .collect();
+    let record = Record::of_run(PERIOD, input, output).unwrap();
+    identify_explained(&record, &Options::default()).unwrap()
+}
+
+/// Whether N is that of all lags. A creep that outlasts N takes the bounds, for its own reason.
+fn is_kept(seed: u64) -> bool {
+    let found = creeping(seed);
+    let withdrawn = found.model.bounds.withdrawn();
+    let is_cut_off = found.explanation.settling.unwrap().within_holds;
+    let has_reason = withdrawn.is_none_or(|reason| reason == Reason::ResponseNotOver);
+    found.model.linear && !is_cut_off && has_reason
+}
+
+/// What creeps moves after the hold, too, and ever slower.
+#[test]
+fn linear_servos_that_creep_are_not_cut_off() {
+    for seed in 0..4 {
+        assert!(is_kept(seed), "{seed}");
+    }
+}
+
+/// The figure in docs/assumptions.md.
+#[test]
+#[ignore = "two minutes: cargo test --release -p servoid-identification --test integration -- --ignored three_hundred"]
+fn three_hundred_linear_servos_are_not_cut_off() {
+    let cut_off: Vec<u64> = (100..400).filter(|seed| !is_kept(*seed)).collect();
+    assert!(cut_off.is_empty(), "{cut_off:?}");
 }
 
 #[test]

@@ -74,7 +74,7 @@ fn held_and_missed(case: Case, seeds: Range<u64>) -> [[usize; 2]; 3] {
 /// Two of 12 intervals of 99 % miss in 6 of 1000 tests. Some records have none by chance.
 #[test]
 fn gains_hold_whatever_the_zeros_of_runs() {
-    for (case, first) in [(CASES[1], 200), (CASES[4], 500), (CASES[5], 600)] {
+    for (case, first) in [(CASES[1], 200), (CASES[5], 600)] {
         for [held, missed] in held_and_missed(case, first..first + 12) {
             assert!(held >= 10 && missed <= 1, "{case:?}: {held} {missed}");
         }

@@ -352,12 +352,11 @@ impl Compared {
     #[must_use]
     pub fn leaves_machines_open(&self) -> bool {
         let is_open = self.servo_model.is_none() && self.no_servo_model.is_none();
-        let mut advice = self
-            .found
-            .compared()
-            .into_iter()
-            .flat_map(|found| &found.advice);
-        is_open && advice.any(Advice::is_of_linearity)
+        self.found.compared().is_some_and(|found| {
+            let motions = found.motions.iter().flat_map(|both| [both.a, both.b]);
+            let are_determined = !motions.into_iter().any(|of| of.is_between_two_levels());
+            is_open && are_determined && found.advice.iter().any(Advice::is_of_linearity)
+        })
     }
 
     /// The comparison as text.

@@ -65,6 +65,11 @@ fn after_rest(evidence: &Evidence<'_>, choice: &Choice, (until, within): (usize,
             "State a settling time of {within} samples, within which it rests; runs with their levels in other orders show what the answer depends on."
         ),
     };
+    // Where neither the errors nor its motion show which, a slow end is as likely.
+    let slow_end = match choice.moved_until {
+        Some(_) => "",
+        None => "a slow end, or ",
+    };
     let left_out = match choice.within_holds {
         true => {
             "That is left out here, and levels and final value are a mean over what came before."
@@ -74,8 +79,8 @@ fn after_rest(evidence: &Evidence<'_>, choice: &Choice, (until, within): (usize,
     Advice::new(
         Check::Settled,
         format!(
-            "The linear response that fits best moves until {:.3} s, but the output is at rest {:.3} s after a command: what moves later is no answer to one step, but to the \
-             steps before it, as where play, a dead band or friction leave the servo on the side from which it came. {left_out}",
+            "The linear response that fits best moves until {:.3} s, but the output is at rest {:.3} s after a command: what moves later is {slow_end}no answer to one step, but to \
+             the steps before it, as where play, a dead band or friction leave the servo on the side from which it came. {left_out}",
             seconds(until),
             seconds(within)
         ),

@@ -299,6 +299,20 @@ impl SlowColumns {
         self.end_of(&self.columns[0], ratio * self.variance)
     }
 
+    /// How the step response of the lags up to N changes where one of the ends stands beside them in the regression, of each of them, and the standard deviation
+    /// of that.
+    pub(crate) fn changes_of_step(&self) -> impl Iterator<Item = (Vec<f64>, Vec<f64>)> {
+        self.columns.iter().map(|column| {
+            let end = self.end_of(column, self.variance);
+            let mut sum = 0.0;
+            let shared = column.shared[..self.lags].iter().map(|x| {
+                sum += x;
+                sum
+            });
+            shared.map(|off| (-end.value * off, end.sd * off)).unzip()
+        })
+    }
+
     /// By how much the parameters are allowed to be off for a slow end, in standard deviations of ε, the offset last. The covariance
     /// is `ratio` times that of the rows for outliers.
     pub(crate) fn allowance(&self, ratio: f64) -> Vec<f64> {

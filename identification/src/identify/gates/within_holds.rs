@@ -14,13 +14,14 @@
 
 use crate::data::{Record, usual_hold};
 use crate::diagnostics::{
-    moves_after, moves_again, moves_with_next_step, rests_within, time_until_rest,
+    SlowColumns, moves_after, moves_again, moves_with_next_step, rests_within, time_until_rest,
 };
 use crate::error::Error;
 use crate::estimation::CurveVariance;
 use crate::identify::candidate::Candidate;
 use crate::identify::estimate::Estimate;
 use crate::identify::fitted::Fitted;
+use crate::identify::slow_end_allowance::slow_columns;
 use crate::identify::task::Task;
 use crate::thresholds::{MARGIN, MOVES_LITTLE};
 
@@ -39,7 +40,7 @@ pub(super) fn pass(task: &Task<'_>, mut fitted: Fitted) -> Result<Fitted, Error>
     };
     let at_rest = match outlasts.is_seen() {
         true => None,
-        false => AtRest::before_the_end(record, hold, &fitted),
+        false => AtRest::before_the_end(task, record, hold, &fitted),
     };
     let is_rejected = fitted.linearity.is_some_and(|found| found.is_rejected());
     let is_no_end = |found: &AtRest| is_rejected || found.moves_with_next_step;
@@ -82,8 +83,13 @@ struct AtRest {
 }
 
 impl AtRest {
-    /// `None` where the output is not seen to rest, or the response moves by nothing that matters.
-    fn before_the_end(record: &Record, hold: usize, fitted: &Fitted) -> Option<Self> {
+    /// `None` where the output is not seen to rest, or the response moves by nothing that matters, or by nothing but a slow end.
+    fn before_the_end(
+        task: &Task<'_>,
+        record: &Record,
+        hold: usize,
+        fitted: &Fitted,
+    ) -> Option<Self> {
         let choice = fitted.candidate.plan.choice.as_ref()?;
         let within = time_until_rest(record, choice.detected.min(hold))?;
         let Estimate {
@@ -92,18 +98,32 @@ impl AtRest {
             fit,
         } = &fitted.estimate;
         let step = coordinates.basis.step_response(&fit.theta());
-        let end = *step.last()?;
-        let at_rest = step.get(within / 2..within)?;
-        let mean = at_rest.iter().sum::<f64>() / at_rest.len() as f64;
+        let slow_ends = slow_columns(task, fitted);
         let rounding =
             (fitted.estimate.steps_of_sensor(record)).map_or(0.0, |found| found.allowance);
         let found = Self {
             within,
-            moves_with_next_step: moves_with_next_step(information, fit, (within, hold), rounding),
+            moves_with_next_step: moves_with_next_step(
+                information,
+                fit,
+                (within, hold),
+                rounding,
+                slow_ends,
+            ),
         };
-        let matters = (end - mean).abs() > MOVES_LITTLE * end.abs();
-        (matters || found.moves_with_next_step).then_some(found)
+        let moved = moved_after(&step, within)?;
+        let mut beside_ends = (slow_ends.into_iter().flat_map(SlowColumns::changes_of_step))
+            .filter_map(|(change, _)| Some(moved + moved_after(&change, within)?));
+        let matters = |moved: f64| moved.abs() > MOVES_LITTLE * step[step.len() - 1].abs();
+        let moves = matters(moved) && beside_ends.all(matters);
+        (moves || found.moves_with_next_step).then_some(found)
     }
+}
+
+/// By how much a response is farther at its end than where the output is seen to rest, in the second half of so many samples.
+fn moved_after(step: &[f64], rest: usize) -> Option<f64> {
+    let at_rest = step.get(rest / 2..rest)?;
+    Some(step.last()? - at_rest.iter().sum::<f64>() / at_rest.len() as f64)
 }
 
 /// What a response longer than the holds does behind them.

@@ -28,7 +28,7 @@ use crate::results::{Interval, Model};
 use crate::thresholds::MARGIN;
 use directed_strokes::strokes_by_direction;
 use time_to_rest::time_to_rest;
-use visits::{Visit, visits, with_what_was_taken_out};
+use visits::{Visit, visits, visits_at_rest};
 
 pub use hysteresis::Hysteresis;
 pub use level_table::{Cell, Side};
@@ -182,10 +182,9 @@ struct Rests {
 impl Rests {
     fn of(record: &Record, model: &Model) -> Self {
         let settling = settling(record, model);
-        let seen = visits(record.runs(), settling);
-        let at_rest = visits(&runs_at_rest(record, model), settling);
+        let at_rest = runs_at_rest(record, model);
         Self {
-            visits: with_what_was_taken_out(at_rest, &seen),
+            visits: visits_at_rest(record.runs(), &at_rest, settling),
             zeros_taken_out: 0,
             settling,
             sample_period_s: record.sample_period_s(),

@@ -29,21 +29,27 @@ impl Visit {
 
 /// Those of each run whose last quarter begins at least `settling` samples after the edge.
 pub(super) fn visits(runs: &[Run], settling: usize) -> Vec<Vec<Visit>> {
-    let of_run = |run: &Run| {
+    visits_at_rest(runs, runs, settling)
+}
+
+/// The same of `runs` without what motion is left in each quarter, which are `at_rest`.
+pub(super) fn visits_at_rest(runs: &[Run], at_rest: &[Run], settling: usize) -> Vec<Vec<Visit>> {
+    let of_run = |(run, at_rest): (&Run, &Run)| {
         let visit = |hold: &Hold| {
             let last = last_quarter(&hold.samples);
             let before = hold.before?;
             let settled = last.start >= hold.samples.start + settling;
             let middle = last.start + last.len() / 2;
             let [first, second] =
-                [last.start..middle, middle..last.end].map(|half| mean_output(run, half));
+                [last.start..middle, middle..last.end].map(|half| mean_output(at_rest, half));
+            let rest = mean_output(at_rest, last.clone()).filter(|_| settled)?;
             Some(Visit {
                 command: hold.level,
                 before,
-                rest: mean_output(run, last.clone()).filter(|_| settled)?,
+                rest,
                 moved: second? - first?,
                 samples: last.len(),
-                taken_out: 0.0,
+                taken_out: mean_output(run, last)? - rest,
             })
         };
         holds(run, EXACTLY)
@@ -51,20 +57,7 @@ pub(super) fn visits(runs: &[Run], settling: usize) -> Vec<Vec<Visit>> {
             .filter_map(visit)
             .collect::<Vec<_>>()
     };
-    runs.iter().map(of_run).collect()
-}
-
-/// The visits with what was taken out of those that were `seen`.
-pub(super) fn with_what_was_taken_out(
-    mut visits: Vec<Vec<Visit>>,
-    seen: &[Vec<Visit>],
-) -> Vec<Vec<Visit>> {
-    for (run, seen) in visits.iter_mut().zip(seen) {
-        for (visit, seen) in run.iter_mut().zip(seen) {
-            visit.taken_out = seen.rest - visit.rest;
-        }
-    }
-    visits
+    runs.iter().zip(at_rest).map(of_run).collect()
 }
 
 /// The variance of the mean rest of these visits, as a share of the mean variance of one among `all`.
