@@ -242,6 +242,28 @@ mod tests {
         })
     }
 
+    /// The words of the glossary.
+    #[test]
+    fn gears_hold_a_loaded_shaft_farther() {
+        let (coulomb, of_gears, excess, load) = (0.25, 0.12, 0.25, 1.2);
+        let held = |load: f64| {
+            let servo = ServoParameters {
+                friction: friction(coulomb * 2500.0, of_gears, excess),
+                load: Load::Constant(load * 2500.0),
+                ..servo()
+            };
+            let [low, high] = servo.staying_angles(4.0);
+            (0.5 * (high - low), servo.resting_error().unwrap())
+        };
+        let (coulomb, of_gears) = (coulomb * (1.0 + excess), of_gears * (1.0 + excess));
+        let (free, error) = held(0.0);
+        assert!((free - coulomb / (1.0 - of_gears)).abs() < 1e-9 && (free - error).abs() < 1e-9);
+        let (loaded, unchanged) = held(load);
+        let expected = (coulomb + 2.0 * of_gears * load) / (1.0 - of_gears * of_gears);
+        assert!((loaded - expected).abs() < 1e-9, "{loaded} {expected}");
+        assert_eq!(unchanged, error);
+    }
+
     /// The angle after four seconds under `command`, from `angle` on.
     fn left_alone(servo: &ServoParameters, command: f64, angle: f64) -> f64 {
         let stepper = Stepper::new(servo, 1e-4);

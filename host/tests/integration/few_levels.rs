@@ -10,14 +10,30 @@ const TOP_SPEED: f64 = 280.0;
 /// Time between rows \[s\].
 const PERIOD_S: f64 = 0.01;
 
-/// Random changes between -60 and 60, one in 0.3 s at the most, and the motion of a servo whose gain is one.
-fn telegraph(folder: &Path, seed: u64, top_speed: f64) -> PathBuf {
+/// -60 or 60, by the sign.
+fn two_levels(random: f64) -> f64 {
+    60_f64.copysign(random)
+}
+
+/// -60, 0 or 60.
+fn three_levels(random: f64) -> f64 {
+    60.0 * (2.0 * random).trunc().clamp(-1.0, 1.0)
+}
+
+/// How a random number makes a level, and for how many rows it is held at least.
+type Reference = (fn(f64) -> f64, u32);
+
+const OF_TWO_LEVELS: Reference = (two_levels, 30);
+const OF_THREE_LEVELS: Reference = (three_levels, 90);
+
+/// Random changes between levels, and the motion of a servo whose gain is one.
+fn telegraph(folder: &Path, seed: u64, top_speed: f64, (level, hold): Reference) -> PathBuf {
     let mut random = random(seed);
     let (mut command, mut at) = (0.0, 0.0);
     let mut text = "t_s,u,y\n".to_owned();
     for k in 0..3000 {
-        if k % 30 == 0 {
-            command = 60_f64.copysign(normal(&mut random));
+        if k % hold == 0 {
+            command = level(normal(&mut random));
         }
         let output = at + 0.2 * normal(&mut random);
         text += &format!("{:.2},{command},{output:.4}\n", f64::from(k) * PERIOD_S);
@@ -32,7 +48,7 @@ fn telegraph(folder: &Path, seed: u64, top_speed: f64) -> PathBuf {
 fn figures_of_the_linear_model_are_not_said_to_be_those_of_the_servo() {
     let folder = tempfile::tempdir().unwrap();
     let (table, model) = (
-        telegraph(folder.path(), 8, TOP_SPEED),
+        telegraph(folder.path(), 8, TOP_SPEED, OF_TWO_LEVELS),
         folder.path().join("servo.json"),
     );
     let columns = ["--input", "u", "--output", "y"];
@@ -75,21 +91,24 @@ fn figures_of_the_linear_model_are_not_said_to_be_those_of_the_servo() {
     assert!(called.contains("This response is a picture of the recording"));
 }
 
-/// Machines would have no intervals there: no time is spent on what shows nothing.
-#[test]
-fn machines_are_not_offered_for_strokes_between_two_levels() {
+/// What `compare` prints of two servos, one of which is slower.
+fn compared(reference: Reference) -> String {
     let folder = tempfile::tempdir().unwrap();
-    let sides = [(8, 600.0), (9, 420.0)];
-    let sides = sides.map(|(seed, speed)| telegraph(folder.path(), seed, speed));
-    let text = run(&[
-        "compare",
-        arg(&sides[0]),
-        arg(&sides[1]),
-        "--input",
-        "u",
-        "--output",
-        "y",
-    ]);
-    assert!(text.contains("not linear"), "{text}");
-    assert!(!text.contains("as machines"), "{text}");
+    let sides = [(8, 700.0), (9, 420.0)];
+    let sides = sides.map(|(seed, speed)| telegraph(folder.path(), seed, speed, reference));
+    let files = sides.each_ref().map(|side| arg(side));
+    run(&[&["compare"][..], &files, &["--input", "u", "--output", "y"]].concat())
+}
+
+/// Machines would have no intervals between two levels: no time is spent on what shows nothing.
+#[test]
+fn machines_are_offered_where_the_recordings_may_show_them() {
+    const OFFER: &str = "next: the same with --servo-model";
+    let [two, three] = [OF_TWO_LEVELS, OF_THREE_LEVELS].map(compared);
+    for text in [&two, &three] {
+        assert!(text.contains("not linear"), "{text}");
+        assert!(!text.contains("As machines"), "{text}");
+    }
+    assert!(!two.contains(OFFER), "{two}");
+    assert!(three.contains(OFFER), "{three}");
 }

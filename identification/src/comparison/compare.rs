@@ -102,11 +102,12 @@ pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Co
         comparison.verdict = Verdict::Undecided;
         comparison.descriptions_of_different_motions = true;
     }
+    let linear = a.alone.linear && b.alone.linear;
     let turned = match comparison.turns_the_other_way && comparison.has_verdict() {
         true => Some(compare(a.record, &b.record.turned_round(), options)?),
         false => None,
     };
-    comparison.summary = words::summary(&comparison, turned.as_ref(), options);
+    comparison.summary = words::summary(&comparison, turned.as_ref(), linear, options);
     comparison.advice = advice::gather(
         &comparison,
         [&a.alone, &b.alone],
@@ -145,7 +146,7 @@ pub fn compare_models(
         comparison.verdict = Verdict::Undecided;
         comparison.descriptions_of_different_motions = true;
     }
-    comparison.summary = words::summary(&comparison, None, options);
+    comparison.summary = words::summary(&comparison, None, linear, options);
     comparison.advice = advice::gather(&comparison, [a, b], &[], &options.output_unit, None);
     comparison.advice.push(advice::one_response());
     Ok(comparison)

@@ -11,10 +11,12 @@ use crate::numerics::{command_in_words, four_digits, pointwise_critical, six_dig
 use crate::results::{Bounds, Interval};
 use crate::thresholds::NOTABLE_SHIFT_S;
 
-/// Of a second side that turns the other way, `turned` is the comparison with its outputs of the other sign.
+/// Of a second side that turns the other way, `turned` is the comparison with its outputs of the other sign. Where not both are `linear`, strokes from elsewhere or of
+/// other sizes are answered otherwise.
 pub(super) fn summary(
     found: &Comparison,
     turned: Option<&Comparison>,
+    linear: bool,
     options: &ComparisonOptions,
 ) -> String {
     let other_way = match found.turns_the_other_way {
@@ -30,7 +32,7 @@ pub(super) fn summary(
             format!(
                 "{}{turned} {}{}",
                 answer(found, &bounds),
-                feel(found, options),
+                feel(found, linear, options),
                 play(found, &options.output_unit)
             )
         }
@@ -145,14 +147,14 @@ fn subject(found: &Comparison) -> &'static str {
     }
 }
 
-fn feel(found: &Comparison, options: &ComparisonOptions) -> String {
-    let time = behind(found);
+fn feel(found: &Comparison, linear: bool, options: &ComparisonOptions) -> String {
+    let time = behind(found, linear);
     let times = times_of_response(found);
     let rest = found
         .levels
         .as_ref()
         .and_then(|levels| rest(levels, options));
-    let rest = rest.unwrap_or_default();
+    let rest = rest.or_else(|| farther(found)).unwrap_or_default();
     let scale = match options.scale_error() {
         0.0 => String::new(),
         error => format!(
@@ -189,7 +191,7 @@ fn by_time_alone(found: &Comparison) -> String {
 }
 
 /// Whether the second is behind the first in time, stroke by stroke where they differ.
-fn behind(found: &Comparison) -> String {
+fn behind(found: &Comparison, linear: bool) -> String {
     let timing = |curve: &DifferenceCurve| {
         let shift = &curve.delay_shift_s;
         let Some(seconds) = shift.value else {
@@ -213,15 +215,20 @@ fn behind(found: &Comparison) -> String {
         let place = if seconds > 0.0 { "behind" } else { "ahead of" };
         format!("is about {:.1} ms {place} the first", 1e3 * seconds.abs())
     };
+    let the_second = match linear {
+        true => "The second",
+        // Where a load changes with the angle, the one that is ahead in some strokes is behind in others.
+        false => "In the mean of these strokes, each relative to its own end, the second",
+    };
     match &found.curves[..] {
         [up, down] => format!(
-            "On the way up the second {}, on the way down it {}",
+            "{the_second} {} on the way up, and {} on the way down",
             timing(up),
             timing(down)
         ),
         curves => {
             let timing: String = curves.iter().map(timing).collect();
-            format!("The second {timing}")
+            format!("{the_second} {timing}")
         }
     }
 }
@@ -251,6 +258,16 @@ fn longer(found: &Comparison, metric: &str, name: &str) -> Option<String> {
         "; the {name} of the second is {:.1} ms {how} ({from:.1} .. {to:.1})",
         more.abs()
     ))
+}
+
+/// By how much farther the strokes of the second go, where that is sure.
+fn farther(found: &Comparison) -> Option<String> {
+    let row = (found.differences.iter()).find(|row| row.metric == "dc_gain")?;
+    let sure = row.lower? > 0.0 || row.upper? < 0.0;
+    let percent = 100.0 * ((row.b? / row.a?).abs() - 1.0);
+    let shown = format!("{:.1}", percent.abs());
+    let how = if percent > 0.0 { "farther" } else { "less far" };
+    (sure && shown != "0.0").then(|| format!("; its strokes go {shown} % {how}"))
 }
 
 /// The end of the command at which the two rest farthest apart. Where that is within the bounds of the difference, and not nothing, there is
@@ -289,12 +306,7 @@ fn rest(levels: &Sides<Levels>, options: &ComparisonOptions) -> Option<String> {
                     Some(format!("; commanded {commanded} both come to rest at {a}"))
                 }
                 (a, b) => sure.then(|| {
-                    let zeros = match are_shifted(levels, options) {
-                        true => {
-                            ", and as far off at the other end: so do sensors whose zeros differ"
-                        }
-                        false => "",
-                    };
+                    let zeros = by_zeros(levels, options);
                     format!(
                         "; commanded {commanded} it comes to rest at {b}, the first at {a}{zeros}"
                     )
@@ -303,18 +315,25 @@ fn rest(levels: &Sides<Levels>, options: &ComparisonOptions) -> Option<String> {
         })
 }
 
-/// Whether the second rests as far from the first at both ends, as far as is known, and at both for sure.
-fn are_shifted(levels: &Sides<Levels>, options: &ComparisonOptions) -> bool {
+/// What zeros of sensors may have to do with the second resting elsewhere than the first at both ends for sure.
+fn by_zeros(levels: &Sides<Levels>, options: &ComparisonOptions) -> &'static str {
     let off = |a: Interval, b: Interval| {
         let half_width = half_width_of_difference(a, b, options)?;
         let off = b.value? - a.value?;
         (off.abs() > half_width).then_some((off, half_width))
     };
     let (a, b) = (&levels.a, &levels.b);
-    let ends = off(a.plus, b.plus).zip(off(a.minus, b.minus));
-    ends.is_some_and(|((plus, of_plus), (minus, of_minus))| {
-        (plus - minus).abs() <= of_plus.hypot(of_minus)
-    })
+    match off(a.plus, b.plus).zip(off(a.minus, b.minus)) {
+        Some(((plus, of_plus), (minus, of_minus)))
+            if (plus - minus).abs() <= of_plus.hypot(of_minus) =>
+        {
+            ", and as far off at the other end: so do sensors whose zeros differ"
+        }
+        Some(((plus, _), (minus, _))) if plus * minus > 0.0 => {
+            ", and off to the same side at the other end: a part of it may be that the zeros of the sensors differ"
+        }
+        _ => "",
+    }
 }
 
 /// Of two rests of two recordings, whose sensors may have other zeros and scales.

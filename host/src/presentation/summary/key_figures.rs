@@ -5,7 +5,7 @@ use super::response::first_finding::first_finding;
 use super::response::low_order::gain_by_order;
 use super::response::metrics::{self, MetricEntry, NONE};
 use super::servo::measured_limits::measured_limits;
-use super::servo::quantity_table::{QuantityRow, quantity_rows, scale_and_unit};
+use super::servo::quantity_table::{QuantityRow, quantity_rows, scale_and_unit, under_load};
 use super::servo::what_to_record::shown_by;
 use super::two_servos::comparison::verdict;
 use super::wording::numbers::{digits, four_digits, percent, signed, with_bounds};
@@ -388,6 +388,19 @@ pub(crate) fn of_both_machines(
         let index = all.position(|pair| pair.kind() == Some(*kind))?;
         Some((index, found.quantities.get(index)?))
     };
+    let of_side = |value: fn(&QuantityPair) -> Option<f64>| {
+        let known = move |pair: &&QuantityPair| value(pair).is_some();
+        (found.quantities.iter().filter(known)).filter_map(QuantityPair::kind)
+    };
+    let loads = |pair: &QuantityPair| {
+        let a = under_load(pair.kind(), of_side(|pair| pair.a)).map(|load| ("A", load));
+        let b = under_load(pair.kind(), of_side(|pair| pair.b)).map(|load| ("B", load));
+        match (a, b) {
+            (Some((_, load)), Some(_)) => format!("; both {load}"),
+            (Some((side, load)), None) | (None, Some((side, load))) => format!("; {side} {load}"),
+            (None, None) => String::new(),
+        }
+    };
     let figure = |(index, pair): (usize, &QuantityPair)| {
         let (scale, unit) = scale_and_unit(pair.unit, units);
         // Top speeds of models that lack something are off by more than what strokes show.
@@ -420,8 +433,8 @@ pub(crate) fn of_both_machines(
             label: pair.name.clone(),
             value: with_unit(value, &unit),
             below: match (below, pair.a.and(pair.b)) {
-                (Some(below), _) => below,
-                (None, Some(_)) => "no interval".to_owned(),
+                (Some(below), _) => below + &loads(pair),
+                (None, Some(_)) => "no interval".to_owned() + &loads(pair),
                 (None, None) => "of one side only".to_owned(),
             },
         }

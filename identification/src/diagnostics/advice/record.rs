@@ -175,7 +175,7 @@ fn farthest(evidence: &Evidence<'_>, runs: &RunComparison) -> Option<String> {
         ),
     };
     Some(format!(
-        " Run {} lies farthest from the others ({}; {:.1} of their standard deviations), which \
+        " Run {} lies farthest from the others ({}; {:.1} standard deviations of the others in one of these), which \
          {chance}.",
         evidence.run_name(run.run),
         differences(run, evidence),

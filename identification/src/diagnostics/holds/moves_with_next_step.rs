@@ -5,7 +5,6 @@
 //! too. But it is ever slower: from the second half of a hold to the end of its response it moves by no more in each sample than before. What moves by
 //! more answers the next step.
 
-use crate::diagnostics::SlowColumns;
 use crate::estimation::{CurveVariance, GlsFit, RowInformation};
 use crate::numerics::{dot, normal_upper_quantile};
 use crate::thresholds::MISFIT_SIGNIFICANCE;
@@ -14,13 +13,13 @@ use std::ops::Range;
 /// Whether the response of `fit` moves after holds of `hold` samples by more than a creep would, beyond chance, where the output rests within `rest` samples.
 ///
 /// `rounding` is the largest error of the response that the steps of the sensor leave \[output per input\]. What a creep does after N is in the last samples of
-/// the response, so that the lags move by more beside each of the `slow_ends`, too.
+/// the response, so that the lags move by more with each of the `changes`, too, which slow ends make of them, and the standard deviations of these.
 pub(crate) fn moves_with_next_step(
     information: &RowInformation,
     fit: &GlsFit,
     (rest, hold): (usize, usize),
     rounding: f64,
-    slow_ends: Option<&SlowColumns>,
+    changes: &[(Vec<f64>, Vec<f64>)],
 ) -> bool {
     let step = fit.coordinates.basis.step_response(&fit.theta());
     let Some(weights) = beyond_creep(&step, rest, hold) else {
@@ -34,13 +33,10 @@ pub(crate) fn moves_with_next_step(
     let chance = normal_upper_quantile(0.5 * MISFIT_SIGNIFICANCE);
     let moves_more = |by: f64, sd: f64| by > chance * sd + of_rounding;
     let by = dot(&weights, &step);
-    let mut beside_ends = slow_ends
-        .into_iter()
-        .flat_map(SlowColumns::changes_of_step)
-        .map(|(change, sd_of_change)| {
-            let of_end = dot(&weights, &sd_of_change);
-            moves_more(by + dot(&weights, &change), sd.hypot(of_end))
-        });
+    let mut beside_ends = changes.iter().map(|(change, sd_of_change)| {
+        let of_end = dot(&weights, sd_of_change);
+        moves_more(by + dot(&weights, change), sd.hypot(of_end))
+    });
     moves_more(by, sd) && beside_ends.all(|more| more)
 }
 

@@ -25,34 +25,23 @@ impl TravelEnd {
         is_linear: bool,
         (moments, fit): (&Moments, &GlsFit),
     ) -> [Option<Self>; 2] {
-        let of_rests = Self::of_rests(record);
         if !is_linear {
-            return of_rests;
+            return Self::of_rests(record);
         }
         let runs = simulated_whole(record, moments, fit);
-        // A linear servo that still rings or creeps when a hold ends is not where it would rest.
-        let of_model = Self::of_rests(&with_outputs_of(record, &runs));
-        let is_of_servo = |side: usize| of_rests[side].filter(|_| of_model[side].is_none());
-        let of_rests = [0, 1].map(is_of_servo);
-        if of_rests.iter().any(Option::is_some) {
-            return of_rests;
-        }
         let model = Rests {
             gain: fit.impulse().iter().sum(),
             offset: fit.solution.offset(),
             centre: moments.centre,
             settling: fit.coordinates.basis.settling(),
         };
+        let of_rests = Self::of_rests_in(&model.without_motion(record, &runs), record);
+        if of_rests.iter().any(Option::is_some) {
+            return of_rests;
+        }
         let step = sensor_step(record).unwrap_or_default();
         [1.0, -1.0].map(|sign| Touched::by(&runs, sign, step, &model).end(fit, model.gain))
     }
-}
-
-/// `record` with what a model simulates in place of its outputs.
-fn with_outputs_of<'r>(record: &Record<'r>, runs: &[Simulated<'_>]) -> Record<'r> {
-    let of_model = record.runs().iter().zip(runs);
-    let of_model = of_model.map(|(run, simulated)| run.with_output(simulated.output.clone()));
-    record.with_runs(of_model.collect())
 }
 
 /// Where the model rests. Inputs and outputs of it count from `centre`.
@@ -67,6 +56,19 @@ struct Rests {
 impl Rests {
     fn under(&self, command: f64) -> f64 {
         self.gain * (command - self.centre.0) + self.offset
+    }
+
+    /// `record` as if the model was at rest under each command: a linear servo that still rings or creeps when a hold ends is not where it would rest.
+    fn without_motion<'r>(&self, record: &Record<'r>, runs: &[Simulated<'_>]) -> Record<'r> {
+        let still = |run: &Simulated<'_>| {
+            let commands = run.run.input().iter();
+            let pairs = commands.zip(&run.errors);
+            pairs
+                .map(|(command, error)| self.under(*command) + self.centre.1 + error)
+                .collect()
+        };
+        let runs = (record.runs().iter().zip(runs)).map(|(run, by)| run.with_output(still(by)));
+        record.with_runs(runs.collect())
     }
 }
 

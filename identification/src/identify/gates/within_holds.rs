@@ -98,7 +98,8 @@ impl AtRest {
             fit,
         } = &fitted.estimate;
         let step = coordinates.basis.step_response(&fit.theta());
-        let slow_ends = slow_columns(task, fitted);
+        let slow_ends = slow_columns(task, fitted).into_iter();
+        let changes: Vec<_> = slow_ends.flat_map(SlowColumns::changes_of_step).collect();
         let rounding =
             (fitted.estimate.steps_of_sensor(record)).map_or(0.0, |found| found.allowance);
         let found = Self {
@@ -108,12 +109,12 @@ impl AtRest {
                 fit,
                 (within, hold),
                 rounding,
-                slow_ends,
+                &changes,
             ),
         };
         let moved = moved_after(&step, within)?;
-        let mut beside_ends = (slow_ends.into_iter().flat_map(SlowColumns::changes_of_step))
-            .filter_map(|(change, _)| Some(moved + moved_after(&change, within)?));
+        let mut beside_ends =
+            (changes.iter()).filter_map(|(change, _)| Some(moved + moved_after(change, within)?));
         let matters = |moved: f64| moved.abs() > MOVES_LITTLE * step[step.len() - 1].abs();
         let moves = matters(moved) && beside_ends.all(matters);
         (moves || found.moves_with_next_step).then_some(found)

@@ -2,7 +2,6 @@
 
 use super::ServoModel;
 use crate::results::{Interval, Reason};
-use crate::servo_model::quantities::quantity_kind::QuantityKind;
 
 /// Rests that are farther apart in the record than the model shows why, or than it is sure to show why: it has friction and a dead band, but no play of
 /// the gears.
@@ -21,17 +20,36 @@ impl ServoModel {
     #[must_use]
     pub fn unexplained_hysteresis(&self) -> Option<UnexplainedHysteresis> {
         let (shown, at_least) = self.apart_at_rest()?;
-        let each_side = [QuantityKind::RestingError, QuantityKind::DeadBand]
-            .into_iter()
-            .filter_map(|kind| self.quantity(kind))
-            .map(|found| found.value)
-            .sum::<f64>();
-        let explained = 2.0 * each_side * self.parameters(0).gain.abs();
+        let explained = 2.0 * self.held_at_rest() * self.parameters(0).gain.abs();
         let lacks_something = self.covariance.withdrawn() == Some(Reason::ErrorsNotNoise);
         (explained < at_least || lacks_something).then_some(UnexplainedHysteresis {
             shown,
             explained: shown.map_or(explained, |shown| explained.min(shown)),
         })
+    }
+
+    /// How far off the middle friction and a dead band of the model hold the shaft under the commands of the record, where they do most \[units of the command\]. Friction of
+    /// gears under load holds it farther than without. A command under which the load stalls the drive has no such rest.
+    #[must_use]
+    pub fn held_at_rest(&self) -> f64 {
+        let servo = self.parameters(0);
+        let is_held = |command: &f64| {
+            let load = servo.load.at(servo.resting_angle(*command));
+            let limit = servo.drive_limit();
+            limit.is_none_or(|limit| {
+                let [up, down] = limit.both_ways();
+                let within = -down..=up;
+                (servo.holding_drives(load).iter()).all(|drive| within.contains(drive))
+            })
+        };
+        let commands = self
+            .commands
+            .map_or_else(Vec::new, |of| vec![of.least, of.middle(), of.largest]);
+        let held = commands.into_iter().filter(is_held).map(|command| {
+            let [low, high] = servo.staying_angles(command);
+            0.5 * (high - low)
+        });
+        held.fold(0.0, f64::max)
     }
 
     /// How far rests under one command are apart in the record, where strokes are made again, and at least. The mean between both directions of approach is a least

@@ -51,6 +51,10 @@ pub(super) fn quantities(
             .iter()
             .filter_map(|servo| definition.interval(servo, middle, critical))
             .reduce(hull)?;
+        // What no possible servo has was not asked of the record: that it is nothing is no finding.
+        if hull.lower == Some(0.0) && hull.upper == Some(0.0) {
+            return None;
+        }
         let hull = definition.without_senseless_bounds(hull);
         let hull = match level.valid().is_some() && definition.is_of_assumed_law() {
             true => hull.without_bounds(),

@@ -107,7 +107,7 @@ fn strokes_that_differ_have_a_delay_shift_each() {
     assert!(
         found
             .summary
-            .contains("On the way up the second is about 6.0 ms behind")
+            .contains("the second is about 6.0 ms behind the first on the way up")
     );
     let alone = found.curves[0].shift_leaves_percent.unwrap();
     // The servos differ by a delay alone, as far as the short bank for the difference of the strokes resolves.

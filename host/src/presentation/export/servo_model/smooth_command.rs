@@ -20,7 +20,7 @@ const LEFT: f64 = 0.05;
 const SHORT_OF_STOP: f64 = 0.05;
 
 /// The longest period \[s\]; a servo that needs longer for the strokes of the recording gets smaller ones.
-const LONGEST_S: f64 = 10.0;
+const LONGEST_S: f64 = 2.0;
 
 /// The small sine beside it, as a share of its amplitude.
 const SMALL: f64 = 0.1;

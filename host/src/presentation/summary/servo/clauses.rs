@@ -124,7 +124,14 @@ const MOST_OF_REST: f64 = 4.0;
 pub(super) fn resting_error(model: &ServoModel, units: Units<'_>) -> Option<String> {
     let by_friction = determined(model, QuantityKind::RestingError)?;
     let all = [Some(by_friction), determined(model, QuantityKind::DeadBand)];
-    let value: f64 = all.iter().flatten().map(|found| found.value).sum();
+    // Gears under load hold the shaft farther than these, which are those without.
+    let gears = determined(model, QuantityKind::FrictionOfGears);
+    let gears_are_loaded =
+        model.terms.load != LoadKind::None && gears.is_some_and(|found| found.value > 0.0);
+    let value: f64 = match gears_are_loaded {
+        true => model.held_at_rest(),
+        false => all.iter().flatten().map(|found| found.value).sum(),
+    };
     let ends = |found: &Quantity| {
         let interval = found.interval.valid()?;
         interval.lower.zip(interval.upper)
@@ -143,7 +150,7 @@ pub(super) fn resting_error(model: &ServoModel, units: Units<'_>) -> Option<Stri
         // A number that may be twice as large, or none, is not said without its interval.
         let wide = bounds
             .flatten()
-            .filter(|(lower, upper)| upper - lower > value);
+            .filter(|(lower, upper)| !gears_are_loaded && upper - lower > value);
         let wide = wide.map_or_else(String::new, |(lower, upper)| {
             format!(" ({} to {})", digits(lower, 2), digits(upper, 2))
         });

@@ -21,20 +21,25 @@ const NOT_DETERMINED: &str = "not determined by this recording";
 /// An interval whose ends are so far apart says nothing.
 const WORTH_PRINTING: f64 = 1000.0;
 
-/// What is said of speeds and accelerations, where there is a load among the kinds `all`: they are those under the load in the middle of the commands.
+/// What is said of quantities that depend on a load, where there is one among the kinds `all`: speeds and accelerations are those under the load in the middle of the
+/// commands, and friction holds the shaft less far without the load where gears have a part of it.
 pub(crate) fn under_load(
     kind: Option<QuantityKind>,
-    mut all: impl Iterator<Item = QuantityKind>,
+    all: impl Iterator<Item = QuantityKind>,
 ) -> Option<&'static str> {
     use QuantityKind::{
-        AccelerationDownwards, AccelerationUpwards, TopSpeedDownwards, TopSpeedUpwards,
+        AccelerationDownwards, AccelerationUpwards, FrictionOfGears, RestingError,
+        TopSpeedDownwards, TopSpeedUpwards,
     };
-    let depends = matches!(
-        kind,
-        Some(TopSpeedUpwards | TopSpeedDownwards | AccelerationUpwards | AccelerationDownwards)
-    );
-    let mut has_load = || all.any(|kind| QuantityKind::OF_LOAD.contains(&kind));
-    (depends && has_load()).then_some("under load")
+    let all: Vec<QuantityKind> = all.collect();
+    let has_load = all.iter().any(|kind| QuantityKind::OF_LOAD.contains(kind));
+    match kind? {
+        TopSpeedUpwards | TopSpeedDownwards | AccelerationUpwards | AccelerationDownwards => {
+            has_load.then_some("under load")
+        }
+        RestingError => (has_load && all.contains(&FrictionOfGears)).then_some("without the load"),
+        _ => None,
+    }
 }
 
 /// A quantity as a row of a table.
@@ -211,6 +216,16 @@ mod tests {
             names(None),
             ["top speed upwards", "acceleration upwards", "gain"]
         );
+        let gears = |load: &str| {
+            let all = ["resting error by friction", "friction of the gears", load];
+            let all = all.map(|name| quantity(name, true, 0.1, 0.2));
+            quantity_rows(&all, Units::default())[0].1.name.clone()
+        };
+        assert_eq!(
+            gears("load at the middle"),
+            "resting error by friction, without the load"
+        );
+        assert_eq!(gears("gain"), "resting error by friction");
     }
 
     fn quantity(name: &str, determined: bool, lower: f64, upper: f64) -> Quantity {

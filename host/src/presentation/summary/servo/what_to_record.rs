@@ -74,7 +74,7 @@ const SPEED_IS_OPEN: &str = "The top speed is open, at least in one direction: r
 /// Said of a servo that a dead band or friction holds, where the record does not show which.
 const STAIRS_DO_NOT_SEPARATE: &str = "Dead band and friction rest alike, and stairs hardly distinguish them: a large slow motion that goes on does, such as \
     sines of 0.1 to 3 Hz that add up to 30 degrees, for 20 s, with two seconds of rest before and after them (in servoid: --reference multisine --amplitude 30 \
-    --frequencies 0.1:3 --length 20). Identify it together with this recording, in rows of one period, for the servo model alone: the linear model of two kinds of motion is of neither. A recording that has both shows no more.";
+    --frequencies 0.1:3 --length 20). Identify it together with this recording, in rows of one period, for the servo model alone: the linear model of two kinds of motion is of neither. A recording that has both shows no more, and none does where the gears have play, which passes for either.";
 
 /// What gives intervals in a file of another program, where more of the same does not.
 const PLAY_OR_PULSES: &str = "Another recording of this kind may have intervals where the model has all of the servo. Where pulses come on a clock of their own, commands wait for them, which neither \
