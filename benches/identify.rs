@@ -6,7 +6,7 @@ use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_mai
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use servoid_dynamics::{DriveLimit, Friction, Grid, Load, ServoParameters, Start, Stops, simulate};
+use servoid_dynamics::{DriveLimit, Friction, Grid, Load, ServoParameters, Start, simulate};
 use servoid_identification::servo_model::{ServoModelOptions, fit};
 use servoid_identification::{
     Frequencies, MomentStream, Moments, NoiseOrder, Options, Prior, Record, Run, Settling,
@@ -226,10 +226,6 @@ fn loaded_runs() -> Record<'static> {
     const RUN_PERIOD: f64 = 0.02;
     let servo = ServoParameters {
         delay_s: 0.03,
-        pulse_end: None,
-        stiffness: 900.0,
-        damping: 45.0,
-        gain: 1.0,
         offset: 0.5,
         limit: Some(DriveLimit {
             up: 9e3,
@@ -237,8 +233,6 @@ fn loaded_runs() -> Record<'static> {
             motor_damping: 30.0,
             at_one_stiffness: false,
         }),
-        speed_limit: None,
-        dead_band: None,
         friction: Some(Friction {
             coulomb: 1200.0,
             of_gears: 0.0,
@@ -249,7 +243,7 @@ fn loaded_runs() -> Record<'static> {
             from: 40.0,
             radians: 1f64.to_radians(),
         },
-        stops: Stops::default(),
+        ..ServoParameters::linear(900.0, 45.0)
     };
     let grid = Grid::for_stiffness(RUN_PERIOD, 0.0, servo.stiffness);
     let mut random = ChaCha8Rng::seed_from_u64(33);

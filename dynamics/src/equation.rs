@@ -338,6 +338,25 @@ pub struct ServoParameters<S = f64> {
 }
 
 impl ServoParameters<f64> {
+    /// A servo of second order with `stiffness` (1/s²) and `damping` (1/s), without delay, limits, friction and load, whose output is θ.
+    #[must_use]
+    pub fn linear(stiffness: f64, damping: f64) -> Self {
+        Self {
+            delay_s: 0.0,
+            pulse_end: None,
+            stiffness,
+            damping,
+            gain: 1.0,
+            offset: 0.0,
+            limit: None,
+            speed_limit: None,
+            dead_band: None,
+            friction: None,
+            load: Load::None,
+            stops: Stops::default(),
+        }
+    }
+
     /// The error at which friction holds the shaft at rest without load \[units of the command\]: that of the gears then takes its share of the
     /// drive. `None` without friction, and where the gears hold any drive.
     #[must_use]

@@ -5,21 +5,11 @@
 //! parameters.
 //!
 //! ```
-//! use servoid_dynamics::{Grid, Load, ServoParameters, Start, Stops, simulate};
+//! use servoid_dynamics::{Grid, ServoParameters, Start, simulate};
 //! // 30 rad/s, well damped, 10 ms late, linear.
 //! let servo = ServoParameters {
 //!     delay_s: 0.01,
-//!     pulse_end: None,
-//!     stiffness: 900.0,
-//!     damping: 60.0,
-//!     gain: 1.0,
-//!     offset: 0.0,
-//!     limit: None,
-//!     speed_limit: None,
-//!     dead_band: None,
-//!     friction: None,
-//!     load: Load::None,
-//!     stops: Stops::default(),
+//!     ..ServoParameters::linear(900.0, 60.0)
 //! };
 //! let grid = Grid::for_stiffness(0.002, 0.0, servo.stiffness);
 //! let mut output = Vec::new();

@@ -211,10 +211,6 @@ mod tests {
     /// 50 rad/s, with full drive beyond 3 units upwards.
     fn servo() -> ServoParameters {
         ServoParameters {
-            delay_s: 0.0,
-            pulse_end: None,
-            stiffness: 2500.0,
-            damping: 80.0,
             gain: 2.0,
             offset: 0.5,
             limit: Some(DriveLimit {
@@ -223,11 +219,7 @@ mod tests {
                 motor_damping: 25.0,
                 at_one_stiffness: false,
             }),
-            speed_limit: None,
-            dead_band: None,
-            friction: None,
-            load: Load::None,
-            stops: Stops::default(),
+            ..ServoParameters::linear(2500.0, 80.0)
         }
     }
 

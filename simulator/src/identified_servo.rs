@@ -143,7 +143,7 @@ impl Servo for MachineServo {
 mod tests {
     use super::*;
     use crate::linear::{LinearParameters, LinearServo};
-    use servoid_dynamics::{AtRest, DriveLimit, Friction, Load, PulseEnd, Stops};
+    use servoid_dynamics::{AtRest, DriveLimit, Friction, Load, PulseEnd};
 
     fn ms(t: u64) -> Duration {
         Duration::from_millis(t)
@@ -161,17 +161,11 @@ mod tests {
     fn linear(p: LinearParameters) -> ServoParameters {
         ServoParameters {
             delay_s: p.delay.as_secs_f64(),
-            pulse_end: None,
-            stiffness: p.natural_frequency * p.natural_frequency,
-            damping: 2.0 * p.damping * p.natural_frequency,
             gain: p.gain,
-            offset: 0.0,
-            limit: None,
-            speed_limit: None,
-            dead_band: None,
-            friction: None,
-            load: Load::None,
-            stops: Stops::default(),
+            ..ServoParameters::linear(
+                p.natural_frequency * p.natural_frequency,
+                2.0 * p.damping * p.natural_frequency,
+            )
         }
     }
 

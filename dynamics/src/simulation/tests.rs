@@ -106,9 +106,6 @@ fn servos() -> Vec<ServoParameters<f64>> {
                     let lower = (n % 2 == 1).then_some(-3.0);
                     servos.push(ServoParameters {
                         delay_s: 0.0123,
-                        pulse_end: None,
-                        stiffness: 1600.0,
-                        damping: 55.0,
                         gain: -0.9,
                         offset: 0.4,
                         limit,
@@ -121,30 +118,13 @@ fn servos() -> Vec<ServoParameters<f64>> {
                         }),
                         load,
                         stops: Stops { lower, upper: None },
+                        ..ServoParameters::linear(1600.0, 55.0)
                     });
                 }
             }
         }
     }
     servos
-}
-
-/// A servo of second order without delay and limits.
-fn plain(stiffness: f64, damping: f64) -> ServoParameters<f64> {
-    ServoParameters {
-        delay_s: 0.0,
-        pulse_end: None,
-        stiffness,
-        damping,
-        gain: 1.0,
-        offset: 0.0,
-        limit: None,
-        speed_limit: None,
-        dead_band: None,
-        friction: None,
-        load: Load::None,
-        stops: Stops::default(),
-    }
 }
 
 /// A staircase, and then an input that changes with every sample.
@@ -161,27 +141,19 @@ fn input() -> Vec<f64> {
 fn a_long_stroke_reaches_the_top_speed_under_its_load() {
     let load = 300.0;
     let servo = ServoParameters {
-        delay_s: 0.0,
-        pulse_end: None,
-        stiffness: 2500.0,
-        damping: 70.0,
-        gain: 1.0,
-        offset: 0.0,
         limit: Some(DriveLimit {
             up: 4000.0,
             down_to_up: 0.8,
             motor_damping: 20.0,
             at_one_stiffness: false,
         }),
-        speed_limit: None,
-        dead_band: None,
         friction: Some(Friction {
             coulomb: 100.0,
             of_gears: 0.1,
             at_rest: None,
         }),
         load: Load::Constant(load),
-        stops: Stops::default(),
+        ..ServoParameters::linear(2500.0, 70.0)
     };
     let grid = Grid::new(0.01, 0.0, 1e-3);
     let reached = |command: f64| {
@@ -230,7 +202,7 @@ fn a_speed_is_cut_off_as_in_tiny_steps() {
                 down_to_up: down / up,
             }),
             load: Load::Constant(load),
-            ..plain(stiffness, damping)
+            ..ServoParameters::linear(stiffness, damping)
         };
         let grid = Grid::for_stiffness(0.002, 0.0, stiffness);
         let rest = -load / stiffness;
@@ -277,7 +249,7 @@ fn friction_brakes_and_holds_as_in_tiny_steps() {
                 of_gears: 0.0,
                 at_rest: Some(at_rest),
             }),
-            ..plain(stiffness, damping)
+            ..ServoParameters::linear(stiffness, damping)
         };
         let grid = Grid::new(0.002, 0.0, 1e-3);
         let (mut angle, mut speed) = (0.0, 0.0_f64);

@@ -535,8 +535,7 @@ fn fit_of(servo: &Found, record: &Record, spread: f64) -> ServoFit {
         rmse: (error / count as f64).sqrt(),
         largest_residual: Some(known().fold(0.0, |most, e| e.abs().max(most))),
         discrepancy: level.valid().map(|_| found.discrepancy),
-        lacking: (level.withdrawn() == Some(Reason::ErrorsNotNoise) && found.at_rest.is_some())
-            .then_some(found.discrepancy.min((error / count as f64).sqrt())),
+        lacking: (found.lacking()).filter(|_| level.withdrawn() == Some(Reason::ErrorsNotNoise)),
         servo_changed: false,
         largest_error: largest_error_of(&servo.parts, &possible[0].point, found),
         samples_used: count,

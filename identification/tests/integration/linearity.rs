@@ -2,7 +2,7 @@
 
 use rand::RngExt;
 use rayon::prelude::*;
-use servoid_dynamics::{DriveLimit, Friction, Grid, Load, ServoParameters, Start, Stops, simulate};
+use servoid_dynamics::{DriveLimit, Friction, Grid, ServoParameters, Start, simulate};
 use servoid_identification::results::{Advice, Check, Model, Reason};
 use servoid_identification::thresholds::MISFIT_SIGNIFICANCE;
 use servoid_identification::{Options, Record, Run, Settling, identify};
@@ -113,21 +113,12 @@ fn with_friction(resting_error: f64, input: &[f64]) -> Vec<f64> {
     let stiffness = 45.0 * 45.0;
     let servo = ServoParameters {
         delay_s: 0.012,
-        pulse_end: None,
-        stiffness,
-        damping: 72.0,
-        gain: 1.0,
-        offset: 0.0,
-        limit: None,
-        speed_limit: None,
-        dead_band: None,
         friction: Some(Friction {
             coulomb: resting_error * stiffness,
             of_gears: 0.0,
             at_rest: None,
         }),
-        load: Load::None,
-        stops: Stops::default(),
+        ..ServoParameters::linear(stiffness, 72.0)
     };
     let (grid, start) = (
         Grid::new(PERIOD, 0.0, 1e-4),
@@ -144,22 +135,13 @@ fn with_friction(resting_error: f64, input: &[f64]) -> Vec<f64> {
 fn a_limited_speed_that_the_noise_model_hides_takes_the_level() {
     let servo = ServoParameters {
         delay_s: 0.0224,
-        pulse_end: None,
-        stiffness: 1563.0,
-        damping: 61.8,
-        gain: 1.0,
-        offset: 0.0,
         limit: Some(DriveLimit {
             up: 3271.0,
             down_to_up: 1.0,
             motor_damping: 20.9,
             at_one_stiffness: false,
         }),
-        speed_limit: None,
-        dead_band: None,
-        friction: None,
-        load: Load::None,
-        stops: Stops::default(),
+        ..ServoParameters::linear(1563.0, 61.8)
     };
     (0..6u64).into_par_iter().for_each(|seed| {
         let mut random = random(seed);

@@ -1,7 +1,7 @@
 //! Several runs of one reference: what a servo that is not linear does differently after each command, it does in each run.
 
 use rand::RngExt;
-use servoid_dynamics::{Grid, Load, ServoParameters, Start, Stops, simulate};
+use servoid_dynamics::{Grid, ServoParameters, Start, simulate};
 use servoid_identification::results::Model;
 use servoid_identification::{Options, Record, Run, identify};
 
@@ -21,17 +21,9 @@ fn with_limited_speed(input: &[f64]) -> Vec<f64> {
 fn with_dead_band(dead_band: f64, input: &[f64]) -> Vec<f64> {
     let servo = ServoParameters {
         delay_s: 0.007,
-        pulse_end: None,
-        stiffness: 2500.0,
-        damping: 85.0,
         gain: 1.06,
-        offset: 0.0,
-        limit: None,
-        speed_limit: None,
         dead_band: Some(dead_band),
-        friction: None,
-        load: Load::None,
-        stops: Stops::default(),
+        ..ServoParameters::linear(2500.0, 85.0)
     };
     let (grid, start) = (
         Grid::new(0.005, 0.0, 1e-4),

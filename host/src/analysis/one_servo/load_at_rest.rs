@@ -39,23 +39,14 @@ fn of_load(servo: &ServoParameters, command: f64) -> Option<f64> {
 mod tests {
     use super::*;
     use servoid_identification::results::{Advice, Check};
-    use servoid_identification::servo_model::Stops;
 
     #[test]
     fn a_load_is_the_cause_where_the_zero_is_not() {
         let servo = |offset: f64, load: Load<f64>| ServoParameters {
             delay_s: 0.02,
-            pulse_end: None,
-            stiffness: 2000.0,
-            damping: 80.0,
-            gain: 1.0,
             offset,
-            limit: None,
-            speed_limit: None,
-            dead_band: None,
-            friction: None,
             load,
-            stops: Stops::default(),
+            ..ServoParameters::linear(2000.0, 80.0)
         };
         let found = of_load(&servo(0.02, Load::Constant(2000.0)), 5.0);
         assert!((found.unwrap() + 1.0).abs() < 1e-9, "{found:?}");

@@ -67,6 +67,14 @@ const OF_A_MACHINE: [QuantityKind; 10] = [
     QuantityKind::Offset,
 ];
 
+/// Those in which play of the gears shows, which no model has.
+const CHANGED_BY_PLAY: [QuantityKind; 4] = [
+    QuantityKind::Delay,
+    QuantityKind::Bandwidth,
+    QuantityKind::RestingError,
+    QuantityKind::DeadBand,
+];
+
 /// What else two of them may differ in.
 const OF_TWO_MACHINES: [QuantityKind; 5] = [
     QuantityKind::AccelerationUpwards,
@@ -434,7 +442,13 @@ pub(crate) fn of_both_machines(
             value: with_unit(value, &unit),
             below: match (below, pair.a.and(pair.b)) {
                 (Some(below), _) => below + &loads(pair),
-                (None, Some(_)) => "no interval".to_owned() + &loads(pair),
+                (None, Some(_)) => {
+                    let play = pair
+                        .kind()
+                        .is_some_and(|kind| CHANGED_BY_PLAY.contains(&kind));
+                    let play = if play { "; play changes it, too" } else { "" };
+                    format!("no interval{play}{}", loads(pair))
+                }
                 (None, None) => "of one side only".to_owned(),
             },
         }

@@ -84,7 +84,8 @@ pub(super) fn mark_other_strokes(
     }
 }
 
-/// The answers to all strokes in which the servo moves, or of which the history of the model leaves the end alone.
+/// The answers to all strokes in which the servo moves, or of which the history of the model leaves the end alone, and which are over when the next begins: those of a
+/// motion that goes on are answered together.
 fn answers(runs: &[Simulated<'_>], motions: &[Vec<f64>], moving: f64) -> Vec<Answer> {
     let mut answers = Vec::new();
     for (index, (simulated, motion)) in runs.iter().zip(motions).enumerate() {
@@ -94,10 +95,12 @@ fn answers(runs: &[Simulated<'_>], motions: &[Vec<f64>], moving: f64) -> Vec<Ans
             let Some(before) = hold.before else {
                 continue;
             };
+            let is_moving = |k: &usize| motion.get(*k).is_some_and(|q| *q > moving);
+            if is_moving(&(hold.samples.end - 1)) {
+                continue;
+            }
             let first_seen = first.filter(|first| hold.samples.contains(first));
-            let in_motion: Vec<usize> = (hold.samples.clone())
-                .filter(|k| motion.get(*k).is_some_and(|q| *q > moving))
-                .collect();
+            let in_motion: Vec<usize> = hold.samples.clone().filter(is_moving).collect();
             if let Some(half) = in_motion.get(in_motion.len() / 2).copied().or(first_seen) {
                 answers.push(Answer {
                     run: index,

@@ -47,12 +47,7 @@ impl TravelEnd {
     /// The ends under the highest and the lowest commands that are held, by the rests alone. Of a sensor with steps, what is short by no more
     /// is rounded.
     pub(crate) fn of_rests(record: &Record) -> [Option<Self>; 2] {
-        Self::of_rests_in(record, record)
-    }
-
-    /// The same of a `record` whose rests are those of `still`.
-    pub(super) fn of_rests_in(still: &Record, record: &Record) -> [Option<Self>; 2] {
-        of_rests(&rests(still), sensor_step(record).unwrap_or_default())
+        of_rests(&rests(record), sensor_step(record).unwrap_or_default())
             .map(|end| end.filter(|end| !end.is_passed(record)))
     }
 

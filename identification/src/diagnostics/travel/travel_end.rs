@@ -9,6 +9,7 @@
 //! A sensor with large steps brings different commands to one reading anywhere: what is short by no more than its rounding is no stop.
 
 use super::flat_end::TravelEnd;
+use super::rests::{Rest, rests};
 use crate::data::column::span;
 use crate::data::{Moments, Record, sensor_step};
 use crate::diagnostics::residuals::simulation_error::{
@@ -29,13 +30,19 @@ impl TravelEnd {
             return Self::of_rests(record);
         }
         let runs = simulated_whole(record, moments, fit);
-        let model = Rests {
+        let model = StaticLine {
             gain: fit.impulse().iter().sum(),
             offset: fit.solution.offset(),
             centre: moments.centre,
             settling: fit.coordinates.basis.settling(),
         };
-        let of_rests = Self::of_rests_in(&model.without_motion(record, &runs), record);
+        let still = rests(&model.without_motion(record, &runs));
+        let seen = rests(record);
+        let is_stop = |end: &Self| {
+            let both = model.short_of(&still, end).zip(model.short_of(&seen, end));
+            both.is_none_or(|(left, short)| left > LEFT_AT_REST * short)
+        };
+        let of_rests = Self::of_rests(record).map(|end| end.filter(is_stop));
         if of_rests.iter().any(Option::is_some) {
             return of_rests;
         }
@@ -44,8 +51,11 @@ impl TravelEnd {
     }
 }
 
+/// What is left of an end, as a share, where the servo is at rest there: of one that is the motion of a linear servo the model takes most.
+const LEFT_AT_REST: f64 = 0.5;
+
 /// Where the model rests. Inputs and outputs of it count from `centre`.
-struct Rests {
+struct StaticLine {
     gain: f64,
     offset: f64,
     centre: (f64, f64),
@@ -53,9 +63,21 @@ struct Rests {
     settling: usize,
 }
 
-impl Rests {
+impl StaticLine {
     fn under(&self, command: f64) -> f64 {
         self.gain * (command - self.centre.0) + self.offset
+    }
+
+    /// How far the `rests` under the commands of an `end` are from where the model rests, on average; `None` without any.
+    fn short_of(&self, rests: &[Rest], end: &TravelEnd) -> Option<f64> {
+        let (first, last) = end.commands;
+        let there = first.min(last)..=first.max(last);
+        let of_end = rests.iter().filter(|rest| there.contains(&rest.command));
+        let (sum, count) = of_end.fold((0.0, 0.0), |(sum, count), rest| {
+            let short = self.under(rest.command) + self.centre.1 - rest.output;
+            (sum + short, count + 1.0)
+        });
+        (count > 0.0).then(|| f64::abs(sum / count))
     }
 
     /// `record` as if the model was at rest under each command: a linear servo that still rings or creeps when a hold ends is not where it would rest.
@@ -101,7 +123,7 @@ struct Stroke {
 
 impl<'a> Touched<'a> {
     /// Those up (`sign` 1) or down (-1), of a sensor with steps of `step`.
-    fn by(runs: &'a [Simulated<'a>], sign: f64, step: f64, model: &Rests) -> Self {
+    fn by(runs: &'a [Simulated<'a>], sign: f64, step: f64, model: &StaticLine) -> Self {
         let mut all = Self {
             runs,
             strokes: Vec::new(),
@@ -172,7 +194,7 @@ fn are_apart(strokes: &[Stroke], gain: f64) -> bool {
 struct OneSide<'a> {
     run: &'a Simulated<'a>,
     sign: f64,
-    model: &'a Rests,
+    model: &'a StaticLine,
     /// What the output of the run counts from.
     zero: f64,
     /// The farthest output and the nearest one, times the sign.
@@ -181,7 +203,7 @@ struct OneSide<'a> {
 }
 
 impl<'a> OneSide<'a> {
-    fn new(run: &'a Simulated<'a>, sign: f64, model: &'a Rests) -> Self {
+    fn new(run: &'a Simulated<'a>, sign: f64, model: &'a StaticLine) -> Self {
         let outputs = || run.run.output().iter().map(|y| sign * y);
         Self {
             run,

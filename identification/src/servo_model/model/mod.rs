@@ -177,7 +177,7 @@ pub struct ServoFit {
     /// the noise at rest does. A bound like the others: `None` where bounds are withdrawn.
     pub discrepancy: Option<f64>,
     /// The same limit where bounds are withdrawn because the errors are not noise: how much of them the model lacks, and no bound. `None` elsewhere, and where the servo
-    /// is not seen at rest.
+    /// is not seen at rest, or what moves it there is as slow as the servo.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lacking: Option<f64>,
     /// Whether each run by itself leaves its servo nothing but noise where all of them together do not: the servo changed between the runs.

@@ -112,22 +112,12 @@ impl Stroke {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use servoid_dynamics::{DriveLimit, Load, Stops};
+    use servoid_dynamics::{DriveLimit, Stops};
 
     fn servo() -> ServoParameters {
         ServoParameters {
             delay_s: 0.02,
-            pulse_end: None,
-            stiffness: 6400.0,
-            damping: 160.0,
-            gain: 1.0,
-            offset: 0.0,
-            limit: None,
-            speed_limit: None,
-            dead_band: None,
-            friction: None,
-            load: Load::None,
-            stops: Stops::default(),
+            ..ServoParameters::linear(6400.0, 160.0)
         }
     }
 

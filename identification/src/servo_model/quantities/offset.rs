@@ -65,13 +65,8 @@ mod tests {
     fn the_edge_is_known_where_load_or_friction_decide_it() {
         let servo = |load: f64, coulomb: f64| ServoParameters {
             delay_s: 0.01,
-            pulse_end: None,
-            stiffness: 100.0,
-            damping: 20.0,
             gain: -2.0,
             offset: 1.0,
-            limit: None,
-            speed_limit: None,
             dead_band: Some(0.5),
             friction: Some(Friction {
                 coulomb,
@@ -79,7 +74,7 @@ mod tests {
                 at_rest: None,
             }),
             load: Load::Constant(load),
-            stops: Stops::default(),
+            ..ServoParameters::linear(100.0, 20.0)
         };
         // What holds the shaft is known to 10 either way.
         let is_known = |servo: ServoParameters| {
@@ -112,20 +107,13 @@ mod tests {
     fn a_stop_does_not_move_the_offset() {
         let in_pulses = ServoParameters {
             delay_s: 0.01,
-            pulse_end: None,
-            stiffness: 100.0,
-            damping: 20.0,
             gain: 0.09,
             offset: -135.0,
-            limit: None,
-            speed_limit: None,
-            dead_band: None,
-            friction: None,
-            load: Load::None,
             stops: Stops {
                 lower: Some(-40.0),
                 upper: None,
             },
+            ..ServoParameters::linear(100.0, 20.0)
         };
         assert_eq!(in_pulses.resting_output(0.0), -40.0);
         assert_eq!(at_rest(&in_pulses, 1500.0), Some(-135.0));

@@ -241,18 +241,12 @@ mod tests {
                 of_gears: 0.0,
             };
             wider.guessed(&ServoParameters {
-                delay_s: 0.0,
-                pulse_end: None,
-                stiffness: 100.0,
-                damping: 20.0,
                 gain: 0.9,
-                offset: 0.0,
-                limit: None,
-                speed_limit: None,
                 dead_band: Some(0.3),
                 friction: Some(friction),
                 load: Load::Constant(load),
                 stops,
+                ..ServoParameters::linear(100.0, 20.0)
             })
         };
         // The command of -10 leads to -9, which is not as far as -10, and to half a unit beyond a stop at -8.5.
@@ -274,26 +268,18 @@ mod tests {
         let record = record();
         let possible = PossibleStops::of(&record, &[], 1.0);
         let with = |rate| ServoParameters {
-            delay_s: 0.0,
-            pulse_end: None,
-            stiffness: 1000.0,
-            damping: 60.0,
-            gain: 1.0,
-            offset: 0.0,
             limit: Some(DriveLimit {
                 up: 1000.0,
                 down_to_up: 1.0,
                 motor_damping: 10.0,
                 at_one_stiffness: false,
             }),
-            speed_limit: None,
-            dead_band: None,
-            friction: None,
             load: Load::Spring {
                 constant: 0.0,
                 rate,
             },
             stops: possible.all,
+            ..ServoParameters::linear(1000.0, 60.0)
         };
         assert!(possible.may_be_load(&with(150.0)));
         assert!(!possible.may_be_load(&with(50.0)));

@@ -76,6 +76,14 @@ impl Uncertainty {
         errors(&self.rows)
     }
 
+    /// How much the model lacks at the most \[output, rms\]; `None` where nothing at rest shows what of the errors is noise.
+    pub(crate) fn lacking(&self) -> Option<f64> {
+        let noise = self.at_rest.as_ref()?;
+        noise
+            .averages_out(discrepancy::WINDOWS * self.window)
+            .then(|| self.discrepancy.min(self.root_mean_square()))
+    }
+
     /// Root mean square of the errors of the simulation \[output\].
     pub(crate) fn root_mean_square(&self) -> f64 {
         root_mean_square(&self.errors())

@@ -82,6 +82,11 @@ impl NoiseAtRest {
         known.map(|white| (white / self.sigma).powi(2)).sum()
     }
 
+    /// Whether it averages out over `settling` samples, in which the servo settles. What gusts do to a shaft at rest does not, and passes for noise of the sensor.
+    pub(super) fn averages_out(&self, settling: usize) -> bool {
+        self.variance_of_mean(settling) < 0.5 * self.variance_of_mean(1)
+    }
+
     /// Variance of the mean of `count` samples in a row.
     pub(crate) fn variance_of_mean(&self, count: usize) -> f64 {
         let known = self.covariance.iter().take(count).enumerate();

@@ -47,27 +47,20 @@ pub(super) fn held_back(parameters: &ServoParameters) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use servoid_dynamics::{Friction, Grid, Load, Start, Stops, simulate};
+    use servoid_dynamics::{Friction, Grid, Start, simulate};
 
     #[test]
     fn friction_and_dead_band_hold_what_they_say() {
         let servo = ServoParameters {
             delay_s: 0.01,
-            pulse_end: None,
-            stiffness: 900.0,
-            damping: 60.0,
             gain: 20.0,
-            offset: 0.0,
-            limit: None,
-            speed_limit: None,
             dead_band: Some(0.5),
             friction: Some(Friction {
                 coulomb: 4500.0,
                 of_gears: 0.0,
                 at_rest: None,
             }),
-            load: Load::None,
-            stops: Stops::default(),
+            ..ServoParameters::linear(900.0, 60.0)
         };
         assert_eq!(held_back(&servo), 5.5);
         let moved = |command: f64| {

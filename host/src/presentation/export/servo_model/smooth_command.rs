@@ -212,28 +212,19 @@ fn of_drive(servo: &ServoParameters, middle: f64, amplitude: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use servoid_dynamics::{DriveLimit, Load, Stops};
+    use servoid_dynamics::{DriveLimit, Load};
 
     #[test]
     fn a_sine_uses_the_drive_up_to_its_share() {
         let servo = ServoParameters {
-            delay_s: 0.0,
-            pulse_end: None,
-            stiffness: 900.0,
-            damping: 60.0,
-            gain: 1.0,
-            offset: 0.0,
             limit: Some(DriveLimit {
                 up: 1000.0,
                 down_to_up: 0.8,
                 motor_damping: 3.0,
                 at_one_stiffness: false,
             }),
-            speed_limit: None,
-            dead_band: None,
-            friction: None,
             load: Load::Constant(100.0),
-            stops: Stops::default(),
+            ..ServoParameters::linear(900.0, 60.0)
         };
         let (amplitude, omega) = (20.0, of_drive(&servo, 5.0, 20.0));
         let drive = |turn: f64| {

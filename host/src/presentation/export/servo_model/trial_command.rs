@@ -346,7 +346,7 @@ fn short(value: f64, size: f64, digits: i32, whole: fn(f64) -> f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use servoid_dynamics::{Load, Stops};
+    use servoid_dynamics::Stops;
 
     #[test]
     fn a_stop_cuts_strokes_of_the_position() {
@@ -361,18 +361,9 @@ mod tests {
         };
         let travel = |gain: f64, lower: Option<f64>, upper: Option<f64>| {
             trial.largest_travel(&ServoParameters {
-                delay_s: 0.0,
-                pulse_end: None,
-                stiffness: 900.0,
-                damping: 60.0,
                 gain,
-                offset: 0.0,
-                limit: None,
-                speed_limit: None,
-                dead_band: None,
-                friction: None,
-                load: Load::None,
                 stops: Stops { lower, upper },
+                ..ServoParameters::linear(900.0, 60.0)
             })
         };
         assert_eq!(travel(2.0, None, None), 40.0);

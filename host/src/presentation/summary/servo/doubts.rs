@@ -57,11 +57,14 @@ pub(super) fn hysteresis(model: &ServoModel, units: Units<'_>) -> Option<String>
     let found = model.unexplained_hysteresis()?;
     let unit = with_space(units.output);
     let Some(shown) = found.shown else {
-        return Some(
-            " Where it rests under one command depends on from where it comes, and how far its rests are apart at the most this recording does not show: play in the gears, of \
+        let mean = model.hysteresis.and_then(|mean| mean.value);
+        let mean = mean.map_or_else(String::new, |mean| {
+            format!(", by {}{unit} in the mean", digits(mean, 3))
+        });
+        return Some(format!(
+            " Where it rests under one command depends on from where it comes{mean}, and how far its rests are apart at the most this recording does not show: play in the gears, of \
              which the model has none, does that, as do a dead band and friction."
-                .to_owned(),
-        );
+        ));
     };
     let why = match found.explained {
         explained if explained >= shown => {

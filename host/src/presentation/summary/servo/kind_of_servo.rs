@@ -1,6 +1,6 @@
 //! What kind of servo it is: linear, limited, or neither.
 
-use servoid_identification::results::{Advice, Bounds, Model};
+use servoid_identification::results::{Advice, Bounds, Model, Reason};
 use servoid_identification::servo_model::{LinearKind, Quantity, QuantityKind, ServoModel};
 use servoid_identification::thresholds::SERVO_MATERIAL_ADVANTAGE;
 
@@ -25,7 +25,10 @@ pub(super) enum KindOfServo {
 impl KindOfServo {
     /// One that the `linear` model shows not to be linear is not called so for want of a term.
     pub(super) fn of(model: &ServoModel, linear: &Model) -> Self {
-        let shown_not_linear = !linear.linear || linear.advice.iter().any(Advice::is_of_linearity);
+        let is_said = linear.advice.iter().any(Advice::is_of_linearity);
+        let shown_not_linear = !linear.linear || is_said;
+        // Errors under a reference that does not excite all of the response may be those of what was left out.
+        let is_open = !is_said && linear.bounds.withdrawn() == Some(Reason::InputUnexcited);
         let nearly = is_nearly_linear(model);
         match model.covariance {
             Bounds::Withdrawn(_) if nearly && shown_not_linear => Self::NotQuiteLinear,
@@ -35,6 +38,7 @@ impl KindOfServo {
             Bounds::Withdrawn(_) if model.is_linear() && !model.stops.are_none() => {
                 Self::LinearToStop
             }
+            Bounds::Withdrawn(_) if is_open && model.is_linear() => Self::LinearAsMachine,
             Bounds::Withdrawn(_) if shown_not_linear && model.is_linear() => Self::NotLinearUnshown,
             Bounds::Withdrawn(_) if shown_not_linear => Self::NotLinear,
             // Terms of the drive stand for what a linear servo of higher order has, too.

@@ -40,6 +40,7 @@ impl ServoRemarks {
             whole_stroke(model, units),
             against_the_model(model, units),
             one_unreached(model, units),
+            where_strokes_end(model),
             whose_controller(document),
         ];
         let advice = advice_on_servo_model(document)
@@ -85,6 +86,19 @@ const AS_RECORDED: &str = "Intervals are of the servo as it was recorded: where 
 /// What stands in the place of intervals where none hold.
 const OTHER_FITS: &str = "Other fits, to parts of the recording and with other terms, come to figures that far apart. That is no interval: what the model lacks is \
     in all of them, and the truth may lie outside.";
+
+/// What the resting error is where friction at rest is open.
+fn where_strokes_end(model: &ServoModel) -> Option<String> {
+    let is_determined = |kind| Some(model.quantity(kind)?.determined);
+    let is_open = is_determined(QuantityKind::RestingError)?
+        && !is_determined(QuantityKind::FrictionAtRest)?
+        && model.covariance.valid().is_some();
+    is_open.then(|| {
+        "The resting error is that with which strokes end. Friction at rest that is gone as soon as the shaft turns does not show in them: once at rest, it holds the shaft \
+         farther off."
+            .to_owned()
+    })
+}
 
 /// Which controller the quantities are of, and how much stiffer the others are, where there are several.
 fn whose_controller(document: &ServoModelDocument) -> Option<String> {
