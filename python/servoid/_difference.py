@@ -70,7 +70,7 @@ class DifferenceCurve:
     delay_shift_s : Interval
         By how much the second is later (s).
     shift_leaves_percent : float or None
-        What such a delay surely leaves unexplained (% of the final value).
+        What such a delay leaves unexplained by the estimates, without bounds (% of the final value).
     shift_between_rows_percent : float or None
         By how much more that may be, as nobody knows a response between its samples.
     """

@@ -89,7 +89,9 @@ fn none_because(reason: Reason) -> String {
         Reason::QuantisationAboveNoise => {
             "take a reference with sharp edges, or a sensor with finer steps"
         }
-        Reason::BeyondRecord => "plan with a model of a recording with strokes as large as these",
+        Reason::BeyondRecord => {
+            "plan with a model of a recording with strokes as large and as quick as these"
+        }
         Reason::SineOpen => "take a larger sine",
         Reason::ServoStopped => "take a model of what is before the servo stops",
         Reason::CommandsBetweenRows => "read the model's recording with --polled",

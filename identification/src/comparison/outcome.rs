@@ -61,8 +61,8 @@ pub struct DifferenceCurve {
     pub bounds: Bounds<CurveBounds>,
     /// The delay shift on these strokes alone \[s\], as [`Comparison::delay_shift_s`].
     pub delay_shift_s: Interval,
-    /// How far apart the responses surely are where that shift leaves them farthest \[% of their final
-    /// values\]: zero when a delay is all that lies between them.
+    /// How far apart the estimated responses are where that shift leaves them farthest, less what the curve between samples may make \[% of their final
+    /// values\], without bounds: zero when a delay is all that lies between them.
     pub shift_leaves_percent: Option<f64>,
     /// By how much more they may be, as nobody knows a response between its samples \[likewise\].
     #[serde(default)]

@@ -184,7 +184,7 @@ fn by_time_alone(found: &Comparison) -> String {
                 .to_owned()
         }
         ShiftIs::NotAll(left) => format!(
-            " That is not all: behind the shift that brings them closest the responses, each relative to its own end, still differ by up to {left:.1} %."
+            " That is not all: behind the shift that brings them closest the responses, each relative to its own end, still differ by up to about {left:.1} %."
         ),
         ShiftIs::Unknown => String::new(),
     }

@@ -133,7 +133,9 @@ impl Reason {
             Self::ErrorsNotNoise => "the errors are not noise",
             Self::NeverAtRest => "the servo is hardly ever at rest, so nothing shows what is noise",
             Self::QuantisationAboveNoise => "the steps of the sensor are larger than the noise",
-            Self::BeyondRecord => "the command has larger strokes than the recording",
+            Self::BeyondRecord => {
+                "the command is farther ahead of the servo than in the recording, by larger or quicker strokes"
+            }
             Self::SineOpen => "the recording does not determine the response to such a sine",
             Self::ResponseNotOver => "the response is not seen to end within the settling time",
             Self::EndUnseen => "the reference does not show whether the response is over",

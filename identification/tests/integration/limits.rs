@@ -1,10 +1,12 @@
 //! No limit is found in a linear servo; those that are there are found.
 
+use rand::RngExt;
 use rayon::prelude::*;
 use servoid_identification::nonlinear::{Limits, RateVerdict};
 use servoid_identification::results::Check;
-use servoid_identification::{Options, Record, Settling, identify};
+use servoid_identification::{Options, Record, Run, Settling, identify};
 
+use servoid_test_support::plants::random;
 use servoid_test_support::servos::{
     Limit, Linear, PERIOD, limited, measured, sizes, staircase, stairs,
 };
@@ -55,6 +57,34 @@ fn a_stop_is_not_claimed_of_one_command() {
         assert!(!travel_end.contains("The output stops"));
         assert!(high.as_ref().unwrap().contains(end), "{high:?}");
     }
+}
+
+/// Three runs of random levels, which end after 0.15 to 0.45 s while a servo rings about where it comes to rest.
+fn of_one_that_rings(seed: u64) -> Record<'static> {
+    let mut random = random(seed);
+    let mut input = vec![0.0; 200];
+    while input.len() < 4000 {
+        let level = 0.1 * f64::from(random.random_range(-100..=100));
+        input.extend(std::iter::repeat_n(level, random.random_range(76..226)));
+    }
+    let servo = Linear::second_order(1.02, 0.007, 0.45, 55.0);
+    let clean = servo.respond(&input, 0.0, 0.0);
+    let run = |run: u64| Run::new(input.clone(), measured(&clean, 1.0, 3 * seed + run)).unwrap();
+    Record::new(PERIOD, (0..3).map(run).collect()).unwrap()
+}
+
+/// A hold that ends early leaves the output as far from its rest as a stop would.
+#[test]
+fn a_linear_servo_that_rings_is_not_said_to_stop() {
+    let stops: Vec<u64> = (0..16)
+        .into_par_iter()
+        .filter(|seed| {
+            let model = identify(&of_one_that_rings(*seed), &Options::default()).unwrap();
+            let mut advice = model.advice.iter();
+            advice.any(|advice| advice.check == Check::TravelEnd)
+        })
+        .collect();
+    assert!(stops.is_empty(), "{stops:?}");
 }
 
 /// The output does not move between 4 and 6: it rests there, though it goes no way.

@@ -168,4 +168,17 @@ mod tests {
         let exact = 25.0 / 1000.0;
         assert!((found.variance_of_mean(1000) / exact - 1.0).abs() < 0.25);
     }
+
+    /// Over 50 samples, in which a servo settles: noise of a sensor that remembers five averages out, and gusts that last for a hundred do not.
+    #[test]
+    fn what_is_as_slow_as_the_servo_does_not_average_out() {
+        let of_pole = |pole: f64| {
+            let covariance = (0..=HIGHEST_ORDER as i32)
+                .map(|lag| pole.powi(lag))
+                .collect();
+            NoiseAtRest::of_covariance(covariance, 10_000).averages_out(50)
+        };
+        assert!(of_pole(0.0) && of_pole(0.8));
+        assert!(!of_pole(0.99));
+    }
 }

@@ -62,7 +62,16 @@ fn holds_alike(model: &ServoModel) -> bool {
         !found.determined && found.kind().is_some_and(of_friction)
     };
     let misses = model.covariance.withdrawn() == Some(Reason::ErrorsNotNoise);
-    is_held && (misses && !has_both || model.quantities.iter().any(is_open))
+    // Of a model that has one of the two, an interval from 0 on is that the other may be all of it.
+    let may_be_none = |found: &Quantity| {
+        let is_one = [QuantityKind::DeadBand, QuantityKind::RestingError]
+            .map(Some)
+            .contains(&found.kind());
+        let interval = found.interval.valid();
+        is_one && interval.is_some_and(|interval| interval.lower == Some(0.0))
+    };
+    let one_or_the_other = !has_both && model.quantities.iter().any(may_be_none);
+    is_held && (misses && !has_both || one_or_the_other || model.quantities.iter().any(is_open))
 }
 
 /// Said of a servo that was faster than any stroke let it show.
@@ -160,6 +169,7 @@ mod tests {
         let options = servoid_identification::servo_model::ServoModelOptions::default();
         let model = servoid_identification::servo_model::fit(&record, &options).unwrap();
         let mut document = document(model, false);
+        let valid = document.model.covariance.clone();
         document.model.hysteresis = Some(Interval::new(0.4, 0.3, 0.5));
         let advised = |document: &ServoModelDocument| {
             advice_on_servo_model(document).contains(&STAIRS_DO_NOT_SEPARATE)
@@ -173,6 +183,15 @@ mod tests {
         assert!(!advised(&document));
         document.model.covariance = Bounds::Withdrawn(Reason::TravelEnd);
         assert!(!advised(&document));
+        // An interval from 0 on: all of it may be a dead band.
+        document.model.covariance = valid;
+        for (lower, is_advised) in [(0.0, true), (0.1, false)] {
+            document.model.quantities = vec![Quantity {
+                interval: Bounds::Valid(Interval::new(0.2, lower, 0.3)),
+                ..quantity("resting error by friction", true)
+            }];
+            assert_eq!(advised(&document), is_advised, "{lower}");
+        }
     }
 
     fn document(model: ServoModel, is_of_rows: bool) -> ServoModelDocument {

@@ -218,7 +218,9 @@ fn delay_shifts(found: &Comparison, bounds: &ComparisonBounds) -> Vec<String> {
     let milliseconds = |shift: &Interval| with_bounds(shift, " ms", |s| signed(1e3 * s, 2));
     let of = |curve: &DifferenceCurve, way: &str| {
         let rest = curve.shift_leaves_percent.map_or_else(String::new, |rest| {
-            format!("; the shifted curves still differ by up to {rest:.1} % of the final value")
+            format!(
+                "; the shifted curves still differ by up to about {rest:.1} % of the final value"
+            )
         });
         milliseconds(&curve.delay_shift_s) + way + &rest
     };
