@@ -84,12 +84,16 @@ impl Reason {
         matches!(self, Self::InputUnexcited | Self::ResponseNotOver)
     }
 
-    /// Whether the rests of a record without bounds for this reason are those of one servo: one that meets a stop has all others as ever.
+    /// Whether the rests of a record without bounds for this reason are those of one servo: one that meets a stop has all others as ever, and when commands change is
+    /// nothing to where it rests.
     #[must_use]
     pub fn leaves_rests(self) -> bool {
         matches!(
             self,
-            Self::TravelEnd | Self::TravelEndOpen | Self::LoadHoldsDrive
+            Self::CommandsBetweenRows
+                | Self::TravelEnd
+                | Self::TravelEndOpen
+                | Self::LoadHoldsDrive
         )
     }
 

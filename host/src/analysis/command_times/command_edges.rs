@@ -112,15 +112,15 @@ fn between_rows(rows: f64, model: &Model) -> Advice {
     Advice::new(
         Check::CommandsBetweenRows,
         format!(
-            "{}, about the time between rows, as if commands changed between them. A logger with a clock of its own does that: then all \
-             times are half a row, {}, too early, which no bound contains, and errors follow the motion of a linear servo, too.",
+            "{}, about the time between rows, as if commands changed between them. A logger with a clock of its own does that, and friction does in some recordings: by \
+             such a logger all times are half a row, {}, too early, which no bound contains, and errors follow the motion of a linear servo, too.",
             scatter_in_words(rows * period_s),
             in_words(0.5 * period_s)
         ),
         rows,
         *ONE_ROW.start(),
-        "If such a logger wrote the file, say --polled: times are corrected, and their intervals allow for the rest. If the pulses of the \
-         servo are as far apart as the rows, do not: then all times contain the mean wait for a pulse, half a row. Better, record by the clock \
+        "If such a logger wrote the file, say --polled: times are corrected, and their intervals allow for the rest. If each command was written when it changed, another recording \
+         of the kind may have bounds. If the pulses of the servo are as far apart as the rows, do not: then all times contain the mean wait for a pulse, half a row. Better, record by the clock \
          of the commands.",
     )
 }

@@ -21,7 +21,13 @@ pub(super) struct Rest {
 
 /// Command and mean output of the holds in which the output comes to rest, by the command.
 pub(super) fn rests(record: &Record) -> Vec<Rest> {
-    let by_run: Vec<Vec<(f64, f64)>> = record.runs().iter().map(rests_of).collect();
+    rests_with_outputs_of(record, record)
+}
+
+/// The same with the outputs that `still` has there.
+pub(super) fn rests_with_outputs_of(record: &Record, still: &Record) -> Vec<Rest> {
+    let both = record.runs().iter().zip(still.runs());
+    let by_run: Vec<Vec<(f64, f64)>> = both.map(|(run, still)| rests_of(run, still)).collect();
     let has_enough = |rests: &Vec<(f64, f64)>| rests.len() >= FEWEST;
     let show_offsets = by_run.iter().any(has_enough);
     let of_run = |(run, rests): (usize, &Vec<(f64, f64)>)| {
@@ -43,7 +49,7 @@ pub(super) fn rests(record: &Record) -> Vec<Rest> {
 /// are where it turns round.
 ///
 /// One in which the output stays where it was is a rest, too: there is no way between commands beyond a stop.
-fn rests_of(run: &Run<'_>) -> Vec<(f64, f64)> {
+fn rests_of(run: &Run<'_>, still: &Run<'_>) -> Vec<(f64, f64)> {
     let range = |column: &[f64]| span(column.iter().copied()).unwrap_or_default();
     let gain = range(run.output()) / range(run.input());
     let ends = |hold: &Hold| {
@@ -55,7 +61,7 @@ fn rests_of(run: &Run<'_>) -> Vec<(f64, f64)> {
         let start = run.output()[hold.samples.start];
         Some(HoldEnd {
             command: hold.level,
-            rest: 0.5 * (first + second),
+            rest: mean_output(still, last)?,
             left: (second - first).abs(),
             way: (second - start).abs(),
             asked: gain * (hold.level - hold.before?).abs(),

@@ -9,7 +9,7 @@
 //! A sensor with large steps brings different commands to one reading anywhere: what is short by no more than its rounding is no stop.
 
 use super::flat_end::TravelEnd;
-use super::rests::{Rest, rests};
+use super::rests::{Rest, rests, rests_with_outputs_of};
 use crate::data::column::span;
 use crate::data::{Moments, Record, sensor_step};
 use crate::diagnostics::residuals::simulation_error::{
@@ -36,12 +36,10 @@ impl TravelEnd {
             centre: moments.centre,
             settling: fit.coordinates.basis.settling(),
         };
-        let still = rests(&model.without_motion(record, &runs));
+        let still = rests_with_outputs_of(record, &model.without_motion(record, &runs));
         let seen = rests(record);
-        let is_stop = |end: &Self| {
-            let both = model.short_of(&still, end).zip(model.short_of(&seen, end));
-            both.is_none_or(|(left, short)| left > LEFT_AT_REST * short)
-        };
+        let is_stop =
+            |end: &Self| model.short_of(&still, end) > LEFT_AT_REST * model.short_of(&seen, end);
         let of_rests = Self::of_rests(record).map(|end| end.filter(is_stop));
         if of_rests.iter().any(Option::is_some) {
             return of_rests;
@@ -68,8 +66,8 @@ impl StaticLine {
         self.gain * (command - self.centre.0) + self.offset
     }
 
-    /// How far the `rests` under the commands of an `end` are from where the model rests, on average; `None` without any.
-    fn short_of(&self, rests: &[Rest], end: &TravelEnd) -> Option<f64> {
+    /// How far the `rests` under the commands of an `end` are from where the model rests, on average.
+    fn short_of(&self, rests: &[Rest], end: &TravelEnd) -> f64 {
         let (first, last) = end.commands;
         let there = first.min(last)..=first.max(last);
         let of_end = rests.iter().filter(|rest| there.contains(&rest.command));
@@ -77,7 +75,7 @@ impl StaticLine {
             let short = self.under(rest.command) + self.centre.1 - rest.output;
             (sum + short, count + 1.0)
         });
-        (count > 0.0).then(|| f64::abs(sum / count))
+        f64::abs(sum / count)
     }
 
     /// `record` as if the model was at rest under each command: a linear servo that still rings or creeps when a hold ends is not where it would rest.

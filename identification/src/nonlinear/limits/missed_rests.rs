@@ -18,14 +18,25 @@ pub struct MissedRest {
     pub modelled: f64,
 }
 
-/// Of the lowest and the highest command that was visited, those whose rests in `modelled`, visit by visit, are off by more than 1 % of the way between the farthest
+/// Of the lowest and the highest command that was visited, where these are at the ends of all `commanded`, those whose rests in `modelled`, visit by visit, are off by more than 1 % of the way between the farthest
 /// rests, by more than rests under one command are `apart` \[output\], and by more than the scatter of what the others are off by.
-pub(super) fn missed(measured: &[Visit], modelled: &[Visit], apart: f64) -> Vec<MissedRest> {
+pub(super) fn missed(
+    measured: &[Visit],
+    modelled: &[Visit],
+    apart: f64,
+    commanded: [f64; 2],
+) -> Vec<MissedRest> {
     let Some(way) = span(measured.iter().map(|visit| visit.rest)) else {
         return Vec::new();
     };
     let commands = || measured.iter().map(|visit| visit.command);
-    let ends = [commands().reduce(f64::min), commands().reduce(f64::max)];
+    // Under commands that move on, the servo rests for a moment anywhere.
+    let [least, largest] = commanded;
+    let [low, high] = [0.25, 0.75].map(|part| least + part * (largest - least));
+    let ends = [
+        commands().reduce(f64::min).filter(|at| *at < low),
+        commands().reduce(f64::max).filter(|at| *at > high),
+    ];
     let off: Vec<(f64, f64)> = (measured.iter().zip(modelled))
         .map(|(seen, model)| (seen.command, seen.rest - model.rest))
         .collect();
@@ -76,10 +87,12 @@ mod tests {
             measured: 6.5,
             modelled: 8.1,
         };
-        assert_eq!(missed(&measured, &modelled, 0.0), [expected]);
+        assert_eq!(missed(&measured, &modelled, 0.0, [-4.0, 8.0]), [expected]);
+        // A stick that goes on to 20 rested there for a moment.
+        assert!(missed(&measured, &modelled, 0.0, [-20.0, 20.0]).is_empty());
         // Rests that friction keeps as far apart show nothing.
-        assert!(missed(&measured, &modelled, 1.55).is_empty());
-        assert!(missed(&measured, &visits(6.5, 0.1), 0.0).is_empty());
+        assert!(missed(&measured, &modelled, 1.55, [-4.0, 8.0]).is_empty());
+        assert!(missed(&measured, &visits(6.5, 0.1), 0.0, [-4.0, 8.0]).is_empty());
     }
 
     /// Gusts: the one visit of the highest command is off by no more than others.
@@ -99,8 +112,8 @@ mod tests {
         };
         let modelled = rests([0.0; 6]);
         let gusts = rests([0.4, -0.3, -0.5, 0.5, -0.4, 0.2]);
-        assert!(missed(&gusts, &modelled, 0.0).is_empty());
+        assert!(missed(&gusts, &modelled, 0.0, [-4.0, 8.0]).is_empty());
         let calm = rests([0.01, -0.02, -0.5, 0.01, 0.02, 0.0]);
-        assert_eq!(missed(&calm, &modelled, 0.0).len(), 1);
+        assert_eq!(missed(&calm, &modelled, 0.0, [-4.0, 8.0]).len(), 1);
     }
 }

@@ -163,7 +163,12 @@ pub fn missed_rests(
     let settling = settling(record, model);
     let [measured, modelled] =
         [record.runs(), &by_model].map(|runs| visits(runs, settling).concat());
-    missed_rests::missed(&measured, &modelled, apart)
+    let inputs = || record.inputs().filter(|input| !input.is_nan());
+    let commanded = [
+        inputs().fold(f64::INFINITY, f64::min),
+        inputs().fold(f64::NEG_INFINITY, f64::max),
+    ];
+    missed_rests::missed(&measured, &modelled, apart, commanded)
 }
 
 /// Where a servo rests in a record: what the level table and the distance of rests are made of.

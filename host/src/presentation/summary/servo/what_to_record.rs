@@ -169,7 +169,6 @@ mod tests {
         let options = servoid_identification::servo_model::ServoModelOptions::default();
         let model = servoid_identification::servo_model::fit(&record, &options).unwrap();
         let mut document = document(model, false);
-        let valid = document.model.covariance.clone();
         document.model.hysteresis = Some(Interval::new(0.4, 0.3, 0.5));
         let advised = |document: &ServoModelDocument| {
             advice_on_servo_model(document).contains(&STAIRS_DO_NOT_SEPARATE)
@@ -183,14 +182,26 @@ mod tests {
         assert!(!advised(&document));
         document.model.covariance = Bounds::Withdrawn(Reason::TravelEnd);
         assert!(!advised(&document));
-        // An interval from 0 on: all of it may be a dead band.
-        document.model.covariance = valid;
+    }
+
+    /// Of an interval from 0 on, all of it may be a dead band.
+    #[test]
+    fn friction_that_may_be_none_may_be_a_dead_band() {
         for (lower, is_advised) in [(0.0, true), (0.1, false)] {
-            document.model.quantities = vec![Quantity {
+            let mut model = limited_servo();
+            (model.terms.friction, model.terms.dead_band) = (true, false);
+            // Not for the errors, which have advice of their own.
+            model.covariance = Bounds::Withdrawn(Reason::TravelEnd);
+            model.quantities = vec![Quantity {
                 interval: Bounds::Valid(Interval::new(0.2, lower, 0.3)),
                 ..quantity("resting error by friction", true)
             }];
-            assert_eq!(advised(&document), is_advised, "{lower}");
+            let advice = advice_on_servo_model(&document(model, false));
+            assert_eq!(
+                advice.contains(&STAIRS_DO_NOT_SEPARATE),
+                is_advised,
+                "{lower}"
+            );
         }
     }
 
