@@ -17,7 +17,7 @@ use servoid_identification::comparison::{
     Comparison, ComparisonOptions, SCHEMA, SIDES, ServoModelComparison, Subject, Verdict, compare,
     compare_models,
 };
-use servoid_identification::results::{Advice, Model, Reason, six_digits};
+use servoid_identification::results::{Advice, Check, Model, Reason, six_digits};
 use servoid_identification::servo_model::Watch;
 use servoid_identification::{Error, Identification};
 
@@ -64,11 +64,15 @@ pub fn compared(
     Ok(found)
 }
 
-/// That commands of a side wait for pulses, by its model alone, which is linear beside that: the models of a comparison know no frames.
+/// That commands of a side change between the rows, or wait for pulses, by its model alone, which is linear beside that: the models of a comparison know no frames.
 fn waits(own: &[Option<Identification>; 2], names: [&str; 2]) -> Vec<Advice> {
     let of_side = |(found, name): (&Option<Identification>, &str)| {
-        let model = &found.as_ref().filter(|found| found.model.linear)?.model;
-        let mut found = model.advice.iter().find(|item| item.is_of_waits())?.clone();
+        let model = &found.as_ref()?.model;
+        let is_of_commands = |item: &&Advice| {
+            let is_of_waits = model.linear && item.is_of_waits();
+            is_of_waits || item.check == Check::CommandsBetweenRows
+        };
+        let mut found = model.advice.iter().find(is_of_commands)?.clone();
         found.finding = format!(
             "{name}: {} Where a servo is said not to be linear here, that may be these waits.",
             found.finding

@@ -29,7 +29,8 @@ impl ServoModel {
     }
 
     /// How far off the middle friction and a dead band of the model hold the shaft under the commands of the record, where they do most \[units of the command\]. Friction of
-    /// gears under load holds it farther than without. A command under which the load stalls the drive has no such rest.
+    /// gears under load holds it farther than without. A command under which the load stalls the drive has no such rest. Of a file without its
+    /// commands, under command 0.
     #[must_use]
     pub fn held_at_rest(&self) -> f64 {
         let servo = self.parameters(0);
@@ -44,7 +45,7 @@ impl ServoModel {
         };
         let commands = self
             .commands
-            .map_or_else(Vec::new, |of| vec![of.least, of.middle(), of.largest]);
+            .map_or_else(|| vec![0.0], |of| vec![of.least, of.middle(), of.largest]);
         let held = commands.into_iter().filter(is_held).map(|command| {
             let [low, high] = servo.staying_angles(command);
             0.5 * (high - low)

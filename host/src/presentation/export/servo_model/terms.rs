@@ -120,7 +120,7 @@ impl ServoExport<'_> {
                 let factor = four_digits(1.0 + rest.excess);
                 let speed = four_digits(rest.speed);
                 (factor != four_digits(1.0)).then(|| {
-                    format!("the excess of friction at rest, which is {factor} times that in motion and falls around {speed} {command}/s")
+                    format!("what friction at rest is beyond that in motion (it is {factor} times that, and falls around {speed} {command}/s)")
                 })
             }
             Term::ConstantLoad | Term::Weight | Term::Spring | Term::StiffeningLoad => {

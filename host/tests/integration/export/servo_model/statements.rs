@@ -61,7 +61,7 @@ fn what_a_target_lacks_is_named_with_its_value() {
         (
             "full",
             "mujoco",
-            "the excess of friction at rest, which is 1.600 times that in motion",
+            "what friction at rest is beyond that in motion (it is 1.600 times that",
         ),
         (
             "full",
@@ -471,7 +471,7 @@ fn a_stated_frame_is_doubted_where_the_recording_is_not_of_servoid() {
         );
         let stated = of(&foreign, &["--frame-ms", "20"]);
         assert!(
-            stated.contains("this file is then 10.00 ms too late"),
+            stated.contains("commands with this hold are then 10.00 ms too late"),
             "{stated}"
         );
         for frame in [&[][..], &["--frame-ms", "10"]] {
