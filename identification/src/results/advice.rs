@@ -368,6 +368,12 @@ impl Advice {
         matches!(self.check, Check::Linearity | Check::ModelError)
     }
 
+    /// Whether it says that commands change between the rows.
+    #[must_use]
+    pub fn is_of_commands_between_rows(&self) -> bool {
+        self.check == Check::CommandsBetweenRows
+    }
+
     /// Whether it says that commands wait for moments of their own.
     #[must_use]
     pub fn is_of_waits(&self) -> bool {

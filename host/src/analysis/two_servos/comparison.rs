@@ -17,7 +17,7 @@ use servoid_identification::comparison::{
     Comparison, ComparisonOptions, SCHEMA, SIDES, ServoModelComparison, Subject, Verdict, compare,
     compare_models,
 };
-use servoid_identification::results::{Advice, Check, Model, Reason, six_digits};
+use servoid_identification::results::{Advice, Model, Reason, six_digits};
 use servoid_identification::servo_model::Watch;
 use servoid_identification::{Error, Identification};
 
@@ -70,7 +70,7 @@ fn waits(own: &[Option<Identification>; 2], names: [&str; 2]) -> Vec<Advice> {
         let model = &found.as_ref()?.model;
         let is_of_commands = |item: &&Advice| {
             let is_of_waits = model.linear && item.is_of_waits();
-            is_of_waits || item.check == Check::CommandsBetweenRows
+            is_of_waits || item.is_of_commands_between_rows()
         };
         let mut found = model.advice.iter().find(is_of_commands)?.clone();
         found.finding = format!(
