@@ -48,7 +48,7 @@ pub fn compared(
     let same = fingerprint::advice_on_sides(&prints_a, &prints_b);
     let overlap = || fingerprint::advice_on_overlap(&a.record, &b.record);
     say_same_data(&mut found, same.or_else(overlap));
-    found.advice.splice(0..0, waits(&own, names));
+    found.advice.splice(0..0, times_of_commands(&own, names));
     if a.about.units().output.is_none() {
         let advice = advice_on_units(names, [a.record.runs(), b.record.runs()]);
         found.advice.splice(0..0, advice);
@@ -65,7 +65,7 @@ pub fn compared(
 }
 
 /// That commands of a side change between the rows, or wait for pulses, by its model alone, which is linear beside that: the models of a comparison know no frames.
-fn waits(own: &[Option<Identification>; 2], names: [&str; 2]) -> Vec<Advice> {
+fn times_of_commands(own: &[Option<Identification>; 2], names: [&str; 2]) -> Vec<Advice> {
     let of_side = |(found, name): (&Option<Identification>, &str)| {
         let model = &found.as_ref()?.model;
         let is_of_commands = |item: &&Advice| {
@@ -73,10 +73,11 @@ fn waits(own: &[Option<Identification>; 2], names: [&str; 2]) -> Vec<Advice> {
             is_of_waits || item.is_of_commands_between_rows()
         };
         let mut found = model.advice.iter().find(is_of_commands)?.clone();
-        found.finding = format!(
-            "{name}: {} Where a servo is said not to be linear here, that may be these waits.",
-            found.finding
-        );
+        let waits = match found.is_of_waits() {
+            true => " Where a servo is said not to be linear here, that may be these waits.",
+            false => "",
+        };
+        found.finding = format!("{name}: {}{waits}", found.finding);
         Some(found)
     };
     own.iter().zip(names).filter_map(of_side).collect()

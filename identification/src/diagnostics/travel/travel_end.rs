@@ -36,13 +36,17 @@ impl TravelEnd {
             centre: moments.centre,
             settling: fit.coordinates.basis.settling(),
         };
-        let still = rests_with_outputs_of(record, &model.without_motion(record, &runs));
-        let seen = rests(record);
-        let is_stop =
-            |end: &Self| model.short_of(&still, end) > LEFT_AT_REST * model.short_of(&seen, end);
-        let of_rests = Self::of_rests(record).map(|end| end.filter(is_stop));
+        let of_rests = Self::of_rests(record);
         if of_rests.iter().any(Option::is_some) {
-            return of_rests;
+            let still = rests_with_outputs_of(record, &model.without_motion(record, &runs));
+            let seen = rests(record);
+            let is_stop = |end: &Self| {
+                model.short_of(&still, end) > LEFT_AT_REST * model.short_of(&seen, end)
+            };
+            let stops = of_rests.map(|end| end.filter(is_stop));
+            if stops.iter().any(Option::is_some) {
+                return stops;
+            }
         }
         let step = sensor_step(record).unwrap_or_default();
         [1.0, -1.0].map(|sign| Touched::by(&runs, sign, step, &model).end(fit, model.gain))

@@ -22,6 +22,7 @@ mod visits;
 
 use serde::{Deserialize, Serialize};
 
+use crate::data::column::extent;
 use crate::data::{EXACTLY, Record, Run, holds, sensor_step, shorter_exact_hold, usual_exact_hold};
 use crate::diagnostics::followed_after;
 use crate::results::{Interval, Model};
@@ -163,12 +164,10 @@ pub fn missed_rests(
     let settling = settling(record, model);
     let [measured, modelled] =
         [record.runs(), &by_model].map(|runs| visits(runs, settling).concat());
-    let inputs = || record.inputs().filter(|input| !input.is_nan());
-    let commanded = [
-        inputs().fold(f64::INFINITY, f64::min),
-        inputs().fold(f64::NEG_INFINITY, f64::max),
-    ];
-    missed_rests::missed(&measured, &modelled, apart, commanded)
+    let commanded = extent(record.inputs());
+    commanded.map_or_else(Vec::new, |(least, largest)| {
+        missed_rests::missed(&measured, &modelled, apart, [least, largest])
+    })
 }
 
 /// Where a servo rests in a record: what the level table and the distance of rests are made of.
