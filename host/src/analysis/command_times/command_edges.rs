@@ -21,8 +21,8 @@ use servoid_identification::results::{Advice, Check, Model, Reason};
 use servoid_identification::{Identification, Options, Run};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Fewest answers by which one scatter is distinguished from another.
-const FEWEST: usize = 20;
+/// Fewest answers, beside those of which means are taken out, by which one scatter is distinguished from another.
+const FEWEST: usize = 5;
 
 /// Answers to small changes, in parts of the usual weight, are too noisy to count.
 const SMALL: f64 = 0.25;
@@ -34,21 +34,21 @@ const MOST_NOISE: f64 = 0.25;
 /// to these.
 const EVEN_KURTOSIS: std::ops::Range<f64> = 1.4..2.4;
 
-/// Scatters that are taken for one row \[rows\]: they are known to a fifth or so.
-const ONE_ROW: std::ops::RangeInclusive<f64> = 0.7..=1.3;
+/// Scatters that are taken for one row \[rows\]: of ten answers they are known to a sixth.
+const ONE_ROW: std::ops::RangeInclusive<f64> = 0.6..=1.3;
 
 /// The longest frame of pulses, or cycle of a controller \[s\].
 const LONGEST_FRAME_S: f64 = 0.05;
 
-/// Share of the scatter that may follow the size or the direction of the strokes.
-const MOST_BY_STROKE: f64 = 0.3;
+/// Share of the scatter that may follow the size or the direction of the strokes: of ten answers to a clock, a third by chance.
+const MOST_BY_STROKE: f64 = 0.5;
 
 /// Share of the scatter that equal strokes have among themselves, below which it is of the strokes: moments of a clock of its own are others each time.
 const LEAST_AMONG_EQUAL: f64 = 0.5;
 
-/// Squared correlation of the times with those beside the size of the stroke, below which they are of its size: of commands between rows it is 0.8 or more, and behind a
-/// dead band 0.1 or less.
-const SAME_TIMES: f64 = 0.5;
+/// Squared correlation of the times with those beside the size of the stroke, below which they are of its size: of commands between rows it is 0.94 or more, behind a
+/// dead band and with friction mostly less than 0.5.
+const SAME_TIMES: f64 = 0.8;
 
 /// When commands take effect, where that is not at their rows.
 pub(crate) enum CommandEdges {
@@ -183,7 +183,8 @@ impl Scatter {
         weights.sort_by(f64::total_cmp);
         let usual = *weights.get(weights.len() / 2)?;
         answers.retain(|answer| answer.weight > SMALL * usual);
-        if answers.len() < FEWEST {
+        let means = halves(&answers).count();
+        if answers.len() < means + FEWEST {
             return None;
         }
         let deviations = deviations(&answers);
@@ -193,9 +194,10 @@ impl Scatter {
         };
         let (variance, fourth) = (moment(2), moment(4));
         let of_noise = of_noise(&answers);
+        let free = 1.0 - means as f64 / answers.len() as f64;
         (of_noise < MOST_NOISE * variance).then(|| Self {
             answers,
-            variance: variance - of_noise,
+            variance: (variance - of_noise) / free,
             kurtosis: fourth / (variance * variance),
         })
     }
@@ -294,22 +296,27 @@ impl Scatter {
                 frames,
             })
         };
-        let runs = self.answers.chunk_by(|a, b| a.at.0 == b.at.0);
-        runs.filter_map(of_run).collect()
+        of_runs(&self.answers).filter_map(of_run).collect()
     }
+}
+
+fn halves(answers: &[CommandAnswer]) -> impl Iterator<Item = &[CommandAnswer]> {
+    of_runs(answers).flat_map(|run| run.chunks(run.len().div_ceil(2)))
+}
+
+fn of_runs(answers: &[CommandAnswer]) -> impl Iterator<Item = &[CommandAnswer]> {
+    answers.chunk_by(|a, b| a.at.0 == b.at.0)
 }
 
 /// The times of the answers about their mean in each half of each run \[samples\]: where runs differ, or a servo changes, its answers to all commands
 /// are later, and no moment of a command is.
 fn deviations(answers: &[CommandAnswer]) -> Vec<f64> {
-    let runs = answers.chunk_by(|a, b| a.at.0 == b.at.0);
-    let halves = runs.flat_map(|run| run.chunks(run.len().div_ceil(2)));
     let about_mean = |half: &[CommandAnswer]| {
         let middle = half.iter().map(|answer| answer.late).sum::<f64>() / half.len() as f64;
         let late = half.iter().map(|answer| answer.late - middle);
         late.collect::<Vec<f64>>()
     };
-    halves.flat_map(about_mean).collect()
+    halves(answers).flat_map(about_mean).collect()
 }
 
 /// Of the times of the answers with a property of their strokes.
@@ -362,6 +369,27 @@ mod tests {
         let model = identify(&record, &Options::default()).unwrap();
         let found = Scatter::of(record.runs(), &model)?;
         found.is_even().then(|| found.rows())
+    }
+
+    /// Pieces of 4 s, with some 13 commands each.
+    #[test]
+    fn a_dozen_commands_show_a_logger_with_a_clock_of_its_own() {
+        let found = |wait: f64| {
+            let record = record(wait, 0.02, f64::INFINITY);
+            let run = &record.runs()[0];
+            let pieces = run.input().chunks_exact(400);
+            let pieces = pieces.zip(run.output().chunks_exact(400));
+            let is_found = |(input, output): &(&[f64], &[f64])| {
+                let piece = Record::of_run(0.01, input.to_vec(), output.to_vec()).unwrap();
+                let model = identify(&piece, &Options::default()).unwrap();
+                Scatter::of(piece.runs(), &model)
+                    .is_some_and(|found| found.is_even() && ONE_ROW.contains(&found.rows()))
+            };
+            (pieces.len(), pieces.filter(is_found).count())
+        };
+        assert_eq!(found(0.0).1, 0);
+        let (all, polled) = found(1.0);
+        assert!(4 * polled >= 3 * all, "{polled} of {all}");
     }
 
     /// Runs of one order in which each stroke waits as long in every run, as where a servo that is not linear answers it so.
