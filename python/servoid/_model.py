@@ -77,7 +77,8 @@ class StepResponse:
     Attributes
     ----------
     time_s, value : ndarray
-        Time since the step, counted in samples (s), and the response (output per input).
+        Time since the step, counted in samples (s), and the response (output per input). Time since the edge of the command is
+        ``time_s + model.sample_phase_s``, as in :meth:`Model.plot` and in all metrics.
     level : float or None
         Level of the bounds; ``None`` where they are withdrawn, and with it all that follows.
     lower, upper : ndarray or None

@@ -18,6 +18,7 @@ from ._arrays import (
     number_or_none,
     samples,
     unexpected,
+    word,
     word_or_none,
 )
 from ._document import Column
@@ -26,6 +27,12 @@ if TYPE_CHECKING:
     from ._model import Model
 
 Path = str | os.PathLike[str]
+
+SECONDS = "a number of seconds"
+"""What a time between samples is."""
+
+ARRAYS = "arrays"
+"""What data are called that come as arrays, and have no other name."""
 
 
 class Run(NamedTuple):
@@ -246,6 +253,7 @@ def recording(
     controllers: Sequence[float] | None = None,
     input_unit: str | None = None,
     output_unit: str | None = None,
+    name: str = ARRAYS,
 ) -> Recording:
     """Make a recording of arrays, as :func:`compare` takes them.
 
@@ -255,6 +263,8 @@ def recording(
         Command and measured motion, one array for each run; NaN or masked where a sample is missing.
     period, phase, at_rest, polled, exact_command, controllers, input_unit, output_unit
         As those of :func:`identify`.
+    name : str
+        What it is called in texts, such as the summary of a comparison: "free", or "loaded".
 
     Returns
     -------
@@ -284,14 +294,7 @@ def recording(
         input_unit=input_unit,
         output_unit=output_unit,
     )
-    return Recording(_servoid.Data.of_arrays(runs, ARRAYS, options))
-
-
-SECONDS = "a number of seconds"
-"""What a time between samples is."""
-
-ARRAYS = "arrays"
-"""What data are called that come as arrays."""
+    return Recording(_servoid.Data.of_arrays(runs, word("name", name, "a word, such as \"free\""), options))
 
 
 def array_runs(

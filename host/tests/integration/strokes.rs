@@ -30,7 +30,7 @@ fn strokes_of_one_size_are_not_said_to_show_whether_a_servo_is_linear() {
     let dir = tempfile::tempdir().unwrap();
     let one_size = recorded(dir.path(), "one.csv", ["bench", "5", "1"]);
     let text = run(&["identify", "-q", arg(&one_size)]);
-    let remark = "of 10 deg, for which the bounds hold: whether the servo is linear, steps of several sizes show";
+    let remark = "of 10 deg, for which the bounds hold, those of bandwidth and phase among them: whether the servo is linear, and follows sines so, steps of several sizes show";
     let in_one_line = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(in_one_line(&text).contains(remark), "{text}");
     let page = dir.path().join("one.html");

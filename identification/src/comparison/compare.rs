@@ -92,9 +92,7 @@ pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Co
         comparison.asymmetry = Some(Sides::of([&a, &b], Identified::asymmetry));
     }
     let asked = Asked::of([&a, &b]);
-    // When commands change is nothing to where the servo rests.
-    let of_record =
-        |reason: Reason| reason.is_of_the_record() && reason != Reason::CommandsBetweenRows;
+    let of_record = |reason: Reason| reason.is_of_the_record() && !reason.leaves_rests();
     if asked.is_one_motion() && !comparison.bounds.withdrawn().is_some_and(of_record) {
         let of = |side: &Identified<'_>| rests_apart(side.record, &side.alone, level);
         comparison.rests_apart = Some(RestsApart::of([of(&a), of(&b)], options.scale_sd, level));

@@ -233,31 +233,46 @@ fn behind(found: &Comparison, linear: bool) -> String {
     }
 }
 
-/// "; the rise time of the second is 4.8 ms longer ...", where that is sure: a servo that is slower in the middle of a stroke need not be later. Its delay, too, where
-/// nothing else says that it is later.
+/// "; the rise time of the second is 4.8 ms longer ...", where that is sure: a servo that is slower in the middle of a stroke need not be later. When it passes 5 % of its way, too,
+/// where nothing else says that it is later: that is no dead time.
 fn times_of_response(found: &Comparison) -> String {
     let is_open = |curve: &DifferenceCurve| curve.delay_shift_s.contains(0.0);
-    let delay = (found.curves.iter().all(is_open)).then_some(("delay_s", "delay"));
-    let times = delay.into_iter().chain([("rise_time_s", "rise time")]);
-    times
-        .filter_map(|(metric, name)| longer(found, metric, name))
-        .collect()
+    let delay = found.curves.iter().all(is_open).then(|| {
+        surely_longer(found, "delay_s", |more, range| {
+            let how = if more > 0.0 { "later" } else { "sooner" };
+            format!(
+                "; the second passes 5 % of its way {:.1} ms {how} ({range})",
+                more.abs()
+            )
+        })
+    });
+    let rise = surely_longer(found, "rise_time_s", |more, range| {
+        let how = if more > 0.0 { "longer" } else { "shorter" };
+        format!(
+            "; the rise time of the second is {:.1} ms {how} ({range})",
+            more.abs()
+        )
+    });
+    delay.flatten().into_iter().chain(rise).collect()
 }
 
-/// By how much this time of the second is longer, where that is sure.
-fn longer(found: &Comparison, metric: &str, name: &str) -> Option<String> {
+/// By how much \[ms\] this time of the second is longer, and within which range, in the words of `say`, where that is sure.
+fn surely_longer(
+    found: &Comparison,
+    metric: &str,
+    say: impl FnOnce(f64, String) -> String,
+) -> Option<String> {
     let row = (found.differences.iter()).find(|row| row.metric == metric)?;
     let ms = |seconds: Option<f64>| Some(1e3 * seconds?);
     let (more, lower, upper) = (ms(row.difference)?, ms(row.lower)?, ms(row.upper)?);
-    let (how, from, to) = match (lower > 0.0, upper < 0.0) {
-        (true, _) => ("longer", lower, upper),
-        (_, true) => ("shorter", -upper, -lower),
+    let (from, to) = match (lower > 0.0, upper < 0.0) {
+        (true, _) => (lower, upper),
+        (_, true) => (-upper, -lower),
         _ => return None,
     };
-    Some(format!(
-        "; the {name} of the second is {:.1} ms {how} ({from:.1} .. {to:.1})",
-        more.abs()
-    ))
+    // An end that is rounded to 0 no longer says that the difference is sure.
+    let digits = if from < 0.05 { 3 } else { 1 };
+    Some(say(more, format!("{from:.digits$} .. {to:.1}")))
 }
 
 /// By how much farther the strokes of the second go, where that is sure.

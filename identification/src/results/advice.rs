@@ -442,6 +442,17 @@ impl Advice {
         }
     }
 
+    /// Of errors that are not noise: that a servo model met parts of the recording that it had not seen to this `percent`, which the linear model did not.
+    pub fn name_servo_model(all: &mut [Self], percent: f64) {
+        for item in all
+            .iter_mut()
+            .filter(|item| item.check == Check::ModelError)
+        {
+            item.remedy +=
+                &format!(" The servo model met parts not seen to {percent:.1} %: predict with that.");
+        }
+    }
+
     /// Whether both are findings of one check.
     #[must_use]
     pub fn is_of_same_check(&self, other: &Self) -> bool {

@@ -87,6 +87,9 @@ impl Identified {
         {
             Advice::name_load(&mut model.advice, Some(by_load), &remedy);
         }
+        if let Some([_, percent]) = servo.and_then(|servo| servo.model.beyond_linear_percent()) {
+            Advice::name_servo_model(&mut model.advice, percent);
+        }
         let limits = request.limits.then(|| {
             let limits = Limits::of(&data.record, &model, options.level);
             // A recording with strokes of one direction only has no split; the summary mentions it.

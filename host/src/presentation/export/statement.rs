@@ -9,8 +9,6 @@ use crate::data::units::Units;
 use crate::presentation::summary::{self, recorded};
 use servoid_identification::flight_model::FlightModel;
 use servoid_identification::results::{Bounds, Interval, SelectedBy};
-use servoid_identification::servo_model::LinearKind;
-use servoid_identification::thresholds::LINEAR_MODEL_ADVANTAGE;
 
 /// What of the servo's surroundings a file has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -107,21 +105,16 @@ impl Export<'_> {
 
     /// That the servo model beside the linear one predicts better, so that this is not the model to fly with.
     fn better_servo_model(&self) -> Option<String> {
-        let servo = self.servo_model.filter(|servo| servo.predicts())?;
-        let found = servo.linear_models.as_ref()?;
-        let linear = found.percent_of(LinearKind::Linear)?;
-        let is_better = found.servo_model_percent > linear + LINEAR_MODEL_ADVANTAGE;
+        let [linear, own] = self.servo_model?.beyond_linear_percent()?;
         // The percents are those of the response, which a band has as a picture of the recording; the low-order model is none.
-        is_better.then(|| match self.model.band() {
+        Some(match self.model.band() {
             Some(_) => format!(
-                "this file is not that of the servo model, which predicts parts of the recording that it has not seen to {:.1} %, and which \
-                 --servo-model exports; how well the low-order model predicts them was not tested",
-                found.servo_model_percent
+                "this file is not that of the servo model, which predicts parts of the recording that it has not seen to {own:.1} %, and which \
+                 --servo-model exports; how well the low-order model predicts them was not tested"
             ),
             None => format!(
                 "this is the linear model, which predicts parts of the recording that it has not seen to {linear:.1} %; the servo model in \
-                 the same file predicts them to {:.1} %, and --servo-model exports it",
-                found.servo_model_percent
+                 the same file predicts them to {own:.1} %, and --servo-model exports it"
             ),
         })
     }

@@ -44,7 +44,7 @@ pub(super) fn model_error(evidence: &Evidence<'_>) -> Option<Advice> {
                     "use the linear model for nothing else than this recording (it met parts not seen to {percent:.0} % only)"
                 ),
                 percent => format!(
-                    "use the linear model for prediction (it met parts not seen to {percent:.0} %), not for comparison"
+                    "use the linear model for prediction alone (it met parts not seen to {percent:.0} %), not for comparison"
                 ),
             },
         ),

@@ -298,7 +298,7 @@ pub(super) fn gain_drift(evidence: &Evidence<'_>) -> Option<Advice> {
         ),
         100.0 * found.change,
         GAIN_DRIFT_PERCENT,
-        "Look at the supplies of servo and sensor, and whether one gets warm, and record again where neither changes.",
+        "Look at the supplies of servo and sensor, whether one gets warm, and whether a load grows, as that of the air with its speed. Record again where none of them changes.",
     ))
 }
 

@@ -543,6 +543,15 @@ impl ServoModel {
         (better && most).then_some(percent)
     }
 
+    /// How well the linear model and this one predict parts that they have not seen \[%\], where this one predicts its recording, and better.
+    #[must_use]
+    pub fn beyond_linear_percent(&self) -> Option<[f64; 2]> {
+        let found = self.linear_models.as_ref().filter(|_| self.predicts())?;
+        let linear = found.percent_of(LinearKind::Linear)?;
+        let own = found.servo_model_percent;
+        (own > linear + LINEAR_MODEL_ADVANTAGE).then_some([linear, own])
+    }
+
     /// Whether the recording shows that its stops are stops: several commands beyond each end there. One command alone ends short of itself
     /// before a load, too, and by friction, and all of them do so before a load that stalls the drive.
     #[must_use]

@@ -69,8 +69,10 @@ impl ServoModel {
         }
     }
 
-    /// Leaves out of other fits what is slower than the servo surely was: a top speed is not below a speed, but for one under a load that helps elsewhere.
+    /// Leaves out of other fits what is slower than the servo surely was: a top speed is not below a speed, but for one under a load that helps elsewhere. A value without an interval
+    /// that is slower itself is none.
     pub(crate) fn leave_slower_fits_out(&mut self) {
+        let has_bounds = self.covariance.valid().is_some();
         let without_load = self.terms.load == LoadKind::None;
         let Some(reached) = self.reached.filter(|_| without_load) else {
             return;
@@ -81,6 +83,7 @@ impl ServoModel {
                 Some(QuantityKind::TopSpeedDownwards) => reached.downwards,
                 _ => continue,
             };
+            quantity.determined &= has_bounds || quantity.value >= surely;
             if let Some(fits) = &mut quantity.other_fits {
                 fits.least = fits.least.max(surely.min(fits.most).min(quantity.value));
             }
@@ -137,5 +140,13 @@ mod tests {
         // The top speed itself is one of them, which noise may have left below a speed that was reached.
         let least = model.quantity(kind).unwrap().value.min(reached);
         assert_eq!(fits.unwrap().least, least);
+        for (times, is_one) in [(0.95, false), (1.0, true)] {
+            model.covariance = Bounds::Withdrawn(Reason::ErrorsNotNoise);
+            let mut quantities = model.quantities.iter_mut();
+            let speed = quantities.find(|of| of.kind() == Some(kind)).unwrap();
+            (speed.determined, speed.value) = (true, times * reached);
+            model.leave_slower_fits_out();
+            assert_eq!(model.quantity(kind).unwrap().determined, is_one, "{times}");
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::summary::wording::numbers::{decimals, digits, fixed, head_of_bounds};
-use crate::presentation::summary::wording::strokes::stroke_in_words;
+use crate::presentation::summary::wording::strokes::{of_one_size, stroke_in_words};
 use servoid_identification::Error;
 use servoid_identification::results::{
     Bounds, FrequencyResponse, Interval, Model, Reason, with_unit,
@@ -76,12 +76,19 @@ pub fn at_frequencies(
         Some(_) => AT_PULSES,
         None => AT_ROWS,
     };
-    Ok(match (model.linear, machine.is_empty()) {
-        (true, _) => linear + &machine + late,
-        (false, true) => linear + late,
-        (false, false) => machine + &linear + OF_THE_AMPLITUDE + late,
-    })
+    let is_of_one_size = of_one_size(model, of).is_some();
+    Ok(
+        match (model.linear && !is_of_one_size, machine.is_empty()) {
+            (true, _) => linear + &machine + late,
+            (false, true) if is_of_one_size => linear + OF_ONE_SIZE + late,
+            (false, true) => linear + late,
+            (false, false) => machine + &linear + OF_THE_AMPLITUDE + late,
+        },
+    )
 }
+
+/// Said below the table of strokes of one size, which a servo that is limited follows as a linear one does.
+const OF_ONE_SIZE: &str = "  Strokes of one size do not show whether the servo is linear. One that is limited in its drive or speed follows\n  small sines sooner and farther than this, and large quick ones less: record steps of several sizes, such as\n  random levels.\n";
 
 /// Said below the tables of a servo that is not linear.
 const OF_THE_AMPLITUDE: &str = "  What becomes of a sine of this amplitude, the servo model says: the linear model is of the motion that was recorded.\n";
@@ -90,7 +97,7 @@ const OF_THE_AMPLITUDE: &str = "  What becomes of a sine of this amplitude, the 
 const AT_PULSES: &str = "  Late: behind a smooth command that the servo gets as it is. One that is held for frames, as by a pulse every\n  20 ms, is half a frame later; more where limits of speed or drive are reached.\n";
 
 /// The same of any other recording.
-const AT_ROWS: &str = "  Late: behind a smooth command that is sent as those of this recording were. If these stood at their pulses, a\n  command that is held for frames of 20 ms is half a frame later; if they waited for pulses, that is included.\n";
+const AT_ROWS: &str = "  Late: behind a smooth command that is sent as those of this recording were. If these stood at their pulses, a\n  command that is held for frames of 20 ms is half a frame later, and more where limits of speed or drive are\n  reached; if they waited for pulses, that is included.\n";
 
 /// Of the servo as a machine, under a sine of this amplitude.
 fn of_machine(servo: &ServoModel, of: &ModelMetadata, hertz: f64, amplitude: f64) -> String {

@@ -297,6 +297,9 @@ pub(crate) fn metric_rows(metrics: &[&Metrics], gain: &str) -> Vec<TableRow> {
     ROWS.iter().filter_map(row).collect()
 }
 
+/// In the place of an interval of a difference that has none, where others have.
+const LEFT_OPEN: &str = "open, as that of one side is";
+
 /// The metrics of both sides of a comparison and the second less the first. The gain has the unit `gain`, empty
 /// where there is none.
 pub(crate) fn difference_rows(found: &Comparison, gain: &str) -> Vec<TableRow> {
@@ -307,12 +310,18 @@ pub(crate) fn difference_rows(found: &Comparison, gain: &str) -> Vec<TableRow> {
                 row.bounds(&Interval::new(lower, lower, upper))
             })
         };
+        let (value, bounds) = row.cell_of_difference(difference);
+        let is_left_open = found.bounds.valid().is_some() && value != NONE && bounds.is_empty();
+        let bounds = match is_left_open {
+            true => LEFT_OPEN.to_owned(),
+            false => bounds,
+        };
         Some(TableRow {
             label: row.label(gain),
             cells: vec![
                 (row.value(difference.a), side(difference.a_bounds)),
                 (row.value(difference.b), side(difference.b_bounds)),
-                row.cell_of_difference(difference),
+                (value, bounds),
             ],
         })
     };

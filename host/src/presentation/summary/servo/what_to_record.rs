@@ -133,7 +133,8 @@ fn what_to_record(quantities: &[Quantity]) -> Vec<&'static str> {
     let open = |kinds: &&[QuantityKind]| {
         let left_open = quantities.iter().filter(|found| !found.determined);
         let mut left_open = left_open.filter_map(Quantity::kind);
-        left_open.any(|kind| kinds.contains(&kind))
+        // It is the acceleration over the stiffness: larger strokes show no more of it.
+        left_open.any(|kind| kinds.contains(&kind) && kind != QuantityKind::ErrorOfFullDrive)
     };
     WHAT_SHOWS
         .iter()

@@ -17,7 +17,7 @@ pub(crate) fn of_one_size(model: &Model, of: &ModelMetadata) -> Option<String> {
     let stroke = stroke_in_words(of)?;
     (model.linear && model.bounds.valid().is_some()).then(|| {
         format!(
-            "of {stroke}, for which the bounds hold: whether the servo is linear, steps of several sizes show, such as random levels"
+            "of {stroke}, for which the bounds hold, those of bandwidth and phase among them: whether the servo is linear, and follows sines so, steps of several sizes show, such as random levels"
         )
     })
 }
