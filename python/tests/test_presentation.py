@@ -175,6 +175,15 @@ def test_a_comparison_has_what_its_document_has():
     assert found.servo_model is None and found.no_servo_model is None
 
 
+def test_sides_of_arrays_are_called_by_their_names():
+    u, y = machine_runs()
+    sides = [servoid.recording(u, y, period=0.002, name=name) for name in ("free", "loaded")]
+    found = servoid.compare(*sides, servo_model=False)
+    assert found.summary.startswith("A  free\nB  loaded\n")
+    with pytest.raises(TypeError, match='such as "free"'):
+        servoid.recording(u, y, period=0.002, name=1)
+
+
 def test_a_comparison_of_machines_alone_has_no_curves(machine):
     u, y = machine_runs()
     coarse = servoid.identify(u[::2], y[::2], period=0.004, input_unit="deg", output_unit="deg", servo_model=True)
