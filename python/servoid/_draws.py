@@ -11,8 +11,8 @@ from ._document import Column
 from ._withdrawn import Withdrawn
 
 
-#: Behind the name of a drawn servo, whose summary and file have more of the estimate than of it.
-DRAWN = " (one of the possible servos; quantities, intervals and fit are those of the estimate)"
+#: Behind the name of a drawn servo, whose summary and file have much of the estimate.
+DRAWN = " (one of the possible servos; intervals and fit are those of the estimate)"
 
 
 def require_draws(covariance: Any, count: int, withdrawn: Withdrawn | None) -> None:

@@ -156,8 +156,8 @@ class ServoModel:
     def draws(self, count: int, *, seed: int | None = None) -> list[Model]:
         """Models with other servos in them, at random as the recording leaves them open: for a simulation of many (Monte Carlo).
 
-        Each is this model with another servo: simulate with its ``servo_model.simulate(u).value``, or export it. All else in it, quantities and
-        intervals included, is that of the estimate.
+        Each is this model with another servo: simulate with its ``servo_model.simulate(u).value``, or export it. The values of its
+        ``servo_model.quantities`` are its own. All else in it, intervals included, is that of the estimate.
 
         A recording does not always say which terms a servo has. So each draw takes one of the possible servos first, this one or one of the other
         sets of terms that predict as well, all equally often. Its :attr:`terms` and :attr:`coordinates` are that servo's. It is normally

@@ -59,10 +59,26 @@ def test_a_draw_is_exported_and_its_linear_model_is_doubted(model):
     assert files[0] != files[1]
     with pytest.warns(UserWarning, match="draw.servo_model.simulate"):
         first.simulate([0.0] * 10)
-    # Its figures are the estimate's, offset and accelerations included.
+    # What the recording determines is the estimate's, offset and accelerations included.
     assert "Not determined" not in first.export("python", name="servo", servo_model=True).text
     with pytest.warns(UserWarning, match="the servo is not linear"):
         model.draws(1, seed=1)
+
+
+def test_the_quantities_of_a_draw_are_its_own(model):
+    draws = model.servo_model.draws(20, seed=3)
+    for name in ("gain", "damping ratio", "bandwidth at small signals"):
+        estimate = model.servo_model.quantities[name]
+        drawn = [draw.servo_model.quantities[name] for draw in draws]
+        assert len({found.value for found in drawn}) == 20, name
+        assert {(found.lower, found.upper) for found in drawn} == {(estimate.lower, estimate.upper)}, name
+        assert sum(estimate.lower <= found.value <= estimate.upper for found in drawn) >= 18, name
+    for draw in draws:
+        values = dict(zip(draw.servo_model.coordinates, draw.servo_model.values))
+        share = values.get("spring", 0.0)
+        ratio = np.exp(values["ln_damping"] - values["ln_stiffness"] / 2.0) / 2.0
+        if share == 0.0:
+            assert draw.servo_model.quantities["damping ratio"].value == pytest.approx(ratio, rel=1e-9)
 
 
 def test_draws_have_the_range_of_the_intervals(model):

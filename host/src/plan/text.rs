@@ -249,7 +249,7 @@ fn servo_model(plan: &Plan) -> String {
         input: Some("deg"),
         output: Some("deg"),
     };
-    text += &summary::quantities(&found.quantities, found.level, degrees);
+    text += &summary::quantities(&found.quantities, found.level, degrees, |_| false);
     for remedy in &found.remedies {
         text += &format!("  - {}\n", summary::wrapped(remedy, 4));
     }

@@ -5,6 +5,7 @@ use super::outcome::{Comparison, DifferenceCurve, Levels, Sides, Subject};
 use super::pair::Identified;
 use super::run_means::half_width_by_runs;
 use super::verdict::Verdict;
+use crate::data::References;
 use crate::nonlinear::Limits;
 use crate::numerics::with_unit;
 use crate::results::{Advice, Check, Model};
@@ -140,6 +141,7 @@ fn more_runs(found: &Comparison, runs: usize, level: f64) -> String {
 fn few_runs(
     comparison: &Comparison,
     models: [&Model; 2],
+    sides: &[&Identified<'_>],
     of_recordings: Option<f64>,
 ) -> Option<Advice> {
     let bounds = comparison.bounds.valid()?;
@@ -172,7 +174,8 @@ fn few_runs(
         // Runs of other orders differ by more than those at hand.
         None => "Record more runs a side.".to_owned(),
     };
-    if !are_linear {
+    let is_of_one_order = |side: &&Identified<'_>| References::repeat(side.record.runs());
+    if !are_linear && sides.iter().any(is_of_one_order) {
         remedy += OTHER_ORDERS;
     }
     Some(Advice::new(
@@ -226,7 +229,7 @@ pub(super) fn gather(
             remedy,
         ));
     }
-    advice.extend(few_runs(comparison, models, of_recordings));
+    advice.extend(few_runs(comparison, models, sides, of_recordings));
     let rested = |side: &&Identified<'_>| {
         let cells = Limits::level_table(side.record, &side.model);
         let mut levels: Vec<f64> = cells.iter().map(|cell| cell.command).collect();

@@ -281,7 +281,13 @@ fn farther(found: &Comparison) -> Option<String> {
     let sure = row.lower? > 0.0 || row.upper? < 0.0;
     let percent = 100.0 * ((row.b? / row.a?).abs() - 1.0);
     let shown = format!("{:.1}", percent.abs());
-    let how = if percent > 0.0 { "farther" } else { "less far" };
+    // Relative to their ends, shorter strokes at the same speed are ahead.
+    let is_ahead = |curve: &DifferenceCurve| curve.delay_shift_s.upper.is_some_and(|s| s < 0.0);
+    let how = match percent > 0.0 {
+        true => "farther",
+        false if found.curves.iter().any(is_ahead) => "less far, and shorter ones are over sooner",
+        false => "less far",
+    };
     (sure && shown != "0.0").then(|| format!("; its strokes go {shown} % {how}"))
 }
 

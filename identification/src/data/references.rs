@@ -42,6 +42,11 @@ impl References {
         self.lengths.len()
     }
 
+    /// Whether some of these runs have the same reference as others.
+    pub(crate) fn repeat(runs: &[Run]) -> bool {
+        Self::of(runs.iter()).count() < runs.len()
+    }
+
     /// How often a sample of these runs is the answer to the same commands.
     pub(crate) fn repeats<'a>(runs: impl Iterator<Item = &'a Run<'a>> + Clone) -> f64 {
         let samples: usize = runs.clone().map(Run::len).sum();

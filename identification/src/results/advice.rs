@@ -448,8 +448,9 @@ impl Advice {
             .iter_mut()
             .filter(|item| item.check == Check::ModelError)
         {
-            item.remedy +=
-                &format!(" The servo model met parts not seen to {percent:.1} %: predict with that.");
+            item.remedy += &format!(
+                " The servo model met parts not seen to {percent:.1} %: predict with that."
+            );
         }
     }
 

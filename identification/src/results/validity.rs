@@ -144,7 +144,7 @@ impl Reason {
             Self::ResponseNotOver => "the response is not seen to end within the settling time",
             Self::EndUnseen => "the reference does not show whether the response is over",
             Self::InputFollowsOutput => "the input follows the output, as in a closed loop",
-            Self::OrderRejected => "no servo of up to three poles answers like this one",
+            Self::OrderRejected => "no servo of up to three poles answers like this one (p < 0.01)",
         }
     }
 }

@@ -67,8 +67,7 @@ impl<'a> Evidence<'a> {
 
     /// Whether runs have the same reference as others.
     pub(super) fn has_runs_of_one_order(&self) -> bool {
-        let runs = self.recorded.map_or(&[][..], |record| record.runs());
-        References::of(runs.iter()).count() < runs.len()
+        (self.recorded).is_some_and(|record| References::repeat(record.runs()))
     }
 
     /// Errors that are slow, where they are not noise.

@@ -43,23 +43,7 @@ impl Table {
             pairs += 1;
         }
         if pairs == 0 || self.degrees < 2 {
-            let open = OpenQuestion {
-                finding:
-                    "This recording does not determine whether the rest position depends on the \
-                          direction of approach"
-                        .to_owned(),
-                remedy: format!(
-                    "Record stairs that reach each level from both sides, at least twice, each held for at \
-                     least {:.2} s.",
-                    self.needed_s
-                ),
-            };
-            return Hysteresis {
-                found: None,
-                size: Interval::default(),
-                statement: open.statement(),
-                remedy: Some(open.remedy),
-            };
+            return self.open("", Interval::default());
         }
         let difference = sum / weights;
         let sd = (self.variance / weights).sqrt();
@@ -69,6 +53,12 @@ impl Table {
         let by_chance = self.critical(HYSTERESIS_FALSE_ALARM / 2.0) * sd + rounding;
         let found = difference.abs() > by_chance;
         let size = absolute(interval);
+        if !found && let Some((apart, [lower, upper])) = beyond_zero(size) {
+            let seen = format!(
+                ": the two directions differ by {apart:.3} ({lower:.3} .. {upper:.3}), which is less than what is surely no chance"
+            );
+            return self.open(&seen, size);
+        }
         Hysteresis {
             found: Some(found),
             size,
@@ -82,7 +72,7 @@ impl Table {
                     "Hysteresis of {difference:.3}: the mean rest positions of the two directions of approach are so far apart, by backlash, dead band or friction."
                 ),
                 (false, Some(bound)) => format!(
-                    "No hysteresis above {bound:.3}: the mean rest position does not depend on the direction of approach by more."
+                    "No hysteresis is found: the mean rest position does not depend on the direction of approach by more than {bound:.3}."
                 ),
                 (false, None) => "No hysteresis is found: the mean rest position does not depend on the direction of approach by more than it scatters."
                     .to_owned(),
@@ -90,6 +80,31 @@ impl Table {
             remedy: None,
         }
     }
+
+    /// That it is open, with what is `seen` of it all the same.
+    fn open(&self, seen: &str, size: Interval) -> Hysteresis {
+        let open = OpenQuestion {
+            finding: format!(
+                "This recording does not determine whether the rest position depends on the direction of approach{seen}"
+            ),
+            remedy: format!(
+                "Record stairs that reach each level from both sides, at least twice, each held for at least {:.2} s.",
+                self.needed_s
+            ),
+        };
+        Hysteresis {
+            found: None,
+            size,
+            statement: open.statement(),
+            remedy: Some(open.remedy),
+        }
+    }
+}
+
+/// A size and its ends, where it is not 0.
+fn beyond_zero(size: Interval) -> Option<(f64, [f64; 2])> {
+    let (lower, upper) = (size.lower?, size.upper?);
+    (lower > 0.0).then_some((size.value?, [lower, upper]))
 }
 
 /// The interval of |x| from that of x.

@@ -56,7 +56,7 @@ pub struct ServoModel {
         skip_serializing_if = "is_usual_friction_speed_share"
     )]
     pub friction_speed_share: f64,
-    /// Whether `values` are those of a possible servo that was drawn at random: quantities, intervals and fit are then those of the estimate.
+    /// Whether `values` are those of a possible servo that was drawn at random: its quantities are then its own, and intervals and fit those of the estimate.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub drawn: bool,
     /// Covariance of the coordinates, where bounds hold.

@@ -6,12 +6,22 @@ use crate::presentation::summary::wording::sixty_degrees::per_60_degrees;
 use servoid_identification::results::{Bounds, Interval, with_unit};
 use servoid_identification::servo_model::{Quantity, QuantityKind, Spread, Unit};
 
-/// The table of quantities with its head.
-pub(crate) fn quantities(all: &[Quantity], level: Bounds<f64>, units: Units<'_>) -> String {
+/// The table of quantities with its head. Of those that `is_extrapolated`, it says so.
+pub(crate) fn quantities(
+    all: &[Quantity],
+    level: Bounds<f64>,
+    units: Units<'_>,
+    is_extrapolated: impl Fn(&Quantity) -> bool,
+) -> String {
     let head = head_of_bounds(level);
     let mut text = format!("  {:34} {:>12} {:8} {head}\n", "", "value", "");
     let rows = quantity_rows(all, units).into_iter();
-    text.extend(rows.map(|(quantity, found)| row(&found, per_60_degrees(quantity, units))));
+    text.extend(rows.map(|(quantity, found)| {
+        let turn = per_60_degrees(quantity, units).map(|turn| format!("= {turn}"));
+        let extrapolated = is_extrapolated(quantity).then(|| "extrapolated".to_owned());
+        let beside: Vec<String> = turn.into_iter().chain(extrapolated).collect();
+        row(&found, &beside.join(", "))
+    }));
     text
 }
 
@@ -158,18 +168,15 @@ fn left_open(found: &Interval, shown: impl Fn(f64) -> String, unit: &str) -> Str
     }
 }
 
-fn row(row: &QuantityRow, turn: Option<String>) -> String {
+/// A line, with what is said `beside` the interval.
+fn row(row: &QuantityRow, beside: &str) -> String {
     let QuantityRow {
         name,
         value,
         unit,
         interval,
     } = row;
-    let turn = turn.map(|turn| format!("  = {turn}"));
-    let line = format!(
-        "  {name:34} {value:>12} {unit:8} {interval}{}",
-        turn.unwrap_or_default()
-    );
+    let line = format!("  {name:34} {value:>12} {unit:8} {interval}  {beside}");
     format!("{}\n", line.trim_end())
 }
 

@@ -11,7 +11,8 @@ use crate::presentation::summary::wording::numbers::digits;
 use crate::presentation::summary::wording::recorded;
 use servoid_identification::results::with_unit;
 use servoid_identification::servo_model::{
-    LadderRung, LinearKind, LinearModelFit, LinearModels, LoadKind, ServoFit, ServoModel, Terms,
+    LadderRung, LinearKind, LinearModelFit, LinearModels, LoadKind, Quantity, ServoFit, ServoModel,
+    Terms,
 };
 
 /// Parameters with their intervals; with `explain`, the terms that were tried.
@@ -31,7 +32,8 @@ pub fn of_servo_model(document: &ServoModelDocument, units: Units<'_>, explain: 
     let remarks = ServoRemarks::of(document, units);
     let line = |remark: &String| format!("  {}\n", wrapped(remark, 2));
     text.extend(remarks.before.iter().map(line));
-    text += &quantities(&model.quantities, level, units);
+    let is_extrapolated = |quantity: &Quantity| model.stayed_below(quantity);
+    text += &quantities(&model.quantities, level, units, is_extrapolated);
     text.extend(remarks.behind.iter().map(line));
     if explain {
         text +=

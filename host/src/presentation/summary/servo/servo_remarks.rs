@@ -60,9 +60,9 @@ fn of_intervals(model: &ServoModel, units: Units<'_>) -> Option<String> {
             let size = with_unit(digits(lacking, 2), units.output.unwrap_or_default());
             match model.fit.servo_changed {
                 true => format!(
-                    ": beside noise, up to {size} rms is what the servo changed by from run to run. Each run by itself leaves its model noise alone"
+                    ": beside noise, about {size} rms is what the servo changed by from run to run. Each run by itself leaves its model noise alone"
                 ),
-                false => format!(": beside noise, the model lacks up to {size} rms"),
+                false => format!(": beside noise, the model lacks about {size} rms"),
             }
         });
         return Some(format!(
@@ -85,7 +85,7 @@ const AS_RECORDED: &str = "Intervals are of the servo as it was recorded: where 
 
 /// What stands in the place of intervals where none hold.
 const OTHER_FITS: &str = "Other fits, to parts of the recording and with other terms, come to figures that far apart. That is no interval: what the model lacks is \
-    in all of them, and the truth may lie outside.";
+    in all of them, and the truth may lie outside. Play in the gears passes for a dead band and for friction, and the time that it takes to be crossed is in the delay.";
 
 /// What the resting error is where friction at rest is open.
 fn where_strokes_end(model: &ServoModel) -> Option<String> {
