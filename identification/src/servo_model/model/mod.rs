@@ -1,6 +1,7 @@
 //! The result: a servo, how sure it is, and how it was chosen.
 
 pub(super) mod commands_within_rows;
+mod drawn_servo;
 pub(super) mod hysteresis;
 pub(super) mod old_quantities;
 pub(super) mod prediction;

@@ -76,15 +76,13 @@ pub fn at_frequencies(
         Some(_) => AT_PULSES,
         None => AT_ROWS,
     };
-    let is_of_one_size = of_one_size(model, of).is_some();
-    Ok(
-        match (model.linear && !is_of_one_size, machine.is_empty()) {
-            (true, _) => linear + &machine + late,
-            (false, true) if is_of_one_size => linear + OF_ONE_SIZE + late,
-            (false, true) => linear + late,
-            (false, false) => machine + &linear + OF_THE_AMPLITUDE + late,
-        },
-    )
+    let of_one_size = of_one_size(model, of).map(|_| OF_ONE_SIZE);
+    let is_of_sines = model.linear && of_one_size.is_none();
+    Ok(match machine.is_empty() {
+        true => linear + of_one_size.unwrap_or_default() + late,
+        false if is_of_sines => linear + &machine + late,
+        false => machine + &linear + OF_THE_AMPLITUDE + late,
+    })
 }
 
 /// Said below the table of strokes of one size, which a servo that is limited follows as a linear one does.
