@@ -247,8 +247,8 @@ pub enum Error {
     ResponseOpen(&'static str),
     /// The record does not determine the final value of the response.
     #[error(
-        "the recording does not determine the gain: no model of low order can be fitted, so record a \
-         reference with steps that are held until the servo rests"
+        "the linear model does not determine the gain, as where friction or a dead band holds much of each stroke: no model of low order can be fitted, so record larger \
+         steps that are held until the servo rests, or take the servo model"
     )]
     Unexcited,
     /// The response is known in a band alone, and what it was estimated from is not at hand.

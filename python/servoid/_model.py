@@ -395,7 +395,11 @@ class Model(Document):
 
     @property
     def servo_frequency(self) -> FrequencyResponse:
-        """Frequency response of the servo alone, without the hold of the command and the phase of the samples, as in reports."""
+        """Frequency response of the servo alone, without the hold of the command and the phase of the samples, as in reports.
+
+        The phase goes on from point to point without jumps. Behind frequencies at which noise hides the magnitude, as where its lower bound is 0
+        or far below the value, it may be off by whole turns; :meth:`plot_bode` leaves those out.
+        """
         return self._servo_frequency[0]
 
     @cached_property

@@ -82,9 +82,20 @@ def bode(model: Model, response: FrequencyResponse, shown: slice, axes: Any, lab
             lower = np.maximum(lower, min(0.0, value[shown].min()) - FLOOR_DB)
         band = f"{100 * response.level:g} %{of_motion(model)}"
         ax.fill_between(hertz, lower, upper[shown], alpha=0.2, color=line.get_color(), label=band)
+    for ax in (magnitude, phase):
+        ticks_of_frequency(ax.xaxis)
     # Two lines: one is longer than half a figure is high.
     magnitude.set_ylabel(f"magnitude\n(dB of {ratio(model)[1:-1]})")
     phase.set_ylabel("phase (degrees)")
     phase.set_xlabel("frequency (Hz)")
     magnitude.legend()
     return magnitude, phase
+
+
+def ticks_of_frequency(axis: Any) -> None:
+    """Ticks at 1, 2 and 5, as in reports: those of matplotlib overlap within a decade."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axis.set_major_formatter(FuncFormatter(lambda hertz, _: f"{hertz:g}"))
+    axis.set_minor_formatter(NullFormatter())

@@ -34,6 +34,7 @@ impl Model {
         summary: Option<String>,
     ) -> anyhow::Result<Self> {
         let file = ModelFile::parse(&document, Path::new(&name))?;
+        let document = with_quantities_of_draw(document, &file)?;
         Ok(Self {
             file,
             name,
@@ -72,6 +73,17 @@ impl Model {
         }?;
         Ok((found, number))
     }
+}
+
+/// The document, in which a servo that was drawn has its own quantities: Python writes those of the estimate there.
+fn with_quantities_of_draw(document: String, file: &ModelFile) -> anyhow::Result<String> {
+    let servo = file.servo_model().ok().flatten();
+    let Some(servo) = servo.filter(|servo| servo.model.drawn) else {
+        return Ok(document);
+    };
+    let mut found: serde_json::Value = serde_json::from_str(&document)?;
+    found["servo_model"]["quantities"] = serde_json::to_value(&servo.model.quantities)?;
+    Ok(serde_json::to_string(&found)?)
 }
 
 /// Value, lower and upper bound.

@@ -154,6 +154,19 @@ def test_the_labels_of_a_bode_plot_are_in_the_picture(needed):
         assert panel.y0 <= label.y0 and label.y1 <= panel.y1, ax.get_ylabel()
 
 
+@pytest.mark.parametrize("hertz", [(0.3, 6.0), (1.0, 4.0), (0.01, 200.0)])
+def test_ticks_of_frequency_do_not_overlap(needed, hertz):
+    needed("matplotlib").use("Agg")
+    _, phase = servoid.identify(servoid.simulate("linear")).plot_bode()
+    phase.set_xlim(*hertz)
+    phase.figure.draw_without_rendering()
+    left, right = phase.bbox.x0, phase.bbox.x1
+    boxes = [label.get_window_extent() for label in phase.get_xticklabels(which="both") if label.get_text()]
+    boxes = sorted((box for box in boxes if left <= box.x0 + box.width / 2 <= right), key=lambda box: box.x0)
+    assert len(boxes) >= 2
+    assert all(one.x1 < other.x0 for one, other in zip(boxes, boxes[1:]))
+
+
 def test_a_comparison_has_what_its_document_has():
     found = servoid.compare(servoid.simulate("bench"), servoid.simulate("aircraft", seed=2))
     document = found.to_dict()

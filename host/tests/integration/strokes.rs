@@ -139,7 +139,7 @@ fn large_strokes_have_their_top_speed_and_a_true_reason_for_what_is_left_out() {
     );
     assert!(!text.contains("may be zero"), "{text}");
     assert!(
-        text.contains("servo did not reach in this recording"),
+        text.contains("servo is not shown to reach in this recording"),
         "{text}"
     );
     // The fastest motion of strokes that were too small is not to be read as the limit.
@@ -162,7 +162,7 @@ fn large_strokes_have_their_top_speed_and_a_true_reason_for_what_is_left_out() {
     let text = run(&["identify", "-q", "--servo-model", arg(&stairs)]);
     assert!(
         text.starts_with("This servo is not shown at its top speed of 73")
-            && text.contains("too small to show the top speed: record larger ones"),
+            && text.contains("does not show the top speed: strokes may have been too small"),
         "{text}"
     );
     let page = dir.path().join("large.html");

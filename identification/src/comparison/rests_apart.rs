@@ -47,10 +47,25 @@ impl RestsApart {
     #[must_use]
     pub fn difference_in_words(&self, [a, b]: [&str; 2], unit: &str) -> Option<String> {
         let (of_a, of_b) = self.a.zip(self.b).filter(|_| self.differ())?;
+        let decimals = self.decimals();
+        let number = |of: Option<f64>| Some(format!("{:.decimals$}", of?.abs()));
+        let ends = self.difference.and_then(|found| {
+            let (how, near, far) = match found.value? < 0.0 {
+                true => ("less", found.upper, found.lower),
+                false => ("more", found.lower, found.upper),
+            };
+            let by = with_unit(number(found.value)?, unit);
+            Some(format!(
+                ", {by} ({} .. {}) {how}",
+                number(near)?,
+                number(far)?
+            ))
+        });
         Some(format!(
-            "rests under one command, which {KEPT_APART_BY}, are {} {a} and {} {b}",
+            "rests under one command, which {KEPT_APART_BY}, are {} {a} and {} {b}{}",
             self.side_in_words(of_a, unit),
-            self.side_in_words(of_b, unit)
+            self.side_in_words(of_b, unit),
+            ends.unwrap_or_default()
         ))
     }
 

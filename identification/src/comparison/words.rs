@@ -336,24 +336,28 @@ fn rest(levels: &Sides<Levels>, options: &ComparisonOptions) -> Option<String> {
         })
 }
 
-/// What zeros of sensors may have to do with the second resting elsewhere than the first at both ends for sure.
+/// What zeros of sensors may have to do with the second resting elsewhere than the first at one end for sure, or at both; nothing where one end is not known.
 fn by_zeros(levels: &Sides<Levels>, options: &ComparisonOptions) -> &'static str {
     let off = |a: Interval, b: Interval| {
         let half_width = half_width_of_difference(a, b, options)?;
-        let off = b.value? - a.value?;
-        (off.abs() > half_width).then_some((off, half_width))
+        Some((b.value? - a.value?, half_width))
     };
     let (a, b) = (&levels.a, &levels.b);
-    match off(a.plus, b.plus).zip(off(a.minus, b.minus)) {
-        Some(((plus, of_plus), (minus, of_minus)))
-            if (plus - minus).abs() <= of_plus.hypot(of_minus) =>
-        {
+    let Some(((plus, of_plus), (minus, of_minus))) = off(a.plus, b.plus).zip(off(a.minus, b.minus))
+    else {
+        return "";
+    };
+    match (plus.abs() > of_plus, minus.abs() > of_minus) {
+        (true, true) if (plus - minus).abs() <= of_plus.hypot(of_minus) => {
             ", and as far off at the other end: so do sensors whose zeros differ"
         }
-        Some(((plus, _), (minus, _))) if plus * minus > 0.0 => {
+        (true, true) if plus * minus > 0.0 => {
             ", and off to the same side at the other end: a part of it may be that the zeros of the sensors differ"
         }
-        _ => "",
+        (true, true) => "",
+        _ => {
+            ", and at the other end no difference is sure: a load to one side does that, and zeros of the sensors that differ"
+        }
     }
 }
 
@@ -390,6 +394,11 @@ mod tests {
         assert!(
             larger.ends_with("it comes to rest at 11.0, the first at 9.0"),
             "{larger}"
+        );
+        let one_end = said(-9.0, 8.0);
+        assert!(
+            one_end.contains("the first at 9.00, and at the other end no difference is sure"),
+            "{one_end}"
         );
     }
 

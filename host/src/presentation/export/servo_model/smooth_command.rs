@@ -168,7 +168,9 @@ impl SmoothCommand {
         let beside = |value| recorded::beside(value, self.amplitude);
         let held = match self.frame_s > 0.0 {
             true => " and is held for each pulse frame",
-            false => "",
+            false => {
+                " and is held for each step, for the servo as for this file (the sine itself is half a step ahead of that)"
+            }
         };
         format!(
             "Smooth command: under a sine of {} +- {} {} at {:.2} Hz, which stays below the limits of speed and drive{held}, the position is {}{of_small}.",

@@ -221,6 +221,10 @@ pub(super) fn delay(model: &ServoModel) -> Option<String> {
     let interval = found.interval.valid();
     let ends = interval.and_then(|interval| interval.lower.zip(interval.upper));
     Some(match ends {
+        // An end that far off says nothing of the servo, and alarms.
+        Some((lower, upper)) if lower < at_once && upper > FAR_OFF * delay && upper > at_once => {
+            return None;
+        }
         Some((lower, upper)) if upper - lower > VAGUE * delay && upper > at_once => {
             let upper = digits(1e3 * upper, 3);
             match lower < at_once {
@@ -235,6 +239,9 @@ pub(super) fn delay(model: &ServoModel) -> Option<String> {
 
 /// A delay whose interval is wider than this part of it is said as that interval.
 const VAGUE: f64 = 0.5;
+
+/// The upper end of an interval that begins at once, over its value, from which a delay is not said in a sentence.
+const FAR_OFF: f64 = 8.0;
 
 /// A delay of so many samples does not show.
 const AT_ONCE: f64 = 0.01;
@@ -258,10 +265,12 @@ mod tests {
             let found = found.unwrap();
             (found.value, found.determined) = (0.008, true);
             found.interval = Bounds::Valid(Interval::new(0.008, lower, upper));
-            delay(&model).unwrap()
+            delay(&model)
         };
-        assert_eq!(words(0.0078, 0.0081), "answers 8.000 ms late");
-        assert_eq!(words(0.0, 0.019), "answers at most 19.0 ms late");
-        assert_eq!(words(0.0031, 0.019), "answers 3.10 to 19.0 ms late");
+        let said = |words: &str| Some(words.to_owned());
+        assert_eq!(words(0.0078, 0.0081), said("answers 8.000 ms late"));
+        assert_eq!(words(0.0, 0.019), said("answers at most 19.0 ms late"));
+        assert_eq!(words(0.0031, 0.019), said("answers 3.10 to 19.0 ms late"));
+        assert_eq!(words(0.0, 0.1), None);
     }
 }

@@ -6,19 +6,19 @@ use crate::presentation::summary::wording::sixty_degrees::per_60_degrees;
 use servoid_identification::results::{Bounds, Interval, with_unit};
 use servoid_identification::servo_model::{Quantity, QuantityKind, Spread, Unit};
 
-/// The table of quantities with its head. Of those that `is_extrapolated`, it says so.
+/// The table of quantities with its head. Of those that `may_be_extrapolated`, it says so.
 pub(crate) fn quantities(
     all: &[Quantity],
     level: Bounds<f64>,
     units: Units<'_>,
-    is_extrapolated: impl Fn(&Quantity) -> bool,
+    may_be_extrapolated: impl Fn(&Quantity) -> bool,
 ) -> String {
     let head = head_of_bounds(level);
     let mut text = format!("  {:34} {:>12} {:8} {head}\n", "", "value", "");
     let rows = quantity_rows(all, units).into_iter();
     text.extend(rows.map(|(quantity, found)| {
         let turn = per_60_degrees(quantity, units).map(|turn| format!("= {turn}"));
-        let extrapolated = is_extrapolated(quantity).then(|| "extrapolated".to_owned());
+        let extrapolated = may_be_extrapolated(quantity).then(|| "perhaps extrapolated".to_owned());
         let beside: Vec<String> = turn.into_iter().chain(extrapolated).collect();
         row(&found, &beside.join(", "))
     }));

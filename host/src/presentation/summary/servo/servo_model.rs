@@ -32,8 +32,8 @@ pub fn of_servo_model(document: &ServoModelDocument, units: Units<'_>, explain: 
     let remarks = ServoRemarks::of(document, units);
     let line = |remark: &String| format!("  {}\n", wrapped(remark, 2));
     text.extend(remarks.before.iter().map(line));
-    let is_extrapolated = |quantity: &Quantity| model.stayed_below(quantity);
-    text += &quantities(&model.quantities, level, units, is_extrapolated);
+    let may_be_extrapolated = |quantity: &Quantity| model.stayed_below(quantity);
+    text += &quantities(&model.quantities, level, units, may_be_extrapolated);
     text.extend(remarks.behind.iter().map(line));
     if explain {
         text +=

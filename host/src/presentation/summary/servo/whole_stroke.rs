@@ -21,7 +21,7 @@ pub(crate) fn whole_stroke(model: &ServoModel, units: Units<'_>) -> Option<Strin
         .then_some(" It is simulated: the recording has no step so large.");
     let at_speed = match (has_unreached_top_speeds(model), limits_in_words(model, units)) {
         (true, _) => {
-            "the one at top speed, which the servo did not reach in this recording, so that it is extrapolated".to_owned()
+            "the one at top speed, which the servo is not shown to reach in this recording, so that it may be extrapolated".to_owned()
         }
         (false, Some(limits)) => format!("that of {limits}"),
         (false, None) if top_speeds(model).is_some() => "the one at top speed".to_owned(),

@@ -124,8 +124,28 @@ fn differences(a: &str, b: &str, found: &ServoModelComparison, units: Units<'_>)
     let of_models = bounds.map_or(&[][..], |bounds| &bounds.differences);
     let sure = (found.quantities.iter().zip(of_models))
         .filter(|(_, difference)| difference.is_sure())
-        .filter_map(|(pair, _)| in_words(a, b, pair, units));
+        .filter_map(|(pair, _)| Some((pair.name.as_str(), in_words(a, b, pair, units)?)));
+    let sure = as_of_one_direction(sure.collect());
     rests.into_iter().chain(stops).chain(sure).collect()
+}
+
+/// Names and values in words, each with the other direction once where its values are the same.
+fn as_of_one_direction(all: Vec<(&str, String)>) -> Vec<String> {
+    let has = |what: &str, direction: &str, values: &str| {
+        let same = |(name, own): &(&str, String)| {
+            name.strip_suffix(direction) == Some(what) && own == values
+        };
+        all.iter().any(same)
+    };
+    let once = |(name, values): &(&str, String)| {
+        let of = |direction: &str| name.strip_suffix(direction);
+        match (of(" upwards"), of(" downwards")) {
+            (Some(what), _) if has(what, " downwards", values) => Some(format!("{what} {values}")),
+            (_, Some(what)) if has(what, " upwards", values) => None,
+            _ => Some(format!("{name} {values}")),
+        }
+    };
+    all.iter().filter_map(once).collect()
 }
 
 /// That they differ, or that it is not known. It is said of the recordings: their bounds are those of noise, and no servo is the same in two runs.
@@ -145,7 +165,7 @@ fn what_is_sure(
     match &found.bounds {
         Bounds::Withdrawn(reason) => {
             let because = format!(
-                "because for at least one of the two {}; the values stand without intervals",
+                "because for at least one of the two {}; the values stand without intervals, and play in those of dead band, friction and delay",
                 reason.because()
             );
             match count {
@@ -170,12 +190,12 @@ fn what_is_sure(
     }
 }
 
-/// "delay 10.3 ms in A, 12.1 ms in B"
+/// "10.3 ms in A, 12.1 ms in B"
 fn in_words(a: &str, b: &str, pair: &QuantityPair, units: Units<'_>) -> Option<String> {
     let (scale, unit) = scale_and_unit(pair.unit, units);
     let shown = |value: f64| with_unit(four_digits(scale * value), &unit);
     let (of_a, of_b) = (shown(pair.a?), shown(pair.b?));
-    Some(format!("{} {of_a} in {a}, {of_b} in {b}", pair.name))
+    Some(format!("{of_a} in {a}, {of_b} in {b}"))
 }
 
 /// "a stop at 6 deg", "no stop"
@@ -475,6 +495,32 @@ mod tests {
             output: Some("deg"),
         };
         sentence_on_servo_models("A", "B", &found, units)
+    }
+
+    #[test]
+    fn what_is_the_same_in_both_directions_is_said_once() {
+        let said = |all: &[(&'static str, &str)]| {
+            let all = all
+                .iter()
+                .map(|(name, values)| (*name, (*values).to_owned()));
+            as_of_one_direction(all.collect())
+        };
+        let (up, down) = ("top speed upwards", "top speed downwards");
+        let (same, other) = (
+            "600 deg/s in A, 480 deg/s in B",
+            "590 deg/s in A, 470 deg/s in B",
+        );
+        assert_eq!(
+            said(&[("delay", "4 ms in A, 5 ms in B"), (up, same), (down, same)]),
+            [
+                "delay 4 ms in A, 5 ms in B".to_owned(),
+                format!("top speed {same}")
+            ]
+        );
+        assert_eq!(
+            said(&[(up, same), (down, other)]),
+            [format!("{up} {same}"), format!("{down} {other}")]
+        );
     }
 
     #[test]
