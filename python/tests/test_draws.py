@@ -75,10 +75,7 @@ def test_the_quantities_of_a_draw_are_its_own(model):
         assert sum(estimate.lower <= found.value <= estimate.upper for found in drawn) >= 18, name
     for draw in draws:
         values = dict(zip(draw.servo_model.coordinates, draw.servo_model.values))
-        share = values.get("spring", 0.0)
-        ratio = np.exp(values["ln_damping"] - values["ln_stiffness"] / 2.0) / 2.0
-        if share == 0.0:
-            assert draw.servo_model.quantities["damping ratio"].value == pytest.approx(ratio, rel=1e-9)
+        assert draw.servo_model.quantities["delay"].value == pytest.approx(values["delay"], rel=1e-9)
 
 
 def test_draws_have_the_range_of_the_intervals(model):
