@@ -82,7 +82,9 @@ fn with_quantities_of_draw(document: String, file: &ModelFile) -> anyhow::Result
         return Ok(document);
     };
     let mut found: serde_json::Value = serde_json::from_str(&document)?;
-    found["servo_model"]["quantities"] = serde_json::to_value(&servo.model.quantities)?;
+    if let Some(quantities) = found.pointer_mut("/servo_model/quantities") {
+        *quantities = serde_json::to_value(&servo.model.quantities)?;
+    }
     Ok(serde_json::to_string(&found)?)
 }
 
