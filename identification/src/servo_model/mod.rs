@@ -37,6 +37,7 @@ pub use model::commands_within_rows::CommandsWithinRows;
 pub use model::hysteresis::UnexplainedHysteresis;
 pub use model::prediction::no_prediction;
 pub use model::sine_response::SineResponse;
+pub use model::stall::Stall;
 pub use model::{
     Alternative, Covariance, LadderRung, LinearKind, LinearModelFit, LinearModels, ServoFit,
     ServoModel, ServoResponse,

@@ -50,7 +50,9 @@ pub(crate) use response::low_order::low_order_sentence;
 pub(crate) use response::metrics::{difference_rows, metric_rows, withheld_line};
 pub(crate) use servo::quantity_table::{QuantityRow, quantities, quantity_rows};
 pub(crate) use servo::servo_model::{error_in_words, kind_in_words, terms_in_words};
-pub(crate) use servo::servo_remarks::{ServoRemarks, missed_rests_in_words, run_offsets_in_words};
+pub(crate) use servo::servo_remarks::{
+    ServoRemarks, missed_rests_in_words, run_offsets_in_words, stall_in_words,
+};
 pub(crate) use servoid_identification::results::with_unit;
 pub(crate) use two_servos::comparison::{
     NOT_COMPARED, facts_of_comparison, how_compared, table_of_comparison, verdict,

@@ -16,9 +16,12 @@ pub struct UnexplainedHysteresis {
 
 impl ServoModel {
     /// The hysteresis of the record, where friction and dead band of the model do not make as much, or where errors that are not noise show that
-    /// they are not all.
+    /// they are not all. Where the load stalls the drive, a servo stays where it came from, and that is in the model.
     #[must_use]
     pub fn unexplained_hysteresis(&self) -> Option<UnexplainedHysteresis> {
+        if self.stalls().iter().any(Option::is_some) {
+            return None;
+        }
         let (shown, at_least) = self.apart_at_rest()?;
         let explained = 2.0 * self.held_at_rest() * self.parameters(0).gain.abs();
         let lacks_something = self.covariance.withdrawn() == Some(Reason::ErrorsNotNoise);

@@ -7,6 +7,7 @@ pub(super) mod old_quantities;
 pub(super) mod prediction;
 mod pulse_end;
 pub(super) mod sine_response;
+pub(super) mod stall;
 pub(super) mod stroke_time;
 mod top_speed_reached;
 

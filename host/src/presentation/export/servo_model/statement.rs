@@ -59,6 +59,7 @@ impl ServoExport<'_> {
         found.extend(self.unknown_speed());
         found.extend(self.unexplained_hysteresis());
         found.extend(self.missed_rests());
+        found.extend(summary::stall_in_words(self.model, self.metadata.units()));
         found.extend(self.metadata.frame_warning(Some(self.parameters.delay_s)));
         found.extend(doubts::of_units(
             self.model.commands,

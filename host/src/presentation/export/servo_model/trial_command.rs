@@ -235,15 +235,13 @@ impl Trial {
         strokes.fold(0.0, f64::max)
     }
 
-    /// The largest stroke of the position: a stop cuts off what is beyond it.
+    /// The largest stroke of the position, from rest to rest: a load makes it smaller, and a stop cuts off what is beyond it.
     pub(super) fn largest_travel(&self, servo: &ServoParameters) -> f64 {
-        let [least, most] = servo.range();
-        let within = |level: &f64| level.max(least).min(most);
         let strokes = self.levels.windows(2).filter_map(|pair| match pair {
-            [from, to] => Some((within(to) - within(from)).abs()),
+            [from, to] => Some((servo.resting_output(*to) - servo.resting_output(*from)).abs()),
             _ => None,
         });
-        strokes.fold(0.0, f64::max) * servo.gain.abs()
+        strokes.fold(0.0, f64::max)
     }
 }
 

@@ -7,7 +7,7 @@ use crate::presentation::summary::wording::numbers::{digits, four_digits};
 use crate::presentation::summary::wording::speed_words::{
     reached_in_words, speed_in_words, upwards,
 };
-use servoid_identification::results::Reason;
+use servoid_identification::results::{Reason, with_unit};
 use servoid_identification::servo_model::{
     LoadKind, Quantity, QuantityKind, ServoModel, Spread, Stops,
 };
@@ -115,6 +115,14 @@ fn has_few_levels(model: &ServoModel) -> bool {
 /// " deg"; nothing of an unknown unit.
 pub(super) fn with_space(unit: Option<&str>) -> String {
     unit.map(|unit| format!(" {unit}")).unwrap_or_default()
+}
+
+/// Where its load stalls it, by the model.
+pub(super) fn stalled(model: &ServoModel, units: Units<'_>) -> Option<String> {
+    let at: Vec<String> = (model.stalls().into_iter().flatten())
+        .map(|stall| with_unit(digits(stall.output, 3), units.output.unwrap_or_default()))
+        .collect();
+    (!at.is_empty()).then(|| format!("stalls against its load at about {}", at.join(" and ")))
 }
 
 /// The upper end of an interval over its value, from which a rest is not said in a sentence.

@@ -14,7 +14,7 @@ use servoid_identification::thresholds::POOR_PREDICTION_PERCENT;
 pub(super) fn without_intervals(model: &ServoModel, reason: Reason, units: Units<'_>) -> String {
     let size = model.fit.lacking.map_or_else(String::new, |lacking| {
         let size = with_unit(digits(lacking, 2), units.output.unwrap_or_default());
-        format!(", about {size} rms,")
+        format!(", up to about {size} rms,")
     });
     let not_noise = match model.fit.servo_changed {
         true => format!(

@@ -11,7 +11,7 @@ use crate::data::units::Units;
 use crate::presentation::summary::wording::numbers::{digits, four_digits};
 use servoid_identification::nonlinear::MissedRest;
 use servoid_identification::results::{Bounds, with_unit};
-use servoid_identification::servo_model::{QuantityKind, ServoModel, Stops};
+use servoid_identification::servo_model::{QuantityKind, ServoModel, Stall, Stops};
 
 /// Sentences around the table of quantities.
 pub(crate) struct ServoRemarks {
@@ -31,6 +31,7 @@ impl ServoRemarks {
             of_pulse_end(model, units),
             rest_at_neutral(model, units),
             of_stops(model, units),
+            stall_in_words(model, units).map(|stall| format!("By the model, {stall}.")),
             of_missed_rests(model, units),
         ];
         let quantities = &model.quantities;
@@ -60,9 +61,9 @@ fn of_intervals(model: &ServoModel, units: Units<'_>) -> Option<String> {
             let size = with_unit(digits(lacking, 2), units.output.unwrap_or_default());
             match model.fit.servo_changed {
                 true => format!(
-                    ": beside noise, about {size} rms is what the servo changed by from run to run. Each run by itself leaves its model noise alone"
+                    ": beside noise, up to about {size} rms is what the servo changed by from run to run. Each run by itself leaves its model noise alone"
                 ),
-                false => format!(": beside noise, the model lacks about {size} rms"),
+                false => format!(": beside noise, the model lacks up to about {size} rms"),
             }
         });
         return Some(format!(
@@ -94,7 +95,7 @@ fn where_strokes_end(model: &ServoModel) -> Option<String> {
         && !is_determined(QuantityKind::FrictionAtRest)?
         && model.covariance.valid().is_some();
     is_open.then(|| {
-        "The resting error is that with which strokes end. Friction at rest that is gone as soon as the shaft turns does not show in them: once at rest, it holds the shaft \
+        "The resting error is the largest with which strokes end; most end closer. Friction at rest that is gone as soon as the shaft turns does not show in them: once at rest, it holds the shaft \
          farther off. Of simulated servos in which it is gone at lower speeds than in the equation, this error was up to 6 % larger, and outside some intervals."
             .to_owned()
     })
@@ -137,6 +138,24 @@ fn rest_at_neutral(model: &ServoModel, units: Units<'_>) -> Option<String> {
                 "Under a load that changes with the angle no offset, which is that under a command of 0, makes a line of the rests with the gain",
         }
     ))
+}
+
+/// From which commands on the load stalls the drive, where that is so.
+pub(crate) fn stall_in_words(model: &ServoModel, units: Units<'_>) -> Option<String> {
+    let in_words = |(side, stall): (&str, Stall)| {
+        let command = with_unit(digits(stall.command, 4), units.input.unwrap_or_default());
+        let output = with_unit(digits(stall.output, 3), units.output.unwrap_or_default());
+        format!("{side} a command of {command} at about {output}")
+    };
+    let stalls = ["below", "above"].into_iter().zip(model.stalls());
+    let stalls = stalls.filter_map(|(side, stall)| Some(in_words((side, stall?))));
+    let stalls: Vec<String> = stalls.collect();
+    (!stalls.is_empty()).then(|| {
+        format!(
+            "the load stalls the drive {}: the servo gets no farther",
+            stalls.join(", and ")
+        )
+    })
 }
 
 /// That longer pulses act later.

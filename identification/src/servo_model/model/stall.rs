@@ -1,0 +1,89 @@
+//! Where the load stalls the drive: a servo that is sent farther stays there.
+
+use super::ServoModel;
+use servoid_dynamics::ServoParameters;
+
+/// Halvings between a command that is reached and one that is not.
+const HALVINGS: usize = 40;
+
+/// From where on the load stalls the drive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stall {
+    /// The command from which on the drive is full at rest \[command\].
+    pub command: f64,
+    /// Where the servo rests under the last command of the record, in the middle of where friction holds it: it gets no farther \[output\].
+    pub output: f64,
+}
+
+impl ServoModel {
+    /// Where the load stalls the drive, by the model, under commands of the record below their middle and above it.
+    #[must_use]
+    pub fn stalls(&self) -> [Option<Stall>; 2] {
+        let servo = self.parameters(0);
+        self.commands.map_or([None; 2], |commands| {
+            [commands.least, commands.largest].map(|end| stall(&servo, commands.middle(), end))
+        })
+    }
+}
+
+/// Between a command in the middle, which is reached, and one at an end.
+fn stall(servo: &ServoParameters, middle: f64, end: f64) -> Option<Stall> {
+    if stalls_under(servo, middle) || !stalls_under(servo, end) {
+        return None;
+    }
+    let (mut reached, mut beyond) = (middle, end);
+    for _ in 0..HALVINGS {
+        let between = 0.5 * (reached + beyond);
+        match stalls_under(servo, between) {
+            true => beyond = between,
+            false => reached = between,
+        }
+    }
+    Some(Stall {
+        command: beyond,
+        output: servo.resting_output(end),
+    })
+}
+
+/// Whether the drive is full at rest.
+fn stalls_under(servo: &ServoParameters, command: f64) -> bool {
+    let error = command - servo.resting_angle(command);
+    servo.drive_limit().is_some_and(|limit| {
+        let [up, down] = limit.both_ways();
+        !(servo.error_of(-down)..=servo.error_of(up)).contains(&error)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use servoid_dynamics::{DriveLimit, Load};
+
+    /// A drive of 1000 against a spring of 100 a unit holds 10 units, where the loop of 900 a unit is sent 10 + 1000/900.
+    #[test]
+    fn a_spring_stalls_the_drive_where_it_is_as_strong() {
+        let servo = ServoParameters {
+            limit: Some(DriveLimit {
+                up: 1000.0,
+                down_to_up: 2.0,
+                motor_damping: 3.0,
+                at_one_stiffness: false,
+            }),
+            load: Load::Spring {
+                constant: 0.0,
+                rate: 100.0,
+            },
+            gain: 2.0,
+            ..ServoParameters::linear(900.0, 60.0)
+        };
+        let found = stall(&servo, 0.0, 15.0).unwrap();
+        assert!((found.output - 20.0).abs() < 1e-6, "{found:?}");
+        assert!(
+            (found.command - (10.0 + 1000.0 / 900.0)).abs() < 1e-6,
+            "{found:?}"
+        );
+        // The other way it has twice the drive.
+        assert_eq!(stall(&servo, 0.0, -15.0), None);
+        assert_eq!(stall(&servo, 0.0, 11.0), None);
+    }
+}
