@@ -31,7 +31,7 @@ pub struct ExportedServo {
 /// docs/servo-model.md those that lack none are within 6.4 %, all others beyond 34 %.
 const FAR: f64 = 0.1;
 
-/// Largest strokes by which a file that goes where it is sent, late and beyond a stop, is never wrong.
+/// Largest commanded strokes by which a file that goes where it is sent, late and beyond a stop, is never wrong.
 const RUNS_AWAY: f64 = 2.0;
 
 impl ExportedServo {
@@ -91,7 +91,7 @@ impl ExportedServo {
         export: &ServoExport<'_>,
         why: impl FnOnce() -> String,
     ) -> Result<Self, ExportError> {
-        let stroke = self.trial.largest_travel(&export.parameters);
+        let stroke = self.trial.largest_commanded(&export.parameters);
         match self.follows && self.largest_difference_in_strokes < RUNS_AWAY * stroke {
             true => Ok(self),
             false => Err(ExportError::FollowsNothing {

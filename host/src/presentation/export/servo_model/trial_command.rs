@@ -228,17 +228,23 @@ impl Trial {
 
     /// The largest stroke of the command.
     pub(super) fn largest_stroke(&self) -> f64 {
-        let strokes = self.levels.windows(2).filter_map(|pair| match pair {
-            [from, to] => Some((to - from).abs()),
-            _ => None,
-        });
-        strokes.fold(0.0, f64::max)
+        self.largest_of(|level| level)
     }
 
     /// The largest stroke of the position, from rest to rest: a load makes it smaller, and a stop cuts off what is beyond it.
     pub(super) fn largest_travel(&self, servo: &ServoParameters) -> f64 {
+        self.largest_of(|level| servo.resting_output(level))
+    }
+
+    /// The largest that is commanded between the stops, as far as the servo would go without a load.
+    pub(super) fn largest_commanded(&self, servo: &ServoParameters) -> f64 {
+        let [least, most] = servo.range();
+        self.largest_of(|level| level.max(least).min(most) * servo.gain)
+    }
+
+    fn largest_of(&self, position: impl Fn(f64) -> f64) -> f64 {
         let strokes = self.levels.windows(2).filter_map(|pair| match pair {
-            [from, to] => Some((servo.resting_output(*to) - servo.resting_output(*from)).abs()),
+            [from, to] => Some((position(*to) - position(*from)).abs()),
             _ => None,
         });
         strokes.fold(0.0, f64::max)
