@@ -77,8 +77,10 @@ impl Model {
 
 /// The document, in which a servo that was drawn has its own quantities: Python writes those of the estimate there.
 fn with_quantities_of_draw(document: String, file: &ModelFile) -> anyhow::Result<String> {
-    let servo = file.servo_model().ok().flatten();
-    let Some(servo) = servo.filter(|servo| servo.model.drawn) else {
+    if !file.has_drawn_servo() {
+        return Ok(document);
+    }
+    let Some(servo) = file.servo_model().ok().flatten() else {
         return Ok(document);
     };
     let mut found: serde_json::Value = serde_json::from_str(&document)?;

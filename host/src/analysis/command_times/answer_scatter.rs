@@ -33,7 +33,7 @@ const MOST_BY_STROKE: f64 = 0.5;
 /// Share of the scatter that equal strokes have among themselves, below which it is of the strokes: moments of a clock of its own are others each time.
 const LEAST_AMONG_EQUAL: f64 = 0.5;
 
-/// Squared correlation of the times with those beside the size of the stroke, below which they are of its size: of commands between rows it is 0.94 or more, behind a
+/// Squared correlation of the times with those beside the size of the stroke, below which they are of its size: of commands between rows it is 0.94 or more in little noise, behind a
 /// dead band and with friction mostly less than 0.5.
 const SAME_TIMES: f64 = 0.8;
 

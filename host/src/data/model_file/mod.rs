@@ -212,6 +212,12 @@ impl ModelFile {
 }
 
 impl ModelFile {
+    /// Whether its servo model is one that was drawn at random; nothing else of it is read.
+    #[must_use]
+    pub fn has_drawn_servo(&self) -> bool {
+        self.servo_model.get("drawn") == Some(&Value::Bool(true))
+    }
+
     /// The servo model that the file may carry beside the linear one.
     ///
     /// # Errors
