@@ -119,6 +119,19 @@ impl<'a> Run<'a> {
         })
     }
 
+    /// The run as if nothing were known of its commands before sample `start`.
+    pub(crate) fn without_start(&self, start: usize) -> Self {
+        let mut input = self.input.to_vec();
+        input[..start].fill(f64::NAN);
+        Self {
+            input: input.into(),
+            output: self.output.clone(),
+            at_rest: None,
+            label: self.label,
+            has_exact_input: self.has_exact_input,
+        }
+    }
+
     /// The run with another output of the same length.
     pub(crate) fn with_output(&self, output: Vec<f64>) -> Self {
         debug_assert_eq!(output.len(), self.output.len());

@@ -15,6 +15,7 @@ use crate::diagnostics::prior_outcome::PriorOutcome;
 use crate::diagnostics::response_end::slow_end::{AllowedEnd, SlowEnd};
 use crate::diagnostics::runs::initial_rest::Contradicted;
 use crate::diagnostics::runs::run_scatter::RunComparison;
+use crate::diagnostics::runs::start_elsewhere::StartElsewhere;
 use crate::estimation::{BankCandidate, Excitation, OrderCandidate, Solver};
 use crate::results::{Bounds, Model};
 use crate::selection::Choice;
@@ -99,6 +100,9 @@ pub struct Explanation {
     /// The run that did not begin at the rest that was stated, if one did not.
     #[serde(default)]
     pub at_rest: Option<Contradicted>,
+    /// That runs begin elsewhere than where the servo comes to rest later, where they do.
+    #[serde(default)]
+    pub start: Option<StartElsewhere>,
     /// Up to which frequency the input moves.
     #[serde(default)]
     pub excitation: Option<Excitation>,

@@ -86,6 +86,7 @@ pub(crate) use runs::run_trends::{
     RunTrends, allow_for_run_trends, drift, slopes_left, trend_at, without_offsets_and_trends,
 };
 pub(crate) use runs::servo_mean::allow_for_scatter;
+pub use runs::start_elsewhere::StartElsewhere;
 pub(crate) use times::time_fault::TimeFault;
 pub use travel::arrival::{Approach, Arrival};
 pub(crate) use travel::flat_end::TravelEnd;

@@ -209,7 +209,7 @@ pub(super) fn model(
             validity.level.map(|_| frequency_bounds),
         ),
         band_estimate: None,
-        fit: figures_of_merit(fitted, task.disturbances.outliers.count()),
+        fit: figures_of_merit(fitted, task.disturbances.count()),
         residuals: Residuals::default(),
         iterations: fit.iterations,
         converged: fit.converged,
@@ -261,6 +261,7 @@ pub(super) fn explanation(
         at_rest: task
             .record
             .and_then(|record| contradicted_rest(record, model)),
+        start: task.disturbances.start.clone(),
         excitation: Some(excitation),
         resolution: allowances
             .quantisation

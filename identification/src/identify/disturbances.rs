@@ -2,7 +2,8 @@
 
 use crate::data::{Record, Run};
 use crate::diagnostics::{
-    HumLine, LevelEffects, Outliers, RunOffsets, RunTrends, TakenOut, without_offsets_and_trends,
+    HumLine, LevelEffects, Outliers, RunOffsets, RunTrends, StartElsewhere, TakenOut,
+    without_offsets_and_trends,
 };
 use crate::numerics::largest_difference;
 
@@ -17,6 +18,8 @@ pub(super) struct Disturbances {
     pub(super) trends: RunTrends,
     /// How far levels are off, where that looked like a response beyond the usual hold.
     pub(super) levels: LevelEffects,
+    /// That runs begin elsewhere, where that is left out.
+    pub(super) start: Option<StartElsewhere>,
 }
 
 impl Disturbances {
@@ -50,9 +53,10 @@ impl Disturbances {
         !self.offsets.is_empty() || !self.trends.is_empty()
     }
 
-    /// Those that no error of a model is: the offsets and trends of runs, and spikes.
+    /// Those that no error of a model is: the offsets and trends of runs, spikes, and where runs begin.
     pub(super) fn that_are_no_errors(&self) -> Self {
         Self {
+            start: self.start.clone(),
             offsets: self.offsets.clone(),
             trends: self.trends.clone(),
             outliers: self.outliers.of_shape(),
@@ -62,7 +66,12 @@ impl Disturbances {
 
     /// Whether nothing was taken out.
     pub(super) fn is_empty(&self) -> bool {
-        self.is_without_errors() && !self.is_of_runs()
+        self.is_without_errors() && !self.is_of_runs() && self.start.is_none()
+    }
+
+    /// Number of samples that were taken out.
+    pub(super) fn count(&self) -> usize {
+        self.outliers.count() + self.start.as_ref().map_or(0, StartElsewhere::count)
     }
 
     /// The runs of a record that they were taken out of, with their offsets again.
@@ -82,7 +91,10 @@ impl Disturbances {
         }
         let record = self.levels.put_right(record);
         let record = without_offsets_and_trends(&record, &self.offsets, &self.trends);
-        let mut runs: Vec<Run<'a>> = record.runs().to_vec();
+        let mut runs: Vec<Run<'a>> = match &self.start {
+            Some(start) => start.left_out_of(record.runs()),
+            None => record.runs().to_vec(),
+        };
         for (index, run) in runs.iter_mut().enumerate() {
             let hum = |k: usize| self.hum.iter().map(|line| line.at(index, k)).sum::<f64>();
             let values = (0..).zip(run.output());

@@ -91,7 +91,7 @@ fn explained(
         of_servo,
         may_go_on,
     };
-    let found = Undisturbed::of(record, options)?;
+    let found = request.found_of_servo(Undisturbed::of(record, options)?);
     // The search for smaller outliers goes on from the fit without the larger ones.
     let kept = (found.may_have_smaller_outliers()).then(|| found.clone());
     request.with_response(found, |first| {
@@ -112,6 +112,17 @@ struct Request<'a> {
 }
 
 impl<'a> Request<'a> {
+    /// A record as it was `found`, or without where its runs begin if that is elsewhere than later rests and what is left is linear: a servo that is not linear rests elsewhere again and again.
+    fn found_of_servo(&self, found: Undisturbed<'a>) -> Undisturbed<'a> {
+        let is_linear = |found: &Undisturbed<'_>| {
+            let task = self.task(&found.record, &found.disturbances);
+            let (candidate, estimate) = (found.candidate.clone(), found.estimate.clone());
+            !Fitted::tested(&task, candidate, estimate).errors_follow_motion()
+        };
+        let without_start = found.without_start(self.record, self.options);
+        without_start.filter(is_linear).unwrap_or(found)
+    }
+
     /// What follows from the response of the record as it was `found`, or with all that may be errors of the model where these follow the
     /// motion: errors of a servo that is not linear are no disturbances.
     fn with_response(

@@ -9,8 +9,8 @@ use super::estimate::Estimate;
 use crate::data::column::span;
 use crate::data::{HELD, Moments, Quantisation, Record, Run, sensor_step, usual_hold};
 use crate::diagnostics::{
-    Beside, LevelEffects, Outliers, RunOffsets, RunTrends, Simulated, drift, hum, outliers,
-    run_offsets, simulated, simulated_whole, slopes_left,
+    Beside, LevelEffects, Outliers, RunOffsets, RunTrends, Simulated, StartElsewhere, drift, hum,
+    outliers, run_offsets, simulated, simulated_whole, slopes_left,
 };
 use crate::error::Error;
 use crate::options::{Detrend, Options};
@@ -44,6 +44,21 @@ impl<'a> Undisturbed<'a> {
             }
         }
         Ok(found)
+    }
+
+    /// Without where its runs begin, if that is elsewhere than where the servo comes to rest later.
+    pub(super) fn without_start(&self, record: &'a Record, options: &Options) -> Option<Self> {
+        let Estimate {
+            information, fit, ..
+        } = &self.estimate;
+        let start = StartElsewhere::of(&self.record, &information.moments, fit)?;
+        let disturbances = Disturbances {
+            start: Some(start),
+            ..self.disturbances.clone()
+        };
+        let complete = record.with_complete_inputs();
+        let found = Self::without(disturbances, &complete, options).ok()?;
+        found.in_turns(&complete, options, false).ok()
     }
 
     /// The usual hold, where the response goes on beyond it.
@@ -225,6 +240,7 @@ impl<'a> Undisturbed<'a> {
         let mut next = Disturbances {
             outliers: self.disturbances.outliers.clone(),
             levels: self.disturbances.levels.clone(),
+            start: self.disturbances.start.clone(),
             ..Disturbances::default()
         };
         // Each is looked for in the errors that the ones before leave.

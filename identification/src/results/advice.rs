@@ -91,6 +91,8 @@ pub enum Check {
     History,
     /// Whether runs begin at the rest that was stated.
     AtRest,
+    /// Whether runs begin where the servo comes to rest later.
+    Start,
     /// Whether both sides had the same reference.
     References,
     /// What models, without their recordings, cannot show.

@@ -125,6 +125,11 @@ pub const RESIDUAL_SIGNIFICANCE: f64 = 0.01;
 /// Evidence: the tests of the initial rest.
 pub const INITIAL_REST_MISSED: f64 = 6.0;
 
+/// Probability below which runs begin elsewhere than where the servo rests later.
+///
+/// Protects: final values from a first stroke that is longer or shorter than the others. Evidence: the tests of starts.
+pub const START_SIGNIFICANCE: f64 = 1e-3;
+
 /// Shortest stretch of rest that shows the noise at standstill \[samples\].
 ///
 /// Protects: that noise from the end of a motion. Evidence: the tests of the noise at standstill.

@@ -29,4 +29,5 @@ mod scattering_holds;
 mod servo_model;
 mod several_runs;
 mod smooth;
+mod starts;
 mod streaming;

@@ -68,6 +68,7 @@ pub(crate) fn gather_advice(evidence: &Evidence<'_>) -> Vec<Advice> {
         record::deviating(evidence),
         record::history(evidence),
         record::at_rest(evidence),
+        record::start(evidence),
     ]
     .into_iter()
     .flatten()

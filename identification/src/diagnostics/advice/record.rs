@@ -7,6 +7,7 @@ use crate::numerics::{four_digits, two_digits};
 use crate::results::{Advice, Check};
 use crate::thresholds::{
     INITIAL_REST_MISSED, LARGE_SHARE, LOST_TO_HISTORY, RESIDUAL_SIGNIFICANCE, RUNS_FOR_MEAN,
+    START_SIGNIFICANCE,
 };
 
 pub(super) fn parameters(evidence: &Evidence<'_>) -> Option<Advice> {
@@ -240,5 +241,24 @@ pub(super) fn at_rest(evidence: &Evidence<'_>) -> Option<Advice> {
         found.times_usual,
         INITIAL_REST_MISSED,
         "State the input at which the servo rested before the run, or none.",
+    ))
+}
+
+pub(super) fn start(evidence: &Evidence<'_>) -> Option<Advice> {
+    let found = evidence.explanation.start.as_ref()?;
+    let runs = match found.samples.len() {
+        1 => "The run begins",
+        _ => "Runs begin up to",
+    };
+    Some(Advice::new(
+        Check::Start,
+        format!(
+            "{runs} {} from where the servo comes to rest later under the same command, as play or friction leave it on the side from which it came. First \
+             strokes are as much longer or shorter, and are left out.",
+            evidence.output(two_digits(found.distance.abs()))
+        ),
+        found.chance,
+        START_SIGNIFICANCE,
+        "Let the servo come to its first position as it does later, by a stroke from the same side.",
     ))
 }

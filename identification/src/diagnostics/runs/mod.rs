@@ -12,3 +12,4 @@ pub(super) mod run_offsets;
 pub(super) mod run_scatter;
 pub(super) mod run_trends;
 pub(super) mod servo_mean;
+pub(super) mod start_elsewhere;

@@ -4,16 +4,13 @@
 //! the middle of the run. Estimates of the slopes are taken out of the output, fit and slopes in turns, and the covariance of the
 //! response is that of the regression with a column for each run, as for [offsets](crate::diagnostics::runs::run_offsets).
 
-use faer::Mat;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use crate::data::{Moments, Record, References, Run};
-use crate::diagnostics::residuals::filtered_rows::{filtered, only, present, with_history};
-use crate::diagnostics::residuals::further_columns::FurtherColumns;
 use crate::diagnostics::residuals::part_means::part_means;
+use crate::diagnostics::residuals::run_columns::RunColumns;
 use crate::diagnostics::residuals::simulation_error::Simulated;
-use crate::estimation::{GlsFit, noise_filter};
-use crate::numerics::{cholesky, dot, inverse_of_square, times};
+use crate::estimation::GlsFit;
 use crate::thresholds::{DRIFT_SIGNIFICANCE, SHORTEST_SETTLING};
 
 /// The slope of each run \[output per sample\]; empty where there is none.
@@ -168,76 +165,28 @@ pub(crate) fn without_offsets_and_trends<'a>(
     record.with_runs(runs.collect())
 }
 
-/// The columns of the trends beside the regression of `fit`, all behind the noise filter.
-struct Columns {
-    /// Of each run: its trend.
-    trends: Vec<Vec<f64>>,
-    /// (Z'Z)^-1 Z'W, with the rows Z of the regression, the offset last, and the trends W.
-    weighted: Mat<f64>,
-    /// (W'W - W'Z (Z'Z)^-1 Z'W)^-1.
-    inverse: Mat<f64>,
-}
-
-impl Columns {
-    /// `None` where the input explains a trend by itself.
-    fn new<'a>(
-        runs: impl Iterator<Item = &'a Run<'a>>,
-        moments: &Moments,
-        fit: &GlsFit,
-    ) -> Option<Self> {
-        let d = noise_filter(&fit.ar);
-        let history = fit.coordinates.basis.settling() + fit.ar.len();
-        let (mut trends, mut crosses) = (Vec::new(), Vec::new());
-        for run in runs {
-            let input = with_history(run, history, moments.centre.0);
-            let rows = run.complete_rows(moments.input_lags(), moments.output_lags());
-            let trend: Vec<f64> = (0..run.len()).map(|k| trend_at(run, k)).collect();
-            let trend = only(&rows, filtered(&trend, &d));
-            // Each by itself: products with several columns at once are rounded otherwise.
-            let mut column = FurtherColumns::new(fit, 1);
-            column.add(&filtered(&input, &d), &[0], &[&trend]);
-            crosses.push(column.cross_moments());
-            trends.push(trend);
-        }
-        let cross = Mat::from_fn(crosses.first()?.nrows(), crosses.len(), |i, r| {
-            crosses[r][(i, 0)]
-        });
-        let weighted = &fit.solution.inverse * &cross;
-        let explained = cross.transpose() * &weighted;
-        let left = Mat::from_fn(trends.len(), trends.len(), |i, j| {
-            let own = if i == j {
-                dot(&trends[i], &trends[i])
-            } else {
-                0.0
-            };
-            own - explained[(i, j)]
-        });
-        Some(Self {
-            inverse: inverse_of_square(&cholesky(&left)?),
-            trends,
-            weighted,
-        })
-    }
+/// The columns of the trends of `runs` beside the regression of `fit`.
+fn columns<'a>(
+    runs: impl Iterator<Item = &'a Run<'a>>,
+    moments: &Moments,
+    fit: &GlsFit,
+) -> Option<RunColumns> {
+    let trend = |run: &'a Run<'a>| (run, (0..run.len()).map(|k| trend_at(run, k)).collect());
+    RunColumns::new(runs.map(trend), moments, fit)
 }
 
 /// The slopes that the errors of `fit` leave for a regression with a trend of each of `runs`.
 pub(crate) fn slopes_left(runs: &[Simulated<'_>], moments: &Moments, fit: &GlsFit) -> RunTrends {
-    let Some(columns) = Columns::new(runs.iter().map(|run| &run.run), moments, fit) else {
-        return vec![0.0; runs.len()];
-    };
-    let d = noise_filter(&fit.ar);
-    let score = |(run, trend): (&Simulated<'_>, &Vec<f64>)| {
-        let errors: Vec<f64> = run.errors.iter().copied().map(present).collect();
-        dot(trend, &filtered(&errors, &d))
-    };
-    let scores: Vec<f64> = runs.iter().zip(&columns.trends).map(score).collect();
-    times(&columns.inverse, &scores)
+    let columns = columns(runs.iter().map(|run| &run.run), moments, fit);
+    match columns {
+        Some(columns) => columns.coefficients(&columns.scores(runs.iter(), fit)),
+        None => vec![0.0; runs.len()],
+    }
 }
 
 /// The covariance of `fit` becomes that with a trend of each of `runs`.
 pub(crate) fn allow_for_run_trends(runs: &[Run], moments: &Moments, fit: &mut GlsFit) {
-    if let Some(columns) = Columns::new(runs.iter(), moments, fit) {
-        let more = &columns.weighted * &columns.inverse * columns.weighted.transpose();
-        fit.spread_further(1.0, Some(more));
+    if let Some(columns) = columns(runs.iter(), moments, fit) {
+        fit.spread_further(1.0, Some(columns.covariance()));
     }
 }

@@ -3,7 +3,7 @@
 use super::top_speeds::{determined, is_never_reached};
 use crate::data::units::Units;
 use crate::presentation::summary::wording::layout::listed_words;
-use crate::presentation::summary::wording::numbers::{digits, four_digits};
+use crate::presentation::summary::wording::numbers::{digits, digits_beside, four_digits};
 use crate::presentation::summary::wording::speed_words::{
     reached_in_words, speed_in_words, upwards,
 };
@@ -241,12 +241,15 @@ pub(super) fn delay(model: &ServoModel) -> Option<String> {
             }
         }
         _ if delay < at_once => "answers at once".to_owned(),
-        _ => format!("answers {} ms late", four_digits(1e3 * delay)),
+        ends => {
+            let width = ends.map(|(lower, upper)| 1e3 * (upper - lower));
+            format!("answers {} ms late", digits_beside(1e3 * delay, 3, width))
+        }
     })
 }
 
 /// A delay whose interval is wider than this part of it is said as that interval.
-const VAGUE: f64 = 0.5;
+const VAGUE: f64 = 0.25;
 
 /// The upper end of an interval that begins at once, over its value, from which a delay is not said in a sentence.
 const FAR_OFF: f64 = 8.0;
@@ -276,7 +279,8 @@ mod tests {
             delay(&model)
         };
         let said = |words: &str| Some(words.to_owned());
-        assert_eq!(words(0.0078, 0.0081), said("answers 8.000 ms late"));
+        assert_eq!(words(0.0078, 0.0081), said("answers 8.00 ms late"));
+        assert_eq!(words(0.007, 0.0093), said("answers 7.00 to 9.30 ms late"));
         assert_eq!(words(0.0, 0.019), said("answers at most 19.0 ms late"));
         assert_eq!(words(0.0031, 0.019), said("answers 3.10 to 19.0 ms late"));
         assert_eq!(words(0.0, 0.1), None);
