@@ -16,6 +16,10 @@ NO_BOUNDS = ": no bounds can be given"
 """What stands in a legend behind the name of a curve without a band."""
 
 
+PICTURE = ": linear picture of this recording, no bounds can be given"
+"""The same of a servo that is not linear."""
+
+
 def pyplot() -> Any:
     """What figures are made by."""
     try:
@@ -40,7 +44,7 @@ def step(model: Model, ax: Any, label: str) -> Any:
     response = model.step
     time_s = response.time_s + model.sample_phase_s
     if response.level is None or response.lower is None or response.upper is None:
-        label += NO_BOUNDS
+        label += NO_BOUNDS if model.linear else PICTURE
     (line,) = ax.plot(time_s, response.value, label=label)
     if response.level is not None and response.lower is not None and response.upper is not None:
         band = f"the whole curve, {100 * response.level:g} %{of_motion(model)}"
@@ -72,7 +76,7 @@ def bode(model: Model, response: FrequencyResponse, shown: slice, axes: Any, lab
         (phase, response.phase_deg, response.phase_deg_lower, response.phase_deg_upper),
     ]
     if response.level is None:
-        label += NO_BOUNDS
+        label += NO_BOUNDS if model.linear else PICTURE
     for ax, value, lower, upper in panels:
         (line,) = ax.semilogx(hertz, value[shown], label=label)
         if response.level is None or lower is None or upper is None:

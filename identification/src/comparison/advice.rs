@@ -169,7 +169,8 @@ fn few_runs(
     };
     let are_linear = models.iter().all(|model| model.linear);
     let mut remedy = match of_recordings {
-        Some(_) => "Record longer runs, or larger steps.".to_owned(),
+        Some(_) if are_linear => "Record longer runs, or larger steps.".to_owned(),
+        Some(_) => "Record longer runs, or larger steps; of servos that are not linear steps of one size, to and fro: all of them have one answer.".to_owned(),
         None if are_linear => more_runs(comparison, fewest, bounds.level),
         // Runs of other orders differ by more than those at hand.
         None => "Record more runs a side.".to_owned(),

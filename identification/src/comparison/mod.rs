@@ -43,6 +43,7 @@ mod over_prediction;
 mod pair;
 mod rests_apart;
 mod run_means;
+mod scatter_of_curves;
 mod servo_models;
 mod shift;
 mod shift_alone;

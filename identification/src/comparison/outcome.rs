@@ -231,7 +231,10 @@ impl Comparison {
     pub fn rests_in_words(&self, sides: [&str; 2], unit: &str) -> Option<String> {
         let rests = self.rests_apart?;
         match rests.difference_in_words(sides, unit) {
-            Some(differ) => Some(format!("They rest differently: {differ}.")),
+            Some(differ) => Some(format!(
+                "They rest differently: {differ}. {}",
+                rests.what_it_leaves_open().unwrap_or_default()
+            )),
             None if rests.difference.is_some() || self.verdict == Verdict::Same => {
                 Some(rests.nothing_sure_in_words(sides, unit))
             }

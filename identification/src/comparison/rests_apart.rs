@@ -69,6 +69,14 @@ impl RestsApart {
         ))
     }
 
+    /// What a sure difference leaves open.
+    #[must_use]
+    pub fn what_it_leaves_open(&self) -> Option<&'static str> {
+        self.differ().then_some(
+            "Rests alone do not show which of the two is worn: strokes of another size may turn their difference round.",
+        )
+    }
+
     /// What is known where no difference is sure: each side, and the largest difference that is not excluded; or what would show it.
     #[must_use]
     pub fn nothing_sure_in_words(&self, [a, b]: [&str; 2], unit: &str) -> String {

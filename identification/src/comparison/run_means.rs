@@ -6,6 +6,7 @@
 
 use super::difference::Curves;
 use super::pair::Identified;
+use super::scatter_of_curves::variances;
 use super::shift::shift;
 use super::welch::{Welch, half_width_of_mean};
 use crate::error::Error;
@@ -51,9 +52,12 @@ impl RunMeans {
     pub(super) fn difference(&self, level: f64) -> (Vec<f64>, Vec<f64>) {
         let points = self.sides[0][0].value.len();
         let level = 1.0 - (1.0 - level) / DIRECTIONS;
+        let [of_a, of_b] = [0, 1].map(|side| self.variances(side));
+        let runs = [0, 1].map(|side| self.sides[side].len());
         let at = |m: usize| {
             let [a, b] = [0, 1].map(|side| self.each(side, |curves| curves.value[m]));
-            (mean(&b) - mean(&a), half_width(&a, &b, level))
+            let welch = Welch::of_variances([of_a[m], of_b[m]], runs);
+            (mean(&b) - mean(&a), half_width(welch, level))
         };
         (0..points).map(at).unzip()
     }
@@ -67,14 +71,14 @@ impl RunMeans {
                 .map(later)
                 .collect::<Option<Vec<f64>>>()
         });
-        Some(half_width(&a?, &b?, self.level))
+        Some(half_width(Welch::new(&a?, &b?), self.level))
     }
 
     /// Half the width of the interval of the difference of a metric, which has this place among [`Metrics::named`]; `None` where a run has
     /// no such metric.
     pub(super) fn metric_half(&self, place: usize) -> Option<f64> {
         let [a, b] = [0, 1].map(|side| self.metric_of_runs(side, place));
-        Some(half_width(&a?, &b?, self.level))
+        Some(half_width(Welch::new(&a?, &b?), self.level))
     }
 
     /// The same of that metric of one side, 0 or 1, as the mean of its runs.
@@ -86,6 +90,12 @@ impl RunMeans {
     fn metric_of_runs(&self, side: usize, place: usize) -> Option<Vec<f64>> {
         let runs = self.metrics[side].iter();
         runs.map(|run| run.named()[place].1.value).collect()
+    }
+
+    fn variances(&self, side: usize) -> Vec<f64> {
+        let curves = &self.sides[side];
+        let of_runs: Vec<&[f64]> = curves.iter().map(|run| run.value.as_slice()).collect();
+        variances(&of_runs, curves[0].points)
     }
 
     fn each(&self, side: usize, of: impl Fn(&Curves) -> f64) -> Vec<f64> {
@@ -102,8 +112,8 @@ pub(super) fn half_width_by_runs(runs: usize, level: f64) -> f64 {
 }
 
 /// Half the width of Welch's interval; zero where nothing scatters.
-fn half_width(a: &[f64], b: &[f64], level: f64) -> f64 {
-    Welch::new(a, b).map_or(0.0, |welch| welch.half_width(level))
+fn half_width(welch: Option<Welch>, level: f64) -> f64 {
+    welch.map_or(0.0, |welch| welch.half_width(level))
 }
 
 fn mean(values: &[f64]) -> f64 {

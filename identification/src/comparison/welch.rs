@@ -13,13 +13,16 @@ pub(super) struct Welch {
 impl Welch {
     /// `None` without scatter to compare with.
     pub(super) fn new(a: &[f64], b: &[f64]) -> Option<Self> {
-        let moments = |values: &[f64]| {
-            let count = values.len() as f64;
-            let mean = values.iter().sum::<f64>() / count;
-            let square: f64 = values.iter().map(|x| (x - mean).powi(2)).sum();
-            (square / (count - 1.0) / count, count - 1.0)
-        };
-        let ((share_a, degrees_a), (share_b, degrees_b)) = (moments(a), moments(b));
+        let variance = |values: &[f64]| square_about_mean(values) / (values.len() as f64 - 1.0);
+        Self::of_variances([variance(a), variance(b)], [a.len(), b.len()])
+    }
+
+    /// Of groups of so many values, whose variances these are.
+    pub(super) fn of_variances(variances: [f64; 2], counts: [usize; 2]) -> Option<Self> {
+        let [(share_a, degrees_a), (share_b, degrees_b)] = [0, 1].map(|side| {
+            let count = counts[side] as f64;
+            (variances[side] / count, count - 1.0)
+        });
         let variance = share_a + share_b;
         let degrees =
             variance.powi(2) / (share_a.powi(2) / degrees_a + share_b.powi(2) / degrees_b);

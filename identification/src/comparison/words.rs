@@ -315,7 +315,7 @@ fn rest(levels: &Sides<Levels>, options: &ComparisonOptions) -> Option<String> {
             // A thousandth of the larger is finer than what a difference means to a pilot.
             let size = a.abs().max(b.abs());
             let decimals = match size > 0.0 {
-                true => (2.0 - size.log10().floor()).clamp(0.0, 12.0) as usize,
+                true => (3.0 - size.log10().floor()).clamp(0.0, 12.0) as usize,
                 false => 0,
             };
             let position = |level: f64| with(format!("{level:.decimals$}"), &options.output_unit);
@@ -389,15 +389,15 @@ mod tests {
             rest(&levels, &ComparisonOptions::default()).unwrap()
         };
         let shifted = said(-7.0, 11.1);
-        assert!(shifted.ends_with("the first at 9.0, and as far off at the other end: so do sensors whose zeros differ"), "{shifted}");
+        assert!(shifted.ends_with("the first at 9.00, and as far off at the other end: so do sensors whose zeros differ"), "{shifted}");
         let larger = said(-10.5, 11.0);
         assert!(
-            larger.ends_with("it comes to rest at 11.0, the first at 9.0"),
+            larger.ends_with("it comes to rest at 11.00, the first at 9.00"),
             "{larger}"
         );
         let one_end = said(-9.0, 8.0);
         assert!(
-            one_end.contains("the first at 9.00, and at the other end no difference is sure"),
+            one_end.contains("the first at 9.000, and at the other end no difference is sure"),
             "{one_end}"
         );
     }
@@ -428,7 +428,7 @@ mod tests {
         let sure = said(0.005, 0.0).unwrap();
         assert_eq!(
             sure,
-            "; commanded +10 it comes to rest at 4.31, the first at 4.30"
+            "; commanded +10 it comes to rest at 4.310, the first at 4.300"
         );
         assert_eq!(said(0.02, 0.0), None);
         // The sensor's zero may have moved between the two.

@@ -191,10 +191,12 @@ fn fit(
     let most_apart = apart.and_then(|apart| apart.value).unwrap_or_default();
     let model = ServoModel {
         missed_rests: missed_rests(&data.record, &simulated, linear.model(), most_apart),
-        hysteresis: (hysteresis.found == Some(true)).then_some(hysteresis.size),
-        rests_apart: apart.filter(|_| options.against.is_none_or(Reason::leaves_rests)),
         ..model
     };
+    let model = model.with_rests(
+        (hysteresis.found == Some(true)).then_some(hysteresis.size),
+        apart.filter(|_| options.against.is_none_or(Reason::leaves_rests)),
+    );
     let stroke = sixty_degrees(data.about.units());
     Ok(ServoModelDocument {
         stroke_of_60_degrees_s: stroke.and_then(|size| model.stroke_times_s(size)),

@@ -197,7 +197,10 @@ impl StepResponses {
             Some(periods) if periods.may_be_of_clocks() => {
                 " Where rows were meant to be equally far apart in both, identify both sides with that as --period."
             }
-            _ => "",
+            Some(_) => {
+                " Rows as far apart on both sides make them comparable, such as every second one of the quicker side."
+            }
+            None => " With the command of one side converted to the unit of the other they are.",
         };
         let Some(because) = because else {
             return Err(error);

@@ -28,7 +28,7 @@ pub(crate) fn drift(runs: &[Simulated<'_>]) -> bool {
     let length = (longest / PARTS).max(2 * SHORTEST_SETTLING);
     let references = References::of(runs.iter().map(|run| &run.run));
     let parts: Vec<Parts> = (runs.iter())
-        .map(|run| about_mean(part_means(&run.errors, length)))
+        .map(|run| about_mean(part_means(run.own_errors(), length)))
         .collect();
     let shared = |reference: usize| {
         let of_it = parts.iter().zip(&references.of_runs);

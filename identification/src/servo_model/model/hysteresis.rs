@@ -2,6 +2,10 @@
 
 use super::ServoModel;
 use crate::results::{Interval, Reason};
+use crate::servo_model::quantities::quantity_kind::QuantityKind;
+
+/// Friction that holds rests so many times as far apart as those of the record are is shown by nothing.
+const UNSHOWN: f64 = 2.0;
 
 /// Rests that are farther apart in the record than the model shows why, or than it is sure to show why: it has friction and a dead band, but no play of
 /// the gears.
@@ -56,11 +60,82 @@ impl ServoModel {
         held.fold(0.0, f64::max)
     }
 
+    /// How far apart friction and dead band of the model may hold rests under one command \[output\], where nothing in the record shows as much: its rests are not half as far apart, and no interval holds
+    /// what the model has. Strokes of less may leave the model where it is.
+    #[must_use]
+    pub fn held_without_evidence(&self) -> Option<f64> {
+        let shown = self.rests_apart?.upper?;
+        let held = 2.0 * self.held_at_rest() * self.parameters(0).gain.abs();
+        (self.covariance.valid().is_none() && held > UNSHOWN * shown).then_some(held)
+    }
+
+    /// With the rests that its record shows, beside which friction at rest may be left open.
+    #[must_use]
+    pub fn with_rests(mut self, hysteresis: Option<Interval>, apart: Option<Interval>) -> Self {
+        self.hysteresis = hysteresis;
+        self.rests_apart = apart;
+        let is_open = self.held_without_evidence().is_some();
+        for quantity in &mut self.quantities {
+            quantity.determined &= !is_open || quantity.kind() != Some(QuantityKind::RestingError);
+        }
+        self
+    }
+
     /// How far rests under one command are apart in the record, where strokes are made again, and at least. The mean between both directions of approach is a least
     /// distance alone: levels that are overshot count against it.
     fn apart_at_rest(&self) -> Option<(Option<f64>, f64)> {
         let sure = |apart: Interval| Some((apart.value, apart.lower.filter(|lower| *lower > 0.0)?));
         let by_direction = || self.hysteresis?.value.map(|mean| (None, mean));
         self.rests_apart.and_then(sure).or_else(by_direction)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::Record;
+    use crate::results::Bounds;
+    use crate::servo_model::{Covariance, ServoModelOptions, fit};
+    use servoid_dynamics::{Friction, Grid, ServoParameters, Start, simulate};
+
+    /// Friction holds it 0.6 to each side.
+    #[test]
+    fn friction_that_no_rest_shows_is_left_open() {
+        let servo = ServoParameters {
+            friction: Some(Friction {
+                coulomb: 1500.0,
+                of_gears: 0.0,
+                at_rest: None,
+            }),
+            ..ServoParameters::linear(2500.0, 85.0)
+        };
+        let input: Vec<f64> = (0..1200)
+            .map(|k| [0.0, 5.0, -3.0, 1.0, 4.0, -1.0][k / 60 % 6])
+            .collect();
+        let (grid, start) = (Grid::new(0.01, 0.0, 1e-4), Start::at_rest(0.0, Some(0.0)));
+        let mut output = Vec::new();
+        simulate(&servo, &grid, &start, &input, |_, y| output.push(y));
+        let record = Record::of_run(0.01, input, output).unwrap();
+        let mut model = fit(&record, &ServoModelOptions::default()).unwrap();
+        assert!((model.held_at_rest() - 0.6).abs() < 0.05);
+        let apart = |of: f64| Some(Interval::new(of, 0.9 * of, 1.1 * of));
+        let leaves_open = |model: &ServoModel, of: f64| {
+            let model = model.clone().with_rests(None, apart(of));
+            let found = model.quantity(QuantityKind::RestingError).unwrap();
+            assert_eq!(model.held_without_evidence().is_none(), found.determined);
+            !found.determined
+        };
+        for quantity in &mut model.quantities {
+            quantity.determined = true;
+        }
+        // What an interval holds needs no other evidence.
+        model.covariance = Bounds::Valid(Covariance {
+            level: 0.99,
+            rows: Vec::new(),
+        });
+        assert!(!leaves_open(&model, 0.2));
+        model.covariance = Bounds::Withdrawn(Reason::ErrorsNotNoise);
+        assert!(!leaves_open(&model, 1.0));
+        assert!(leaves_open(&model, 0.2));
     }
 }

@@ -6,7 +6,7 @@
 use super::difference::Difference;
 use super::exported::ExportedServo;
 use super::fixed_step::longest_s;
-use super::rate_limit::{RateFit, behind_in_larger_strokes, best_share};
+use super::rate_limit::{behind_in_larger_strokes, best_share};
 use super::smooth_command::SmoothCommand;
 use super::statement::{Comparison, Frame};
 use super::subject::{NO_LIMIT, ServoExport};
@@ -101,9 +101,14 @@ impl Actuator {
         }
     }
 
-    /// With the filter there, at the rates that come closest to the servo. Of a command that is held for frames, a rate limit spreads each step over the time that it takes,
-    /// which a shorter delay makes up for; a smooth one it passes on as it is.
-    fn fitted(&self, export: &ServoExport<'_>, filter: Filter, trial: &Trial) -> (Self, RateFit) {
+    /// With the filter there, at the rates that come closest to the servo in strokes. Of a command that is held for frames, a rate limit spreads each step over the time that it takes,
+    /// which a shorter delay makes up for; a smooth one it passes on as it is. So the delay is the one that is closest in strokes and smooth motion together.
+    fn fitted(
+        &self,
+        export: &ServoExport<'_>,
+        filter: Filter,
+        (trial, smooth): (&Trial, &Smooth),
+    ) -> Closest {
         let top = self.rates.map(|(up, down)| up.max(down));
         let of_delay = |part: usize| {
             let delay_s = self.delay_s * part as f64 / DELAYS as f64;
@@ -115,17 +120,17 @@ impl Actuator {
             let found = best_share(export, trial, top, |share, trial| {
                 (full_speed.slower(share)).respond(&trial.command(), trial.step_s)
             });
-            (full_speed.slower(found.share), found)
+            let actuator = full_speed.slower(found.share);
+            Closest {
+                difference: found.difference.hypot(smooth.difference(&actuator)),
+                share: found.share,
+                actuator,
+            }
         };
         let shorter = if export.frame_s() > 0.0 { 0 } else { DELAYS };
-        let closer = |a: (Self, RateFit), b: (Self, RateFit)| match b.1.difference < a.1.difference
-        {
-            true => b,
-            false => a,
-        };
         (shorter..DELAYS)
             .map(of_delay)
-            .fold(of_delay(DELAYS), closer)
+            .fold(of_delay(DELAYS), Closest::or_closer)
     }
 
     /// With this share of its rates; without a limit where there is none.
@@ -251,6 +256,50 @@ impl Actuator {
     }
 }
 
+/// An actuator that is closest to the servo.
+struct Closest {
+    actuator: Actuator,
+    /// Of its rates, of those of the servo; `None` without a limit.
+    share: Option<f64>,
+    /// The root mean squares of its differences in strokes and in smooth motion, together.
+    difference: f64,
+}
+
+impl Closest {
+    fn or_closer(self, other: Self) -> Self {
+        match other.difference < self.difference {
+            true => other,
+            false => self,
+        }
+    }
+}
+
+/// Smooth motion of the servo, which an actuator is held against.
+struct Smooth {
+    command: SmoothCommand,
+    held: Vec<f64>,
+    exact: Vec<f64>,
+    step_s: f64,
+}
+
+impl Smooth {
+    fn of(export: &ServoExport<'_>, trial: &Trial) -> Self {
+        let command = SmoothCommand::of(export, trial, None);
+        Self {
+            command,
+            held: command.held(),
+            exact: command.exact(export),
+            step_s: trial.step_s,
+        }
+    }
+
+    /// The root mean square of the difference from the servo.
+    fn difference(&self, actuator: &Actuator) -> f64 {
+        let positions = actuator.respond(&self.held, self.step_s);
+        self.command.root_mean_square(&positions, &self.exact)
+    }
+}
+
 /// The distance between the rests from above and from below. Where the load moves the shaft through the dead band, it rests at one
 /// edge, from wherever it comes.
 fn hysteresis_width(export: &ServoExport<'_>) -> f64 {
@@ -285,12 +334,12 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         export.options.step_s.unwrap_or(STEP_S),
         [f64::NEG_INFINITY, f64::INFINITY],
     );
+    let both = (&trial, &Smooth::of(export, &trial));
     let [first, behind] =
-        [Filter::Before, Filter::Behind].map(|filter| any.fitted(export, filter, &trial));
-    let (actuator, fit) = match first.1.difference < behind.1.difference {
-        true => first,
-        false => behind,
-    };
+        [Filter::Before, Filter::Behind].map(|filter| any.fitted(export, filter, both));
+    let Closest {
+        actuator, share, ..
+    } = behind.or_closer(first);
     let step_s = trial.step_s;
     let trial = with_worst(trial, export, |commands| actuator.respond(commands, step_s));
     let positions = actuator.respond(&trial.command(), step_s);
@@ -301,7 +350,9 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     let id = identifier(export.name);
     let [limits, tops] = [&actuator, &any].map(|of| of.rates.map(<[f64; 2]>::from));
     let rate = export.rate(limits, tops.unwrap_or_default());
+    let shorter = shorter_delay(export, actuator.delay_s);
     let mut about = about(export, &actuator, rate, &difference);
+    about.extend(shorter.iter().map(|said| format!("Here {said}.")));
     about.push(smooth.in_words(export, &|sine| actuator.respond(&sine.held(), step_s)));
     let centre = actuator.centre;
     let (mut before, input) = before_servo(&id, centre, export.frame_s());
@@ -335,7 +386,11 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
     Ok(ExportedServo::new(text, difference)?
         .lacking(export, "JSBSim", &LEFT_OUT)?
         .warned(long_steps(export))
-        .with(behind_in_larger_strokes(fit.share)))
+        .with(
+            [shorter, behind_in_larger_strokes(share)]
+                .into_iter()
+                .flatten(),
+        ))
 }
 
 /// That the chosen steps are long: JSBSim runs at 120 Hz as a rule, where a quick servo has no shorter ones.
@@ -355,15 +410,12 @@ fn long_steps(export: &ServoExport<'_>) -> Option<String> {
 const DELAY: &str = "Delay in steps: right to a part of one. JSBSim cuts a delay off to whole steps and delays by one of them less; the parts behind it make up for that, and for half a step by which Tustin's rule is early.";
 
 /// That the delay is not the servo's, and why.
-fn shorter_delay(export: &ServoExport<'_>, delay_s: f64) -> String {
+fn shorter_delay(export: &ServoExport<'_>, delay_s: f64) -> Option<String> {
     let own_s = export.parameters.delay_s;
-    if delay_s >= own_s {
-        return String::new();
-    }
     let [here, own] = [delay_s, own_s].map(|s| four_digits(1e3 * s));
-    format!(
-        " It is {here} ms in place of {own} ms: the rate limit spreads each step of a held command over the time that it takes, and with this delay the motion is closest."
-    )
+    (delay_s < own_s).then(|| format!(
+        "the delay is {here} ms in place of {own} ms: the rate limit spreads each step of a held command over the time that it takes, and with this delay strokes and smooth motion together are closest; small smooth motion is early by about the rest"
+    ))
 }
 
 /// At which rate the system is to run.
@@ -399,7 +451,7 @@ fn about(
     ]);
     about.extend([
         actuator.in_words(),
-        DELAY.to_owned() + &shorter_delay(export, actuator.delay_s),
+        DELAY.to_owned(),
         rate,
         format!(
             "Time: {TIME} {} Set the step before the aircraft is loaded: delays are counted out then.",

@@ -107,11 +107,25 @@ impl SmoothCommand {
     /// By how much later than the servo itself, which gets the held command, an export is with these positions \[s\], and how much higher in the mean
     /// \[unit of the position\].
     fn apart(&self, export: &ServoExport<'_>, positions: &[f64]) -> (f64, f64) {
-        let servo = exact(&export.parameters, self.step_s, &self.held());
+        let servo = self.exact(export);
         let phase = self.phase(positions) - self.phase(&servo);
         let nearest = phase - TAU * (phase / TAU).round();
         let lag_s = nearest / TAU * self.period_s();
         (lag_s, self.mean(positions) - self.mean(&servo))
+    }
+
+    /// The positions of the servo itself under the held command.
+    pub fn exact(&self, export: &ServoExport<'_>) -> Vec<f64> {
+        exact(&export.parameters, self.step_s, &self.held())
+    }
+
+    /// The root mean square of the difference of `positions` from the `exact` ones, over whole periods.
+    pub fn root_mean_square(&self, positions: &[f64], exact: &[f64]) -> f64 {
+        let compared = positions.iter().zip(exact).skip(self.steps_per_period);
+        let (squares, count) = compared.fold((0.0, 0.0), |(sum, count), (a, b)| {
+            (sum + (a - b).powi(2), count + 1.0)
+        });
+        (squares / count).sqrt()
     }
 
     /// The mean of positions over whole periods.

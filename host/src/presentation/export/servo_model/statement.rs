@@ -58,6 +58,7 @@ impl ServoExport<'_> {
         }
         found.extend(self.unknown_speed());
         found.extend(self.unexplained_hysteresis());
+        found.extend(self.held_without_evidence());
         found.extend(self.missed_rests());
         found.extend(summary::stall_in_words(self.model, self.metadata.units()));
         found.extend(self.metadata.frame_warning(Some(self.parameters.delay_s)));
@@ -93,16 +94,23 @@ impl ServoExport<'_> {
         let found = self.model.unexplained_hysteresis()?;
         let unit = self.output_unit();
         let explained = four_digits(found.explained);
-        let apart = match found.shown {
+        Some(match found.shown {
             Some(shown) => format!(
-                "are as much as {} {unit} apart in the recording",
+                "rests under one command are as much as {} {unit} apart in the recording, of which this servo model explains {explained} {unit}: play in the gears, which it has not, makes strokes of that size quite different",
                 four_digits(shown)
             ),
-            None => "depend on the direction of approach, by how much the recording does not show"
-                .to_owned(),
-        };
+            None => format!(
+                "rests under one command depend on the direction of approach, how far at the most the recording does not show; friction and dead band of this servo model make up to {explained} {unit}, and play in the gears it has not"
+            ),
+        })
+    }
+
+    /// That small strokes may not move the file, where nothing in the recording shows that.
+    fn held_without_evidence(&self) -> Option<String> {
+        let held = four_digits(self.model.held_without_evidence()?);
+        let unit = self.output_unit();
         Some(format!(
-            "rests under one command {apart}, of which this servo model explains {explained} {unit}: play in the gears, which it has not, makes strokes of that size quite different"
+            "friction and dead band of this servo model may hold the shaft against strokes of up to {held} {unit}, and nothing in the recording shows that: its rests are closer together than half of it; record strokes as small as that"
         ))
     }
 

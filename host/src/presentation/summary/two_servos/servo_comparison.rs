@@ -31,8 +31,10 @@ pub fn sentence_on_servo_models(
     let known = found.rests_apart.difference.is_some();
     let play = (!found.rests_apart.differ() && (known || differences.is_empty()))
         .then(|| (found.rests_apart).nothing_sure_in_words([a, b], units.output.unwrap_or("")));
+    let worn = found.rests_apart.what_it_leaves_open().map(str::to_owned);
     let sentences = [
         Some(what_is_sure(a, b, found, differences)),
+        worn,
         play,
         load_of_one(a, b, found, units),
         speeds_of_both([a, b], found, units),

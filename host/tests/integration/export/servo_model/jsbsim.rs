@@ -132,9 +132,9 @@ fn systems_are_as_late_as_they_state() {
     }
 }
 
-/// Of a command that is held for frames, which a file without a frame is not made for.
+/// Of a command that is held for frames, which a file without a frame is not made for. The delay that was closest in strokes alone made smooth motion early by nearly all of the servo's own.
 #[test]
-fn a_system_of_a_held_command_is_closer_to_the_servo_in_strokes() {
+fn a_system_of_a_held_command_is_closer_to_the_servo_in_strokes_and_not_early_in_smooth_motion() {
     if !works("python3", &["-c", "import jsbsim"]) {
         return missing("strokes in JSBSim", "python's jsbsim is not installed");
     }
@@ -145,13 +145,17 @@ fn a_system_of_a_held_command_is_closer_to_the_servo_in_strokes() {
         let positions = run(folder.path(), "limited", &exported, &trial.command());
         let delay = prose(&exported.text).contains("the rate limit spreads each step");
         assert_eq!(delay, frame == "20");
+        if frame == "20" {
+            let early_s = -Smooth::of(&exported, 0.02).stated_s();
+            assert!(early_s < 0.003, "{early_s}");
+        }
         trial.root_mean_square(
             trial.staircase(&positions),
             trial.staircase(&exported.exact),
         )
     });
-    // A third of the difference is left.
-    assert!(held < 0.5 * smooth, "{held} {smooth}");
+    // About half of the difference is left.
+    assert!(held < 0.7 * smooth, "{held} {smooth}");
 }
 
 #[test]

@@ -43,6 +43,11 @@ impl Smooth {
         }
     }
 
+    /// How late the header says that the file is; negative where it is early \[s\].
+    pub fn stated_s(&self) -> f64 {
+        self.stated_s
+    }
+
     /// The command of each step, new in the first step of a frame of `frame_s`, 0 for none.
     pub fn command(&self, frame_s: f64) -> Vec<f64> {
         let command = |step: usize| {
