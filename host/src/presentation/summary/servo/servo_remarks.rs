@@ -96,7 +96,7 @@ fn where_strokes_end(model: &ServoModel) -> Option<String> {
         && model.covariance.valid().is_some();
     is_open.then(|| {
         "The resting error is the largest with which strokes end; most end closer. Friction at rest that is gone as soon as the shaft turns does not show in them: once at rest, it holds the shaft \
-         farther off. Of simulated servos in which it is gone at lower speeds than in the equation, this error was up to 6 % larger, and outside some intervals."
+         farther off. Of simulated servos in which it is gone at lower speeds than in the equation, this error was up to 6 % larger, and outside some intervals; so were some simulated rests."
             .to_owned()
     })
 }
