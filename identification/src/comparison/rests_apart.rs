@@ -73,7 +73,7 @@ impl RestsApart {
     #[must_use]
     pub fn what_it_leaves_open(&self) -> Option<&'static str> {
         self.differ().then_some(
-            "Rests alone do not show which of the two is worn: strokes of another size may turn their difference round.",
+            "Rests alone do not show which of the two is worn: strokes of another size may turn their difference round. Play can be felt at the horn of a servo that holds.",
         )
     }
 

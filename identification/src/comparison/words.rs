@@ -3,7 +3,8 @@
 use super::different_motions::references_of_models_in_words;
 use super::options::ComparisonOptions;
 use super::outcome::{
-    Comparison, ComparisonBounds, DifferenceCurve, Direction, Levels, Sides, Subject,
+    Comparison, ComparisonBounds, DifferenceCurve, Direction, Levels, MetricDifference, Sides,
+    Subject,
 };
 use super::shift_alone::ShiftIs;
 use super::verdict::Verdict;
@@ -248,12 +249,27 @@ fn times_of_response(found: &Comparison) -> String {
     });
     let rise = surely_longer(found, "rise_time_s", |more, range| {
         let how = if more > 0.0 { "longer" } else { "shorter" };
+        // A servo that stops early is quick to where it stops.
+        let own = match more < 0.0 && goes_less_far(found) {
+            true => ", to its own nearer end,",
+            false => "",
+        };
         format!(
-            "; the rise time of the second is {:.1} ms {how} ({range})",
+            "; the rise time of the second{own} is {:.1} ms {how} ({range})",
             more.abs()
         )
     });
     delay.flatten().into_iter().chain(rise).collect()
+}
+
+/// Whether the strokes of the second surely go less far.
+fn goes_less_far(found: &Comparison) -> bool {
+    let row = (found.differences.iter()).find(|row| row.metric == "dc_gain");
+    let less = |row: &MetricDifference| {
+        let towards_zero = row.a? * row.difference? < 0.0;
+        Some(towards_zero && (row.lower? > 0.0 || row.upper? < 0.0))
+    };
+    row.and_then(less).unwrap_or(false)
 }
 
 /// By how much \[ms\] this time of the second is longer, and within which range, in the words of `say`, where that is sure.

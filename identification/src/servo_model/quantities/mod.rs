@@ -61,16 +61,21 @@ pub(super) fn quantities(
             false => hull,
         };
         let interval = definition.as_far_as_reached(hull, level.valid().is_some(), &motion.fastest);
+        let other_fits = level
+            .withdrawn()
+            .map(|_| definition.spread(value, middle, others));
+        // Where fits disagree on it by as much as it is, play or a wait is in some and not in others.
+        let is_vague = definition.kind == QuantityKind::Delay
+            && other_fits.is_some_and(|fits| fits.most - fits.least > value);
         Some(Quantity {
             name: definition.kind.name().to_owned(),
             unit: definition.unit,
             determined: definition.is_determined(&interval, largest_of(definition.unit))
-                && !(level.valid().is_none() && definition.is_at_end(value)),
+                && !(level.valid().is_none() && definition.is_at_end(value))
+                && !is_vague,
             value,
             interval: level.as_ref().map(|_| interval),
-            other_fits: level
-                .withdrawn()
-                .map(|_| definition.spread(value, middle, others)),
+            other_fits,
         })
     };
     DEFINITIONS.iter().filter_map(of).collect()

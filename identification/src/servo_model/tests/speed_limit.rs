@@ -19,6 +19,8 @@ enum Motion {
     SecondOrder,
     /// At a speed that is proportional to the error, as far as speed and acceleration have no limits.
     Profile,
+    /// By a drive with a limit, against the damping of its motor.
+    Motor,
 }
 
 /// A servo of second order whose speed is cut off, drawn by `seed`; every other one has a largest acceleration, too.
@@ -58,6 +60,7 @@ impl Profiled {
             Motion::SecondOrder => {
                 (stiffness * error - damping * speed).clamp(-most, most) * step_s
             }
+            Motion::Motor => ((stiffness * error).clamp(-most, most) - damping * speed) * step_s,
             Motion::Profile => {
                 let wanted = (stiffness / damping * error).clamp(-self.speed, self.speed);
                 (wanted - speed).clamp(-most * step_s, most * step_s)
@@ -157,6 +160,32 @@ fn a_speed_limit_that_few_strokes_reach_is_found() {
     assert!(found.terms.speed_limit, "{:?}", found.terms);
     let speed = found.quantity(QuantityKind::TopSpeedUpwards).unwrap();
     assert!(speed.interval.valid().unwrap().contains(300.0), "{speed:?}");
+}
+
+/// At its top speed the motor's damping takes half of the drive. The fit has an acceleration of three quarters of the drive, and its interval was a fifth to each side.
+#[test]
+fn a_motor_behind_a_speed_limit_has_no_false_acceleration() {
+    const DRIVE: f64 = 60_000.0;
+    for seed in 0..4 {
+        let mut servo = Profiled {
+            delay_s: 0.0072,
+            bandwidth: 66.5,
+            damping_ratio: 1.0,
+            speed: 252.0,
+            acceleration: DRIVE,
+            random: ChaCha8Rng::seed_from_u64(seed),
+        };
+        let (input, output) = servo.recorded(Motion::Motor, &[25.0], 10_000);
+        let record = Record::of_run(PERIOD_S, &input, &output).unwrap();
+        let found = fit(&record, &ServoModelOptions::default()).unwrap();
+        assert!(found.terms.speed_limit, "{:?}", found.terms);
+        let acceleration = found.quantity(QuantityKind::AccelerationUpwards).unwrap();
+        let interval = acceleration.interval.valid();
+        assert!(
+            interval.is_none_or(|found| found.contains(DRIVE)),
+            "{seed}: {acceleration:?}"
+        );
+    }
 }
 
 /// A damping without end of the loop within, which no fit of the motor's own has.

@@ -5,7 +5,7 @@
 
 use super::noise_at_rest::NoiseAtRest;
 use super::score_test::{Score, score_test};
-use super::{current_limit, drive_lag, stiction, unequal_sides};
+use super::{current_limit, drive_lag, motor_beside_limit, stiction, unequal_sides};
 use crate::servo_model::descent::coordinates::Point;
 use crate::servo_model::descent::error_row::Row;
 use crate::servo_model::descent::step::MOST;
@@ -45,6 +45,7 @@ pub(super) fn hidden_parts(
     let parts = [
         errors.part(current_limit::shortfall, Occurrence::InSome),
         errors.part(drive_lag::shortfall, Occurrence::InAll),
+        errors.part(motor_beside_limit::shortfall, Occurrence::InAll),
         errors.part(stiction::shortfall, Occurrence::InSome),
         errors.part(unequal_sides::limit_shortfalls, Occurrence::InSome),
         errors.part(unequal_sides::motor_shortfalls, Occurrence::InSome),

@@ -7,6 +7,7 @@ mod drive_lag;
 pub(super) mod hidden_parts;
 mod known_beforehand;
 pub(super) mod lack_of_fit;
+mod motor_beside_limit;
 pub(super) mod noise_at_rest;
 pub(super) mod possible_servo;
 pub(super) mod run_offsets;
