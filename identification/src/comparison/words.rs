@@ -295,8 +295,11 @@ fn surely_longer(
 fn farther(found: &Comparison) -> Option<String> {
     let row = (found.differences.iter()).find(|row| row.metric == "dc_gain")?;
     let sure = row.lower? > 0.0 || row.upper? < 0.0;
-    let percent = 100.0 * ((row.b? / row.a?).abs() - 1.0);
+    let first = row.a?;
+    let percent = 100.0 * ((row.b? / first).abs() - 1.0);
     let shown = format!("{:.1}", percent.abs());
+    let [one, other] = [row.lower?, row.upper?].map(|end| 100.0 * (end / first).abs());
+    let range = format!("{:.1} .. {:.1}", one.min(other), one.max(other));
     // Relative to their ends, shorter strokes at the same speed are ahead.
     let is_ahead = |curve: &DifferenceCurve| curve.delay_shift_s.upper.is_some_and(|s| s < 0.0);
     let how = match percent > 0.0 {
@@ -304,7 +307,7 @@ fn farther(found: &Comparison) -> Option<String> {
         false if found.curves.iter().any(is_ahead) => "less far, and shorter ones are over sooner",
         false => "less far",
     };
-    (sure && shown != "0.0").then(|| format!("; its strokes go {shown} % {how}"))
+    (sure && shown != "0.0").then(|| format!("; its strokes go {shown} % ({range}) {how}"))
 }
 
 /// The end of the command at which the two rest farthest apart. Where that is within the bounds of the difference, and not nothing, there is

@@ -97,7 +97,7 @@ pub(super) fn limited_to(
     let under = match model.terms.load {
         LoadKind::None => "",
         // Which may be none.
-        _ if has_few_levels(model) => "",
+        _ if has_few_levels(model) || may_have_no_load(model) => "",
         LoadKind::Constant => " under its load",
         _ => " under the load at the middle of its commands",
     };
@@ -164,6 +164,7 @@ pub(super) fn resting_error(model: &ServoModel, units: Units<'_>) -> Option<Stri
         });
         let from = match model.terms.load {
             LoadKind::None => "",
+            _ if may_have_no_load(model) => "",
             _ => " where its load holds it",
         };
         format!(
@@ -195,6 +196,11 @@ pub(super) fn load(model: &ServoModel) -> Option<String> {
         }
     };
     shows_load(model).then_some(words)
+}
+
+/// Whether the interval of the load holds none.
+fn may_have_no_load(model: &ServoModel) -> bool {
+    model.covariance.valid().is_some() && !shows_load(model)
 }
 
 /// Whether the interval of the load shows that there is one.
