@@ -56,8 +56,10 @@ def step(model: Model, ax: Any, label: str) -> Any:
 
 
 def of_motion(model: Model) -> str:
-    """What a band is of: another motion of a servo that is not linear may be farther off."""
-    return "" if model.linear else ", of this motion"
+    """What a band is of: another motion of a servo that is not linear may be farther off, and strokes of one size do not show whether one is."""
+    stroke = model._fields.get("only_stroke")
+    of_strokes = "" if stroke is None else f", strokes of {stroke:g}"
+    return of_strokes if model.linear else ", of this motion"
 
 
 # How far below the lowest magnitude a bound is drawn (dB): where zero is possible, minus infinity would flatten everything else.

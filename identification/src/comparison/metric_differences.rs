@@ -46,7 +46,14 @@ pub(super) fn metric_differences(
                 Some(runs) => of.at_least_as_wide(runs.metric_half_of(side, place)),
                 None => of,
             };
-            of.lower.zip(of.upper).map(<[f64; 2]>::from)
+            // None but the gain is below zero.
+            let least = if metric == "dc_gain" {
+                f64::NEG_INFINITY
+            } else {
+                0.0
+            };
+            let lower = of.lower.map(|lower| lower.max(least));
+            lower.zip(of.upper).map(<[f64; 2]>::from)
         };
         MetricDifference {
             metric: metric.to_owned(),

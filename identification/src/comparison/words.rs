@@ -373,7 +373,10 @@ fn by_zeros(levels: &Sides<Levels>, options: &ComparisonOptions) -> &'static str
         (true, true) if plus * minus > 0.0 => {
             ", and off to the same side at the other end: a part of it may be that the zeros of the sensors differ"
         }
-        (true, true) => "",
+        (true, true) if (plus < 0.0) == (a.plus.value > a.minus.value) => {
+            ", and goes less far to the other end, too"
+        }
+        (true, true) => ", and farther to the other end, too",
         _ => {
             ", and at the other end no difference is sure: a load to one side does that, and zeros of the sensors that differ"
         }
@@ -411,8 +414,15 @@ mod tests {
         assert!(shifted.ends_with("the first at 9.00, and as far off at the other end: so do sensors whose zeros differ"), "{shifted}");
         let larger = said(-10.5, 11.0);
         assert!(
-            larger.ends_with("it comes to rest at 11.00, the first at 9.00"),
+            larger.ends_with(
+                "it comes to rest at 11.00, the first at 9.00, and farther to the other end, too"
+            ),
             "{larger}"
+        );
+        let smaller = said(-8.0, 7.5);
+        assert!(
+            smaller.ends_with(", and goes less far to the other end, too"),
+            "{smaller}"
         );
         let one_end = said(-9.0, 8.0);
         assert!(

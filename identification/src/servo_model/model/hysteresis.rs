@@ -7,6 +7,9 @@ use crate::servo_model::quantities::quantity_kind::QuantityKind;
 /// Friction that holds rests so many times as far apart as those of the record are is shown by nothing.
 const UNSHOWN: f64 = 2.0;
 
+/// Halvings between a command with a load to one side and one with a load to the other, to the last digit.
+const HALVINGS: usize = 60;
+
 /// Rests that are farther apart in the record than the model shows why, or than it is sure to show why: it has friction and a dead band, but no play of
 /// the gears.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,11 +56,35 @@ impl ServoModel {
         let commands = self
             .commands
             .map_or_else(|| vec![0.0], |of| vec![of.least, of.middle(), of.largest]);
-        let held = commands.into_iter().filter(is_held).map(|command| {
-            let [low, high] = servo.staying_angles(command);
-            0.5 * (high - low)
-        });
+        let without_load = self.command_without_load();
+        let held = commands
+            .into_iter()
+            .chain(without_load)
+            .filter(is_held)
+            .map(|command| {
+                let [low, high] = servo.staying_angles(command);
+                0.5 * (high - low)
+            });
         held.fold(0.0, f64::max)
+    }
+
+    /// The command of the record at whose rest the load changes its sign, where it does: there it pushes the shaft to neither edge of a dead band.
+    #[must_use]
+    pub fn command_without_load(&self) -> Option<f64> {
+        let (servo, commands) = (self.parameters(0), self.commands?);
+        let load = |command: f64| servo.load.at(servo.resting_angle(command));
+        let (mut one, mut other) = (commands.least, commands.largest);
+        if load(one) * load(other) >= 0.0 {
+            return None;
+        }
+        for _ in 0..HALVINGS {
+            let between = 0.5 * (one + other);
+            match load(one) * load(between) > 0.0 {
+                true => one = between,
+                false => other = between,
+            }
+        }
+        Some(other)
     }
 
     /// How far apart friction and dead band of the model may hold rests under one command \[output\], where nothing in the record shows as much: its rests are not half as far apart, and no interval holds

@@ -31,7 +31,7 @@ const STEP_S: f64 = 0.002;
 const DELAYS: usize = 8;
 
 /// What an actuator has not.
-const LEFT_OUT: [Term; 8] = [
+const LEFT_OUT: [Term; 9] = [
     Term::FullDrive,
     Term::SpeedInLoop,
     Term::FrictionOfGears,
@@ -39,6 +39,7 @@ const LEFT_OUT: [Term; 8] = [
     Term::Weight,
     Term::Spring,
     Term::ChangeOfLoadOfAir,
+    Term::JumpOfRests,
     Term::PulseEnd,
 ];
 

@@ -32,6 +32,8 @@ pub(super) enum Term {
     ChangeOfLoadOfAir,
     /// The shaft goes no farther.
     Stops,
+    /// Where the load changes its sign, it pushes the shaft to the other edge of the dead band.
+    JumpOfRests,
     /// Longer pulses act later.
     PulseEnd,
 }
@@ -56,6 +58,7 @@ impl Term {
             Self::StiffeningLoad => "the load of the air",
             Self::ChangeOfLoadOfAir => "the load of the air, but for its mean",
             Self::Stops => "the stops",
+            Self::JumpOfRests => "the jump of the rests where the load changes its sign",
             Self::PulseEnd => "that longer pulses act later",
         }
     }
@@ -131,6 +134,13 @@ impl ServoExport<'_> {
                 format!("{stiffening}: here it is the same at all angles, its mean over the recorded range together with its constant part, {mean}")
             }),
             Term::Stops => self.stop_positions(),
+            Term::JumpOfRests => {
+                let crossing = four_digits(self.model.command_without_load()?);
+                let jump = four_digits(2.0 * p.dead_band?);
+                Some(format!(
+                    "the jump of the rests by {jump} {command}, twice the dead band, where the load changes its sign, under a command of {crossing}: rests beyond are off by that"
+                ))
+            }
             Term::PulseEnd => p.pulse_end.map(|end| {
                 let ms = four_digits(1e3 * end.s_per_command);
                 let neutral = four_digits(end.neutral);

@@ -57,9 +57,11 @@ pub(super) fn hysteresis(model: &ServoModel, units: Units<'_>) -> Option<String>
     let found = model.unexplained_hysteresis()?;
     let unit = with_space(units.output);
     let Some(shown) = found.shown else {
-        let mean = model.hysteresis.and_then(|mean| mean.value);
-        let mean = mean.map_or_else(String::new, |mean| {
-            format!(", by {}{unit} in the mean", digits(mean, 3))
+        let mean = model
+            .hysteresis
+            .and_then(|of| Some([of.value?, of.lower?, of.upper?].map(|number| digits(number, 2))));
+        let mean = mean.map_or_else(String::new, |[mean, lower, upper]| {
+            format!(", by {mean}{unit} in the mean ({lower} .. {upper})")
         });
         return Some(format!(
             " Where it rests under one command depends on from where it comes{mean}, and how far its rests are apart at the most this recording does not show: play in the gears, of \
