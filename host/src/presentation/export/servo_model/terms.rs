@@ -138,7 +138,7 @@ impl ServoExport<'_> {
                 let crossing = four_digits(self.model.command_without_load()?);
                 let jump = four_digits(2.0 * p.dead_band?);
                 Some(format!(
-                    "the jump of the rests by {jump} {command}, twice the dead band, where the load changes its sign, under a command of {crossing}: rests beyond are off by that"
+                    "the jump of the rests by {jump} {command}, twice the dead band, where the load changes its sign, under a command of {crossing}: rests to one side of that are off by as much"
                 ))
             }
             Term::PulseEnd => p.pulse_end.map(|end| {
