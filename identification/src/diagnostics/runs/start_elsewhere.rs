@@ -8,7 +8,7 @@
 //! ```
 //!
 //! a [column of each run](crate::diagnostics::residuals::run_columns) beside the regression. Where the command has two levels, a response that goes on for long after the servo rests explains d
-//! without errors that tell, and has another final value.
+//! as well, and has another final value.
 
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
