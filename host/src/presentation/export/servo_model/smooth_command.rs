@@ -183,7 +183,7 @@ impl SmoothCommand {
         let held = match self.frame_s > 0.0 {
             true => " and is held for each pulse frame",
             false => {
-                " and is held for each step, for the servo as for this file (the sine itself is half a step ahead of that)"
+                " and is held for each step, for the servo model as for this file (the sine itself is half a step ahead of that)"
             }
         };
         format!(
