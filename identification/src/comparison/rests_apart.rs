@@ -55,11 +55,12 @@ impl RestsApart {
                 false => ("more", found.lower, found.upper),
             };
             let by = with_unit(number(found.value)?, unit);
-            Some(format!(
-                ", {by} ({} .. {}) {how}",
-                number(near)?,
-                number(far)?
-            ))
+            // An end that is rounded to 0 no longer says that the difference is sure.
+            let near = near?.abs();
+            let near = (decimals..12)
+                .map(|decimals| format!("{near:.decimals$}"))
+                .find(|text| text.contains(|digit| matches!(digit, '1'..='9')))?;
+            Some(format!(", {by} ({near} .. {}) {how}", number(far)?))
         });
         Some(format!(
             "rests under one command, which {KEPT_APART_BY}, are {} {a} and {} {b}{}",
@@ -132,3 +133,22 @@ impl RestsApart {
 
 /// What does.
 const KEPT_APART_BY: &str = "play in the gears, a dead band or friction keep apart";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sure_difference_has_no_end_of_0() {
+        let rests = RestsApart::of(
+            [
+                Some(Interval::new(0.43, 0.0, 0.92)),
+                Some(Interval::new(1.49, 0.923, 2.1)),
+            ],
+            0.0,
+            0.99,
+        );
+        let said = rests.difference_in_words(["A", "B"], "deg").unwrap();
+        assert!(said.ends_with("1.06 deg (0.003 .. 2.10) more"), "{said}");
+    }
+}
