@@ -35,14 +35,14 @@ impl StartElsewhere {
     /// By a fit to `record`; `None` where the distances are not beyond chance.
     pub(crate) fn of(record: &Record<'_>, moments: &Moments, fit: &GlsFit) -> Option<Self> {
         let remaining = remaining(&fit.impulse())?;
-        let samples: Vec<usize> = record.runs().iter().map(before_change).collect();
         let simulated = simulated_whole(record, moments, fit);
-        let begun: Vec<_> = (simulated.iter().zip(&samples))
-            .filter(|(_, samples)| **samples > 0)
+        let begun: Vec<_> = (simulated.iter())
+            .map(|run| (run, before_change(&run.run)))
+            .filter(|(_, samples)| *samples > 0)
             .collect();
         let columns = begun
             .iter()
-            .map(|(run, samples)| (&run.run, column(&run.run, **samples, &remaining)));
+            .map(|(run, samples)| (&run.run, column(&run.run, *samples, &remaining)));
         let columns = RunColumns::new(columns, moments, fit)?;
         let scores = columns.scores(begun.iter().map(|(run, _)| *run), fit);
         let distances = columns.coefficients(&scores);
@@ -52,7 +52,7 @@ impl StartElsewhere {
             .into_iter()
             .max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
         (chance < START_SIGNIFICANCE).then_some(Self {
-            samples,
+            samples: record.runs().iter().map(before_change).collect(),
             distance,
             chance,
         })
