@@ -3,6 +3,7 @@
 mod chebyshev;
 mod convolution;
 mod critical_values;
+mod halving;
 mod lagged_sums;
 pub(crate) mod matrix_rows;
 mod order_statistics;
@@ -15,6 +16,7 @@ pub(crate) use critical_values::{
     simultaneous_critical,
 };
 pub use critical_values::{pointwise_critical, student_critical};
+pub(crate) use halving::halved;
 pub(crate) use lagged_sums::LaggedSums;
 pub use order_statistics::median;
 pub use rounding::{command_in_words, six_digits, with_unit};

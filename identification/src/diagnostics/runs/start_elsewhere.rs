@@ -11,13 +11,12 @@
 //! as well, and has another final value.
 
 use serde::{Deserialize, Serialize};
-use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::data::{Moments, Record, Run};
 use crate::diagnostics::residuals::run_columns::RunColumns;
 use crate::diagnostics::residuals::simulation_error::simulated_whole;
 use crate::estimation::GlsFit;
-use crate::numerics::dot;
+use crate::numerics::{chi_square_upper_tail, dot};
 use crate::thresholds::START_SIGNIFICANCE;
 
 /// That runs begin elsewhere, which is left out of them.
@@ -47,7 +46,7 @@ impl StartElsewhere {
         let scores = columns.scores(begun.iter().map(|(run, _)| *run), fit);
         let distances = columns.coefficients(&scores);
         let square = dot(&scores, &distances) / fit.variance;
-        let chance = ChiSquared::new(distances.len() as f64).ok()?.sf(square);
+        let chance = chi_square_upper_tail(square, distances.len());
         let distance = distances
             .into_iter()
             .max_by(|a, b| a.abs().total_cmp(&b.abs()))?;

@@ -12,7 +12,7 @@
 
 use super::interpolation::weights_at;
 use super::sample_uncertainty::{Joint, SampleSpread, Weights};
-use crate::numerics::not_negative;
+use crate::numerics::{halved, not_negative};
 use crate::thresholds::{RISING, SURE};
 
 /// A level that a curve passes.
@@ -132,20 +132,4 @@ impl Known<'_> {
         let above = reach(second.upper - second.value, first.value - first.lower);
         Some((time - below, time + above))
     }
-}
-
-/// Halvings of a stretch of at most a few hundred samples that leave less than rounding.
-const HALVINGS: usize = 50;
-
-/// Where, between `inside` and `outside`, `within` ends.
-fn halved(mut inside: f64, mut outside: f64, within: impl Fn(f64) -> bool) -> f64 {
-    for _ in 0..HALVINGS {
-        let middle = f64::midpoint(inside, outside);
-        if within(middle) {
-            inside = middle;
-        } else {
-            outside = middle;
-        }
-    }
-    inside
 }

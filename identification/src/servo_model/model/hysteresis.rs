@@ -1,14 +1,12 @@
 //! Positions of rest that depend on the direction of approach, in the record and by a model of the servo.
 
 use super::ServoModel;
+use crate::numerics::halved;
 use crate::results::{Interval, Reason};
 use crate::servo_model::quantities::quantity_kind::QuantityKind;
 
 /// Friction that holds rests so many times as far apart as those of the record are is shown by nothing.
 const UNSHOWN: f64 = 2.0;
-
-/// Halvings between a command with a load to one side and one with a load to the other, to the last digit.
-const HALVINGS: usize = 60;
 
 /// Rests that are farther apart in the record than the model shows why, or than it is sure to show why: it has friction and a dead band, but no play of
 /// the gears.
@@ -30,7 +28,7 @@ impl ServoModel {
             return None;
         }
         let (shown, at_least) = self.apart_at_rest()?;
-        let explained = 2.0 * self.held_at_rest() * self.parameters(0).gain.abs();
+        let explained = self.held_apart();
         let lacks_something = self.covariance.withdrawn() == Some(Reason::ErrorsNotNoise);
         (explained < at_least || lacks_something).then_some(UnexplainedHysteresis {
             shown,
@@ -68,23 +66,20 @@ impl ServoModel {
         held.fold(0.0, f64::max)
     }
 
+    /// How far apart that lets rests under one command be \[output\].
+    fn held_apart(&self) -> f64 {
+        2.0 * self.held_at_rest() * self.parameters(0).gain.abs()
+    }
+
     /// The command of the record at whose rest the load changes its sign, where it does: there it pushes the shaft to neither edge of a dead band.
     #[must_use]
     pub fn command_without_load(&self) -> Option<f64> {
         let (servo, commands) = (self.parameters(0), self.commands?);
         let load = |command: f64| servo.load.at(servo.resting_angle(command));
-        let (mut one, mut other) = (commands.least, commands.largest);
-        if load(one) * load(other) >= 0.0 {
-            return None;
-        }
-        for _ in 0..HALVINGS {
-            let between = 0.5 * (one + other);
-            match load(one) * load(between) > 0.0 {
-                true => one = between,
-                false => other = between,
-            }
-        }
-        Some(other)
+        let (least, largest) = (commands.least, commands.largest);
+        let of_least = load(least);
+        (of_least * load(largest) < 0.0)
+            .then(|| halved(least, largest, |command| of_least * load(command) > 0.0))
     }
 
     /// How far apart friction and dead band of the model may hold rests under one command \[output\], where nothing in the record shows as much: its rests are not half as far apart, and no interval holds
@@ -92,7 +87,7 @@ impl ServoModel {
     #[must_use]
     pub fn held_without_evidence(&self) -> Option<f64> {
         let shown = self.rests_apart?.upper?;
-        let held = 2.0 * self.held_at_rest() * self.parameters(0).gain.abs();
+        let held = self.held_apart();
         (self.covariance.valid().is_none() && held > UNSHOWN * shown).then_some(held)
     }
 

@@ -1,10 +1,8 @@
 //! Where the load stalls the drive: a servo that is sent farther stays there.
 
 use super::ServoModel;
+use crate::numerics::halved;
 use servoid_dynamics::ServoParameters;
-
-/// Halvings between a command that is reached and one that is not.
-const HALVINGS: usize = 40;
 
 /// From where on the load stalls the drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,16 +29,8 @@ fn stall(servo: &ServoParameters, middle: f64, end: f64) -> Option<Stall> {
     if stalls_under(servo, middle) || !stalls_under(servo, end) {
         return None;
     }
-    let (mut reached, mut beyond) = (middle, end);
-    for _ in 0..HALVINGS {
-        let between = 0.5 * (reached + beyond);
-        match stalls_under(servo, between) {
-            true => beyond = between,
-            false => reached = between,
-        }
-    }
     Some(Stall {
-        command: beyond,
+        command: halved(middle, end, |command| !stalls_under(servo, command)),
         output: servo.resting_output(end),
     })
 }

@@ -2,7 +2,7 @@
 
 use super::recorded_range::{MOVING, held_back};
 use super::subject::ServoExport;
-use super::trial_command::{Trial, exact};
+use super::trial_command::{Trial, exact, root_mean_square};
 use crate::presentation::summary::recorded;
 use servoid_dynamics::ServoParameters;
 use std::f64::consts::{PI, TAU};
@@ -121,11 +121,7 @@ impl SmoothCommand {
 
     /// The root mean square of the difference of `positions` from the `exact` ones, over whole periods.
     pub fn root_mean_square(&self, positions: &[f64], exact: &[f64]) -> f64 {
-        let compared = positions.iter().zip(exact).skip(self.steps_per_period);
-        let (squares, count) = compared.fold((0.0, 0.0), |(sum, count), (a, b)| {
-            (sum + (a - b).powi(2), count + 1.0)
-        });
-        (squares / count).sqrt()
+        root_mean_square(positions, exact, self.steps_per_period)
     }
 
     /// The mean of positions over whole periods.

@@ -220,10 +220,7 @@ impl Trial {
     /// The root mean square of the same difference.
     #[must_use]
     pub fn root_mean_square(&self, a: &[f64], b: &[f64]) -> f64 {
-        let pairs = a.iter().zip(b).skip(self.steps_per_level);
-        let count = pairs.len() as f64;
-        let squares: f64 = pairs.map(|(a, b)| (a - b) * (a - b)).sum();
-        (squares / count).sqrt()
+        root_mean_square(a, b, self.steps_per_level)
     }
 
     /// The largest stroke of the command.
@@ -345,6 +342,14 @@ fn short(value: f64, size: f64, digits: i32, whole: fn(f64) -> f64) -> f64 {
         true => whole(value * 10f64.powi(-exponent)) / 10f64.powi(-exponent),
         false => whole(value / 10f64.powi(exponent)) * 10f64.powi(exponent),
     }
+}
+
+/// The root mean square of the difference of `a` and `b` behind so many steps.
+pub(super) fn root_mean_square(a: &[f64], b: &[f64], steps: usize) -> f64 {
+    let pairs = a.iter().zip(b).skip(steps);
+    let count = pairs.len() as f64;
+    let squares: f64 = pairs.map(|(a, b)| (a - b) * (a - b)).sum();
+    (squares / count).sqrt()
 }
 
 #[cfg(test)]
