@@ -1,5 +1,6 @@
 //! The servos that a record may come from: the best one, those that it does not distinguish from it, and whether intervals hold.
 
+mod friction_speed;
 pub(super) mod other_fits;
 pub(super) mod other_valleys;
 
@@ -14,6 +15,7 @@ use crate::servo_model::uncertainty::covariance::{Uncertainty, uncertainty};
 use crate::servo_model::uncertainty::possible_servo::PossibleServo;
 use crate::servo_model::uncertainty::validity::against;
 use crate::thresholds::{SERVO_ALTERNATIVE, SERVO_LACK_OF_FIT};
+use friction_speed::{is_next_to, with_its_speed};
 use other_fits::fits_of_folds;
 use other_valleys::{outside_of_the_terms, with_quick_drive, with_soft_drive};
 use rayon::prelude::*;
@@ -36,14 +38,15 @@ pub(super) struct Candidates {
 impl Candidates {
     /// Finds them in `parts`, whose starts are found anew.
     pub(super) fn of(
-        parts: &mut [Stretch],
+        parts: &mut Vec<Stretch>,
         fold_of: &[usize],
         shown: &Shown,
         climbed: &Climbed,
         descent: &Descent<'_>,
         level: Bounds<f64>,
     ) -> Self {
-        let (best, found) = polished(parts, fold_of, shown, &climbed.best().fit, descent);
+        let best = polished(parts, fold_of, shown, &climbed.best().fit, descent);
+        let (best, found) = with_its_speed(parts, descent, best, fold_of.len());
         let level = level.unless(against(parts, &best, &found));
         let problem = descent.problem(parts);
         let mut candidates = Self {
@@ -89,7 +92,7 @@ impl Candidates {
             self.level = self
                 .level
                 .unless(is_better.then_some(Reason::ErrorsNotNoise));
-            if !other.is_beaten_by(&self.found, SERVO_ALTERNATIVE) {
+            if is_next_to(best, &point) || !other.is_beaten_by(&self.found, SERVO_ALTERNATIVE) {
                 self.possible.push(other.servo_at(point));
             }
         }

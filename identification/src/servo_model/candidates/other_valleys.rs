@@ -7,6 +7,7 @@
 //! one, may not move the shaft. A drive that is there at once differs from a quick one by a delay of less than a sample. And a drive whose limits
 //! differ at one stiffness moves as one under a load, with friction in the place of most of its dead band.
 
+use super::friction_speed::with_other_speeds;
 use crate::servo_model::descent::coordinates::{Coordinate, LoadKind, Point, Terms};
 use crate::servo_model::descent::fit::Problem;
 use crate::servo_model::motion::simulated_motion::largest_error;
@@ -22,11 +23,6 @@ const FULL_AT: f64 = 0.7;
 
 /// Logarithm of the factor by which a drive that is there at once is stiffer and more damped.
 const QUICKER: f64 = 2.0;
-
-/// Speeds at which half of the excess of friction at rest is gone, as shares of the top speed, and the excess from which such
-/// friction is looked for.
-const LOW_SPEED_SHARES: [f64; 2] = [0.01, 0.003];
-const EXCESS: f64 = 1.0;
 
 /// The servo as `point` with a soft drive, unless it misses the record by more than chance beside it. `linear` is the linear servo
 /// of the record, `simulated` are the outputs of `point` by stretch, `blocks` the number of blocks.
@@ -72,12 +68,12 @@ pub(super) fn with_quick_drive(
     (!misses(&other, &own)).then_some(quick)
 }
 
-/// The servos as `point` whose friction at rest is gone at lower speeds, and the one whose limits of the drive differ at one stiffness.
+/// The servos as `point` whose friction at rest is gone at other speeds, and the one whose limits of the drive differ at one stiffness.
 pub(super) fn outside_of_the_terms(problem: &Problem<'_>, point: &Point) -> Vec<Point> {
-    let mut all = sticking(point);
-    all.extend(unequal_limits(point));
-    for other in &mut all {
-        problem.descend(other, STEPS);
+    let mut all = with_other_speeds(problem, point);
+    if let Some(mut unequal) = unequal_limits(point) {
+        problem.descend(&mut unequal, STEPS);
+        all.push(unequal);
     }
     all
 }
@@ -102,22 +98,6 @@ fn soft_drive(point: &Point, linear: &Point, full_at: f64) -> Option<Point> {
     let top_speed = full_at * servo.stiffness / motor_damping;
     soft.set(Coordinate::LnTopSpeed, top_speed.ln());
     top_speed.ln().is_finite().then_some(soft)
-}
-
-/// `point` with friction at rest that is gone at lower speeds.
-fn sticking(point: &Point) -> Vec<Point> {
-    let Some(excess) = point.get(Coordinate::FrictionAtRest) else {
-        return Vec::new();
-    };
-    let with = |friction_speed_share: f64| {
-        let mut sticking = Point {
-            friction_speed_share,
-            ..point.clone()
-        };
-        sticking.set(Coordinate::FrictionAtRest, excess.max(EXCESS));
-        sticking
-    };
-    LOW_SPEED_SHARES.map(with).to_vec()
 }
 
 /// `point` with limits of the drive that differ at one stiffness instead of a constant load and unequal drives; `None` where it has neither. What

@@ -30,6 +30,8 @@ pub(super) enum Kind {
     UnequalLimits,
     /// Within the class too: the gears take a share of what turns them, beside Coulomb friction.
     FrictionOfGears,
+    /// Within the class too: friction at rest is half gone at another speed than the fit begins with.
+    FrictionAtLowSpeed,
     Stiction,
     Backlash,
     CurrentLimit,
@@ -39,7 +41,7 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    pub(super) const ALL: [Self; 14] = [
+    pub(super) const ALL: [Self; 15] = [
         Self::InClass,
         Self::RateLimit,
         Self::UndampedMotor,
@@ -48,6 +50,7 @@ impl Kind {
         Self::DeadBandAndFriction,
         Self::UnequalLimits,
         Self::FrictionOfGears,
+        Self::FrictionAtLowSpeed,
         Self::Stiction,
         Self::Backlash,
         Self::CurrentLimit,
@@ -66,7 +69,8 @@ impl Kind {
             | Self::Spring
             | Self::DeadBandAndFriction
             | Self::UnequalLimits
-            | Self::FrictionOfGears => Beyond::Nothing,
+            | Self::FrictionOfGears
+            | Self::FrictionAtLowSpeed => Beyond::Nothing,
             Self::Stiction => Beyond::Stiction {
                 excess: between(0.5, 2.0),
                 until: top_speed * between(0.002, 0.02),
@@ -100,6 +104,7 @@ impl fmt::Display for Kind {
             Self::DeadBandAndFriction => "dead band and friction",
             Self::UnequalLimits => "unequal limits",
             Self::FrictionOfGears => "friction of the gears",
+            Self::FrictionAtLowSpeed => "friction at low speed",
             Self::Stiction => "stiction",
             Self::Backlash => "backlash",
             Self::CurrentLimit => "current limit",
@@ -141,6 +146,10 @@ pub(super) fn servo(kind: Kind, seed: u64) -> Truth {
         Kind::CutOffSpeed => stiffness.sqrt() * between(0.8, 2.0),
         _ => full_drive * stiffness / (share * damping),
     };
+    let friction_speed_share = match kind {
+        Kind::FrictionAtLowSpeed => between(0.004f64.ln(), 0.04f64.ln()).exp(),
+        _ => FRICTION_SPEED_SHARE,
+    };
     let mut value = |at: &Coordinate| match at {
         Coordinate::Delay => Truth::on_grid(between(0.006, 0.04)),
         Coordinate::LnStiffness => stiffness.ln(),
@@ -165,7 +174,7 @@ pub(super) fn servo(kind: Kind, seed: u64) -> Truth {
         values: coordinates.iter().map(&mut value).collect(),
         coordinates,
         radians: 1f64.to_radians(),
-        friction_speed_share: FRICTION_SPEED_SHARE,
+        friction_speed_share,
         run_offsets: Vec::new(),
         stops: Stops::default(),
         pulse_end: None,
@@ -175,7 +184,7 @@ pub(super) fn servo(kind: Kind, seed: u64) -> Truth {
 }
 
 /// Half of the servos have two speeds, a third each dead band and friction, and a third a constant load; all of one kind that of a spring. Two kinds have both, a dead band and
-/// friction. Stiction and the friction of the gears come with friction, and the latter is drawn in its own kind alone.
+/// friction. Three kinds have friction by what they are, and that of the gears is drawn in its own kind alone.
 fn terms(kind: Kind, seed: u64) -> Terms {
     let loads = [LoadKind::None, LoadKind::Constant, LoadKind::None];
     let has_both = matches!(kind, Kind::DeadBandAndFriction | Kind::UnequalLimits);
@@ -186,7 +195,10 @@ fn terms(kind: Kind, seed: u64) -> Terms {
         speed_limit: kind == Kind::CutOffSpeed,
         dead_band: seed % 3 == 1 || has_both,
         friction: seed % 3 == 2
-            || matches!(kind, Kind::Stiction | Kind::FrictionOfGears)
+            || matches!(
+                kind,
+                Kind::Stiction | Kind::FrictionOfGears | Kind::FrictionAtLowSpeed
+            )
             || has_both,
         friction_of_gears: kind == Kind::FrictionOfGears,
         load: match kind {

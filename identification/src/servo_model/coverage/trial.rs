@@ -186,5 +186,13 @@ fn truths(truth: &Truth, found: &ServoModel) -> Vec<(&'static str, f64)> {
         all.push(("top speed upwards", truth.top_speed(true)));
         all.push(("top speed downwards", truth.top_speed(false)));
     }
+    if let Beyond::Stiction { excess, .. } = truth.beyond {
+        let servo = truth.point.physics(0, |_, value| value);
+        let coulomb = servo.friction.map_or(0.0, |friction| friction.coulomb);
+        all.push((
+            "resting error by friction",
+            (1.0 + excess) * coulomb / servo.stiffness,
+        ));
+    }
     all
 }

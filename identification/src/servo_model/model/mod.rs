@@ -161,6 +161,15 @@ fn is_usual_friction_speed_share(share: &f64) -> bool {
     *share == FRICTION_SPEED_SHARE
 }
 
+impl ServoModel {
+    /// The share of the top speed at which half of the excess of its friction at rest is gone, where that is not the 0.05 of other servos.
+    #[must_use]
+    pub fn own_friction_speed_share(&self) -> Option<f64> {
+        let is_own = self.terms.friction && self.friction_speed_share != FRICTION_SPEED_SHARE;
+        is_own.then_some(self.friction_speed_share)
+    }
+}
+
 /// How well a servo follows a record.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ServoFit {

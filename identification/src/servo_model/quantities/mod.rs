@@ -56,7 +56,8 @@ pub(super) fn quantities(
             return None;
         }
         let hull = definition.without_senseless_bounds(hull);
-        let hull = match level.valid().is_some() && definition.is_of_assumed_law() {
+        let hull = match level.valid().is_some() && definition.is_of_assumed_law(&possible[0].point)
+        {
             true => hull.without_bounds(),
             false => hull,
         };

@@ -6,7 +6,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::{PERIOD_S, noisy, point, require_held, response, strokes, value, with_noise};
 use crate::data::Record;
-use crate::servo_model::descent::coordinates::{Coordinate, Point, Terms};
+use crate::servo_model::descent::coordinates::{Coordinate, FRICTION_SPEED_SHARE, Point, Terms};
 use crate::servo_model::{
     Alternative, QuantityKind, ServoModel, ServoModelOptions, fit, quantities,
 };
@@ -210,6 +210,48 @@ fn the_dead_band_is_possible_where_friction_alone_predicts_as_well() {
     };
     let all: Vec<f64> = found.alternatives.iter().map(dead_band).collect();
     assert!(all.iter().any(|width| *width > 0.2), "{all:?}");
+}
+
+/// With half of it gone at 5 % of the top speed as of other servos, errors are left that are no noise.
+#[test]
+fn friction_at_rest_may_be_gone_at_a_low_speed() {
+    let terms = Terms {
+        limit: true,
+        friction: true,
+        ..Terms::default()
+    };
+    let sticking = |at: Coordinate| match at {
+        Coordinate::Friction => 0.25,
+        Coordinate::FrictionAtRest => 1.0,
+        other => value(other),
+    };
+    let mut random = ChaCha8Rng::seed_from_u64(9);
+    let mut input = vec![0.0; 100];
+    while input.len() < 5000 {
+        let hold = random.random_range(50..200);
+        input.extend(std::iter::repeat_n(random.random_range(-5.0..5.0), hold));
+    }
+    for friction_speed_share in [FRICTION_SPEED_SHARE, 0.008] {
+        let servo = Point {
+            friction_speed_share,
+            ..point(terms, sticking)
+        };
+        let output = with_noise(&servo, &input, 0.02, 3);
+        let record = Record::of_run(PERIOD_S, &input, output).unwrap();
+        let found = fit(&record, &ServoModelOptions::default()).unwrap();
+        let own = found.own_friction_speed_share();
+        let is_usual = friction_speed_share == FRICTION_SPEED_SHARE;
+        assert_eq!(own.is_none(), is_usual, "{own:?}");
+        let names = [
+            "delay",
+            "gain",
+            "damping ratio",
+            "resting error by friction",
+        ];
+        require_held(&found, &servo, &names);
+        let offset = found.quantity(QuantityKind::Offset).unwrap();
+        assert_eq!(offset.determined, is_usual);
+    }
 }
 
 /// The band of a stroke holds the servo from either edge of where it may have rested before.

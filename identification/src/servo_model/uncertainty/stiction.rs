@@ -1,11 +1,10 @@
-//! Friction at rest that is gone at a lower speed than the equation has it, or that the fit has left out.
+//! Friction at rest that is gone at a lower speed than the servo has it, or that the fit has left out.
 
 use crate::servo_model::stretches::Stretch;
 use servoid_dynamics::{AtRest, Friction, Grid, ServoParameters, simulate};
 
-/// The speed at which half of the excess is gone, as a share of the top speed: a fifth of the equation's. One share stands for all:
-/// below it the shaft hardly moves.
-const SPEED_SHARE: f64 = 0.01;
+/// The speed at which half of the excess is gone, as a share of that of the servo. One share stands for all: below it the shaft hardly moves.
+const SPEED_SHARE: f64 = 0.2;
 
 /// The excess over friction in motion, where the fit has found less.
 const EXCESS: f64 = 1.0;
@@ -28,10 +27,9 @@ pub(super) fn shortfall(
 /// The friction of a servo, with more of it at rest and at the lowest speeds alone.
 fn sticking(servo: &ServoParameters) -> Option<Friction<f64>> {
     let friction = servo.friction?;
-    let speed = SPEED_SHARE * servo.free_speed()?;
-    let excess = friction
-        .at_rest
-        .map_or(EXCESS, |found| found.excess.max(EXCESS));
+    let found = friction.at_rest?;
+    let speed = SPEED_SHARE * found.speed;
+    let excess = found.excess.max(EXCESS);
     speed.is_finite().then_some(Friction {
         at_rest: Some(AtRest { excess, speed }),
         ..friction

@@ -42,6 +42,7 @@ impl ServoRemarks {
             against_the_model(model, units),
             one_unreached(model, units),
             where_strokes_end(model),
+            friction_at_low_speed(model),
             whose_controller(document),
         ];
         let advice = advice_on_servo_model(document)
@@ -99,6 +100,16 @@ fn where_strokes_end(model: &ServoModel) -> Option<String> {
          farther off. Of simulated servos in which it is gone at lower speeds than in the equation, this error was up to 6 % larger, and outside some intervals; so were some simulated rests."
             .to_owned()
     })
+}
+
+/// What a speed of its own means at which friction at rest is gone.
+fn friction_at_low_speed(model: &ServoModel) -> Option<String> {
+    let share = model.own_friction_speed_share()?;
+    Some(format!(
+        "Friction at rest is half gone at {} % of the top speed here, since 5 %, as in most models, leaves more than noise. How it falls in between is assumed: neither it nor the offset has an \
+         interval, which that would move.",
+        digits(100.0 * share, 2)
+    ))
 }
 
 /// Which controller the quantities are of, and how much stiffer the others are, where there are several.

@@ -1,0 +1,93 @@
+//! Servos whose friction at rest is half gone at another speed.
+//!
+//! That speed is no coordinate of the fit: left free, it ran to the least that the integration resolves, with which other recordings of
+//! the same servo were predicted worse. It is one of a few, and another than [`FRICTION_SPEED_SHARE`] only where noise alone is left of the errors with it: with that
+//! one something else is left as well, or more than by chance.
+
+use crate::results::Reason;
+use crate::servo_model::descent::chosen_terms::{Descent, STEPS};
+use crate::servo_model::descent::coordinates::{Coordinate, FRICTION_SPEED_SHARE, Point};
+use crate::servo_model::descent::fit::Problem;
+use crate::servo_model::stretches::Stretch;
+use crate::servo_model::uncertainty::covariance::{Uncertainty, uncertainty};
+use crate::servo_model::uncertainty::validity::against;
+use crate::thresholds::SERVO_LACK_OF_FIT;
+use rayon::prelude::*;
+
+/// The speeds, as shares of the top speed.
+const SHARES: [f64; 5] = [FRICTION_SPEED_SHARE, 0.025, 0.012, 0.006, 0.003];
+
+/// The excess of friction at rest from which such a servo is looked for, where the fit has found less.
+const EXCESS: f64 = 1.0;
+
+/// The servos as `point` with each of the other speeds.
+pub(super) fn with_other_speeds(problem: &Problem<'_>, point: &Point) -> Vec<Point> {
+    let Some(excess) = point.get(Coordinate::FrictionAtRest) else {
+        return Vec::new();
+    };
+    let with = |friction_speed_share: f64| {
+        let mut other = Point {
+            friction_speed_share,
+            ..point.clone()
+        };
+        other.set(Coordinate::FrictionAtRest, excess.max(EXCESS));
+        problem.descend(&mut other, STEPS);
+        other
+    };
+    let others = SHARES
+        .into_par_iter()
+        .filter(|share| *share != point.friction_speed_share);
+    others.map(with).collect()
+}
+
+/// Whether the speed of `other` is the next to that of `best`, where that is none of the usual: the speed of the servo is between them, however well the record
+/// tells both apart.
+pub(super) fn is_next_to(best: &Point, other: &Point) -> bool {
+    let place = |point: &Point| {
+        let mut all = SHARES.into_iter();
+        all.position(|share| share == point.friction_speed_share)
+    };
+    let places = place(best).zip(place(other));
+    places.is_some_and(|(own, other)| own > 0 && other > 0 && own.abs_diff(other) == 1)
+}
+
+/// `best`, or the servo with another speed that leaves noise alone where `best` does not, or smaller errors beyond chance. The starts of `parts` are those of
+/// that servo.
+pub(super) fn with_its_speed(
+    parts: &mut Vec<Stretch>,
+    descent: &Descent<'_>,
+    best: (Point, Uncertainty),
+    blocks: usize,
+) -> (Point, Uncertainty) {
+    let (point, found) = &best;
+    let Some(noise) = &found.at_rest else {
+        return best;
+    };
+    let is_of_noise = match against(parts, point, found) {
+        None => true,
+        Some(Reason::ErrorsNotNoise) => false,
+        Some(_) => return best,
+    };
+    let polished = |from: Point| {
+        let mut parts = parts.clone();
+        let point = descent.polished(&mut parts, from);
+        let found = uncertainty(&descent.problem(&parts), &point, blocks);
+        (parts, point, found)
+    };
+    let leaves_noise = |(parts, point, other): &(Vec<Stretch>, Point, Uncertainty)| {
+        (!is_of_noise || found.is_beaten_by(other, SERVO_LACK_OF_FIT))
+            && against(parts, point, other).is_none()
+    };
+    let others = with_other_speeds(&descent.problem(parts), point);
+    let others: Vec<_> = others.into_par_iter().map(polished).collect();
+    let squares = |found: &Uncertainty| noise.white_squares(&found.errors());
+    let chosen = (others.into_iter().filter(leaves_noise))
+        .min_by(|(_, _, a), (_, _, b)| squares(a).total_cmp(&squares(b)));
+    match chosen {
+        Some((its_parts, point, found)) => {
+            *parts = its_parts;
+            (point, found)
+        }
+        None => best,
+    }
+}
