@@ -11,6 +11,7 @@ from ._servoid import ServoidError
 
 if TYPE_CHECKING:
     from ._model import FrequencyResponse, Model
+    from ._servo_model import ServoModel, ServoResponse
 
 NO_BOUNDS = ": no bounds can be given"
 """What stands in a legend behind the name of a curve without a band."""
@@ -35,12 +36,33 @@ def ratio(model: Model) -> str:
     return f"({of['output']} per {of['input']})" if {"input", "output"} <= of.keys() else "(output per input)"
 
 
-def step(model: Model, ax: Any, label: str) -> Any:
-    """The step response with its band."""
+def axes_or_new(ax: Any) -> Any:
+    """These axes, or those of a new figure."""
     plt = pyplot()
     if ax is not None and not hasattr(ax, "fill_between"):
         raise TypeError(f"ax is {as_given(ax)}: give Axes of matplotlib, such as matplotlib.pyplot.gca(), or leave ax out")
-    ax = plt.subplots()[1] if ax is None else ax
+    return plt.subplots()[1] if ax is None else ax
+
+
+def servo_response(servo: ServoModel, found: ServoResponse, ax: Any, label: str) -> Any:
+    """A simulated response with its band."""
+    ax = axes_or_new(ax)
+    time_s = np.arange(len(found.value)) * servo.sample_period_s
+    if found.lower is None or found.upper is None:
+        label += NO_BOUNDS
+    (line,) = ax.plot(time_s, found.value, label=label)
+    if found.lower is not None and found.upper is not None and servo.level is not None:
+        band = f"{100 * servo.level:g} % at each time by itself"
+        ax.fill_between(time_s, found.lower, found.upper, alpha=0.2, color=line.get_color(), label=band)
+    ax.set_xlabel("time (s)")
+    ax.set_ylabel("output")
+    ax.legend()
+    return ax
+
+
+def step(model: Model, ax: Any, label: str) -> Any:
+    """The step response with its band."""
+    ax = axes_or_new(ax)
     response = model.step
     time_s = response.time_s + model.sample_phase_s
     if response.level is None or response.lower is None or response.upper is None:
@@ -86,7 +108,7 @@ def bode(model: Model, response: FrequencyResponse, shown: slice, axes: Any, lab
         lower = lower[shown]
         if ax is magnitude:
             lower = np.maximum(lower, min(0.0, value[shown].min()) - FLOOR_DB)
-        band = f"{100 * response.level:g} %{of_motion(model)}"
+        band = f"{100 * response.level:g} % at each frequency by itself{of_motion(model)}"
         ax.fill_between(hertz, lower, upper[shown], alpha=0.2, color=line.get_color(), label=band)
     for ax in (magnitude, phase):
         ticks_of_frequency(ax.xaxis)

@@ -345,6 +345,37 @@ class ServoModel:
             return ServoResponse(value, None, None, None if reason is None else Withdrawn(*reason))
         return ServoResponse(value, value - half_width, value + half_width, None)
 
+    def plot(
+        self, u: Any, ax: Any = None, *, at_rest: float | None = None, controller: float | None = None, label: str = "servo model"
+    ) -> Any:
+        """Draw the response to an input with its band, as :meth:`simulate` gives them. Needs matplotlib.
+
+        Parameters
+        ----------
+        u : array_like
+            The input at the model's sample period.
+        ax : matplotlib Axes, optional
+            Where to draw; a new figure without it.
+        at_rest, controller : float, optional
+            As in :meth:`simulate`.
+        label : str
+            Name in the legend.
+
+        Returns
+        -------
+        matplotlib Axes
+
+        Examples
+        --------
+        >>> import servoid
+        >>> stairs = servoid.simulate("bench", reference="stairs", amplitude=20, length=20)
+        >>> servo = servoid.identify(stairs, servo_model=True).servo_model
+        >>> ax = servo.plot([0.0] * 10 + [10.0] * 90)
+        """
+        from ._plot import servo_response
+
+        return servo_response(self, self.simulate(u, at_rest=at_rest, controller=controller), ax, label)
+
     def at(self, hertz: float, amplitude: float, *, controller: float | None = None) -> SineResponse:
         """How much of a sine of the command arrives, and how late: gain and phase, as ``servoid identify --at HZ:AMPLITUDE`` prints them.
 

@@ -270,6 +270,21 @@ def test_a_figure_has_the_band(model, needed):
     assert highest == pytest.approx(model.step.upper.max(), rel=1e-12)
 
 
+def test_a_servo_model_is_drawn_with_its_band(needed):
+    needed("matplotlib").use("Agg")
+    stairs = servoid.simulate("bench", reference="stairs", amplitude=20, length=20)
+    servo = servoid.identify(stairs, servo_model=True).servo_model
+    u = np.repeat([0.0, 10.0], [10, 90])
+    ax = servo.plot(u)
+    (line,) = ax.lines
+    np.testing.assert_array_equal(line.get_ydata(), servo.simulate(u).value)
+    assert line.get_xdata()[-1] == pytest.approx(99 * servo.sample_period_s)
+    (band,) = ax.collections
+    assert band.get_paths()[0].vertices[:, 1].max() == pytest.approx(servo.simulate(u).upper.max(), rel=1e-12)
+    with pytest.raises(TypeError, match="ax is 3: give Axes of matplotlib"):
+        servo.plot(u, 3)
+
+
 def test_control_simulates_as_the_model_does(model, needed):
     control = needed("control")
     u = np.concatenate([np.zeros(5), np.ones(100), np.full(100, -2.0)])

@@ -168,12 +168,27 @@ pub(super) fn no_servo(error: SimulatedServoError) -> anyhow::Error {
     }
 }
 
-/// The name of data: their condition, or that of the first file.
+/// The name of data: their condition, or what the names of their files have in common.
 pub(super) fn name_of(data: &Dataset, files: &[PathBuf]) -> String {
-    let first = || files.first().map(|file| stem(file));
-    data.about
-        .condition
-        .clone()
-        .or_else(first)
-        .unwrap_or_default()
+    let condition = data.about.condition.clone();
+    condition.unwrap_or_else(|| common_name(files))
+}
+
+/// What the names of files begin with alike, without a number or a mark at its end, such as "old" of old_1 and old_2; where that is nothing, the first name.
+pub(super) fn common_name(files: &[PathBuf]) -> String {
+    let mut names = files.iter().map(|file| stem(file));
+    let Some(first) = names.next() else {
+        return String::new();
+    };
+    let alike = names.fold(first.as_str(), |alike, name| {
+        let same = alike.chars().zip(name.chars()).take_while(|(a, b)| a == b);
+        let length = same.map(|(letter, _)| letter.len_utf8()).sum();
+        &alike[..length]
+    });
+    let without_number = alike.trim_end_matches(|letter: char| letter.is_ascii_digit());
+    match without_number.trim_end_matches(|letter: char| !letter.is_alphanumeric()) {
+        _ if files.len() == 1 => first,
+        "" => first,
+        alike => alike.to_owned(),
+    }
 }

@@ -1,7 +1,7 @@
 //! `servoid report`
 
 use super::compare::warn_of_small_margin;
-use super::input::{SecondSideArgs, TableArgs, name_of};
+use super::input::{SecondSideArgs, TableArgs, common_name, name_of};
 use super::output::{Output, Talk, sides_are_open, stem, wrong_usage};
 use super::servo_search::{NoServoModel, ServoSearch};
 use crate::analysis::{
@@ -145,10 +145,8 @@ impl Report {
 
 /// Gives two servos two names: those of their files where the conditions are the same.
 fn distinguish([first, second]: [&mut Servo; 2], files: [&[PathBuf]; 2]) {
-    if first.name == second.name
-        && let [[a, ..], [b, ..]] = files
-    {
-        (first.name, second.name) = (stem(a), stem(b));
+    if first.name == second.name {
+        [first.name, second.name] = files.map(common_name);
     }
     if first.name == second.name {
         first.name.push_str(" 1");

@@ -26,7 +26,7 @@ pub(super) fn different_references(motions: &Sides<Motion>, linear: bool, unit: 
          one that is limited in speed or torque, or has play, does not, and would differ from itself."
     } else {
         "At least one of the servos is not shown to be linear, and a servo that is not responds to each motion \
-         differently: the difference is one of two motions, and no finding about the servos."
+         differently: this difference of step responses is one of two motions, and no finding about the servos."
     };
     let range = |motion: &Motion| motion.highest - motion.lowest;
     Advice::new(

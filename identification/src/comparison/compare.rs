@@ -239,6 +239,7 @@ fn of_curves(
             },
             delay_shift_s: shift.lower.zip(shift.upper).map(<[f64; 2]>::from),
         }),
+        without_bounds: Sides::of([&curves[0], &curves[1]], |side| side.spread.withdrawn()),
         runs: [1, 1],
         delay_shift_s: shift.value,
         delay_shift_definition: shift::DEFINITION.to_owned(),

@@ -6,7 +6,7 @@ use super::motion::Motion;
 use super::over_prediction::OverPrediction;
 use super::rests_apart::RestsApart;
 use super::verdict::Verdict;
-use crate::results::{Advice, Bounds, Interval};
+use crate::results::{Advice, Bounds, Interval, Reason};
 
 /// Version of the JSON document.
 pub const SCHEMA: u32 = 3;
@@ -125,6 +125,22 @@ impl<T> Sides<Option<T>> {
     }
 }
 
+impl Sides<Option<Reason>> {
+    /// "for A the errors are not noise", of the sides by their `names`; `None` where neither has a reason.
+    #[must_use]
+    pub fn in_words(&self, [a, b]: [&str; 2]) -> Option<String> {
+        let of = |name: &str, reason: Reason| format!("for {name} {}", reason.because());
+        match (self.a, self.b) {
+            (Some(of_a), Some(of_b)) if of_a == of_b => Some(of("both", of_a)),
+            (of_a, of_b) => {
+                let all = [of_a.map(|of_a| of(a, of_a)), of_b.map(|of_b| of(b, of_b))];
+                let all: Vec<String> = all.into_iter().flatten().collect();
+                (!all.is_empty()).then(|| all.join(", and "))
+            }
+        }
+    }
+}
+
 /// One metric of both sides, each identified with the structure that the comparison gives both.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MetricDifference {
@@ -172,6 +188,9 @@ pub struct Comparison {
     /// The bounds that the verdict rests on. There are none, and no verdict, where a side has none.
     #[serde(flatten)]
     pub bounds: Bounds<ComparisonBounds>,
+    /// Why a side has no bounds; left out where both have them.
+    #[serde(default, skip_serializing_if = "Sides::have_none")]
+    pub without_bounds: Sides<Option<Reason>>,
     /// Runs on each side.
     pub runs: [usize; 2],
     /// Delay that brings the first response closest to the second, each relative to its own final

@@ -18,7 +18,7 @@ use super::verdict::Verdict;
 use crate::nonlinear::SpeedLimits;
 use crate::numerics::pointwise_critical;
 use crate::options::Options;
-use crate::results::{Bounds, Interval};
+use crate::results::{Bounds, Interval, Reason};
 use crate::servo_model::{Quantity, QuantityKind, ServoModel, Spread, Stops, StopsDocument, Unit};
 use serde::{Deserialize, Serialize};
 
@@ -48,6 +48,9 @@ pub struct ServoModelComparison {
     /// Intervals of both sides and of their differences; withdrawn where one side has none.
     #[serde(flatten)]
     pub bounds: Bounds<QuantityDifferences>,
+    /// Why a side has no intervals; left out where both have them.
+    #[serde(default, skip_serializing_if = "Sides::have_none")]
+    pub without_bounds: Sides<Option<Reason>>,
 }
 
 /// The speeds of the larger strokes of both sides, as they were measured: no model is asked.
@@ -216,6 +219,7 @@ pub fn compare_servo_models(
         ),
         shared_delay_error: delays.is_some(),
         at_other_angles: pairs.iter().any(widens),
+        without_bounds: Sides::of([a, b], |model| model.covariance.withdrawn()),
         bounds: levels.map(|level| QuantityDifferences {
             level,
             differences: differences(level),

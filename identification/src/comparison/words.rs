@@ -37,12 +37,14 @@ pub(super) fn summary(
                 play(found, &options.output_unit)
             )
         }
-        Bounds::Withdrawn(reason) => format!(
-            "{other_way}Not decided by the step responses: for at least one of the two no bounds can be given, because {}. Identify each \
-             side by itself: its advice says what to record.{}",
-            reason.because(),
-            play(found, &options.output_unit)
-        ),
+        Bounds::Withdrawn(reason) => {
+            let of_sides = found.without_bounds.in_words(["the first", "the second"]);
+            format!(
+                "{other_way}Not decided by the step responses: no bounds can be given, because {}. Identify each side by itself: its advice says what to record.{}",
+                of_sides.unwrap_or_else(|| reason.because().to_owned()),
+                play(found, &options.output_unit)
+            )
+        }
     }
 }
 

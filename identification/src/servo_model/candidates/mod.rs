@@ -69,7 +69,7 @@ impl Candidates {
         let others = others.into_iter();
         candidates
             .possible
-            .extend(others.filter(PossibleServo::shows_its_spring));
+            .extend(others.filter(PossibleServo::shows_its_load));
         if candidates.level.withdrawn().is_some() {
             let members = candidates.possible[1..].iter();
             let members = members.map(|servo| servo.point.clone());

@@ -2,7 +2,7 @@
 
 use super::ServoModel;
 use crate::numerics::halved;
-use servoid_dynamics::ServoParameters;
+use servoid_dynamics::{ServoParameters, Stops};
 
 /// From where on the load stalls the drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,14 +24,19 @@ impl ServoModel {
     }
 }
 
-/// Between a command in the middle, which is reached, and one at an end.
+/// Between a command in the middle, which is reached, and one at an end. What a stop ends is no stall: the load alone would let it go farther.
 fn stall(servo: &ServoParameters, middle: f64, end: f64) -> Option<Stall> {
-    if stalls_under(servo, middle) || !stalls_under(servo, end) {
+    let free = &ServoParameters {
+        stops: Stops::default(),
+        ..*servo
+    };
+    if stalls_under(free, middle) || !stalls_under(free, end) {
         return None;
     }
-    Some(Stall {
-        command: halved(middle, end, |command| !stalls_under(servo, command)),
-        output: servo.resting_output(end),
+    let output = free.resting_output(end);
+    (output == servo.resting_output(end)).then(|| Stall {
+        command: halved(middle, end, |command| !stalls_under(free, command)),
+        output,
     })
 }
 
@@ -72,6 +77,16 @@ mod tests {
             (found.command - (10.0 + 1000.0 / 900.0)).abs() < 1e-6,
             "{found:?}"
         );
+        // A stop before that is no stall.
+        let stopped = ServoParameters {
+            stops: Stops {
+                lower: None,
+                upper: Some(15.0),
+            },
+            ..servo
+        };
+        assert_eq!(stopped.resting_output(15.0), 15.0);
+        assert_eq!(stall(&stopped, 0.0, 15.0), None);
         // The other way it has twice the drive.
         assert_eq!(stall(&servo, 0.0, -15.0), None);
         assert_eq!(stall(&servo, 0.0, 11.0), None);

@@ -21,16 +21,17 @@ pub(crate) struct PossibleServo {
 const UNKNOWN_SHARE: f64 = 1.0;
 
 impl PossibleServo {
-    /// Whether the record knows the spring, where there is one. Behind a drive that is never full a spring is no other servo: stiffness and gain are those of
-    /// small motion with it and without.
-    pub(crate) fn shows_its_spring(&self) -> bool {
-        let mut coordinates = self.point.coordinates.iter();
-        coordinates
-            .position(|at| *at == Coordinate::Spring)
-            .is_none_or(|share| {
-                let variance = self.covariance[(share, share)];
-                let is_unseen = |change: &Vec<f64>| change[share].abs() > f64::EPSILON.sqrt();
-                variance < UNKNOWN_SHARE * UNKNOWN_SHARE && !self.unseen.iter().any(is_unseen)
-            })
+    /// Whether the record knows the spring and the stiffening of a load of the air, where there is one. Behind a drive that is never full a spring is no other servo: stiffness and gain are those of
+    /// small motion with it and without. A load of the air that stiffens where no output shows it is a constant one.
+    pub(crate) fn shows_its_load(&self) -> bool {
+        let place = |wanted| self.point.coordinates.iter().position(|at| *at == wanted);
+        let is_seen = |at: usize| {
+            let moves = |change: &Vec<f64>| change[at].abs() > f64::EPSILON.sqrt();
+            !self.unseen.iter().any(moves)
+        };
+        let is_known =
+            |share: usize| self.covariance[(share, share)] < UNKNOWN_SHARE * UNKNOWN_SHARE;
+        place(Coordinate::Spring).is_none_or(|share| is_known(share) && is_seen(share))
+            && place(Coordinate::AirStiffening).is_none_or(is_seen)
     }
 }

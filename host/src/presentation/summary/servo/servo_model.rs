@@ -11,8 +11,8 @@ use crate::presentation::summary::wording::numbers::digits;
 use crate::presentation::summary::wording::recorded;
 use servoid_identification::results::with_unit;
 use servoid_identification::servo_model::{
-    LadderRung, LinearKind, LinearModelFit, LinearModels, LoadKind, Quantity, ServoFit, ServoModel,
-    Terms,
+    LadderRung, LinearKind, LinearModelFit, LinearModels, LoadKind, Quantity, QuantityKind,
+    ReachedSpeeds, ServoFit, ServoModel, Terms,
 };
 
 /// Parameters with their intervals; with `explain`, the terms that were tried.
@@ -66,13 +66,30 @@ fn tested_in(model: &ServoModel, units: Units<'_>) -> String {
     let unit = units.output.unwrap_or("units");
     let speeds = recorded::speeds_in_words(reached, 1.0, unit);
     let speeds = speeds.map_or_else(String::new, |speeds| {
-        format!(", and speeds of {speeds} at the least")
+        format!(
+            ", and speeds of {speeds} at the least{}",
+            elsewhere(model, reached)
+        )
     });
     let words = format!(
         "in commands {}{speeds}: beyond these the model was not tested",
         recorded::range_in_words(commands, units)
     );
     format!("  {}\n", wrapped(&words, 2))
+}
+
+/// Why a servo under a load may be faster than its top speed.
+fn elsewhere(model: &ServoModel, reached: ReachedSpeeds) -> &'static str {
+    let is_faster =
+        |kind, reached: f64| model.quantity(kind).is_some_and(|top| top.value < reached);
+    match is_faster(QuantityKind::TopSpeedUpwards, reached.upwards)
+        || is_faster(QuantityKind::TopSpeedDownwards, reached.downwards)
+    {
+        true if model.parameters(0).load.changes_with_angle() => {
+            " (the top speed is that at the middle of the commands; elsewhere the load helps)"
+        }
+        _ => "",
+    }
 }
 
 /// The table of the linear models beside the servo model.
@@ -175,7 +192,6 @@ mod tests {
     use super::*;
     use crate::presentation::summary::servo::limited_servo::limited_servo;
     use servoid_identification::results::{Bounds, Reason};
-    use servoid_identification::servo_model::QuantityKind;
 
     #[test]
     fn a_limit_that_the_recording_leaves_open_is_no_kind_of_servo() {

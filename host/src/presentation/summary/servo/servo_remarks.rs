@@ -11,7 +11,7 @@ use crate::data::units::Units;
 use crate::presentation::summary::wording::numbers::{digits, four_digits};
 use servoid_identification::nonlinear::MissedRest;
 use servoid_identification::results::{Bounds, with_unit};
-use servoid_identification::servo_model::{QuantityKind, ServoModel, Stall, Stops};
+use servoid_identification::servo_model::{Load, QuantityKind, ServoModel, Stall, Stops};
 
 /// Sentences around the table of quantities.
 pub(crate) struct ServoRemarks {
@@ -134,21 +134,52 @@ fn rest_at_neutral(model: &ServoModel, units: Units<'_>) -> Option<String> {
     }
     let command = neutral(units, model.commands);
     let servo = model.parameters(0);
-    let rest = servo.resting_output(command);
     // What a tenth of a microsecond makes.
-    let decimals = (-(0.1 * servo.gain.abs()).log10()).ceil().clamp(0.0, 9.0) as usize;
+    let fine = 0.1 * servo.gain.abs();
+    let decimals = (-fine.log10()).ceil().clamp(0.0, 9.0) as usize;
+    let in_words = |rest: f64| {
+        let shown = format!("{rest:.decimals$}");
+        with_unit(shown, units.output.unwrap_or_default())
+    };
+    let rest = servo.resting_output(command);
+    let other_side = rest_with_load_to_the_other_side(model, command)
+        .filter(|other| (other - rest).abs() > fine)
+        .map_or_else(String::new, |other| {
+            format!(
+                ", or at {} with its load to the other side, which the recording does not exclude",
+                in_words(other)
+            )
+        });
     Some(format!(
-        "Under a pulse of {command:.0} us the model rests at {}. {}.",
-        with_unit(
-            format!("{rest:.decimals$}"),
-            units.output.unwrap_or_default()
-        ),
+        "Under a pulse of {command:.0} us the model{} rests at {}{other_side}. {}.",
+        match model.covariance.valid() {
+            Some(_) => "",
+            None => ", whose figures may be off,",
+        },
+        in_words(rest),
         match model.quantity(QuantityKind::Offset) {
             Some(_) => "The offset is that under a command of 0, which is no pulse",
             None =>
                 "Under a load that changes with the angle no offset, which is that under a command of 0, makes a line of the rests with the gain",
         }
     ))
+}
+
+/// Where the model rests with as much of a constant load to the other side, where its interval or other fits hold no load at all: beside a dead band any load pushes the shaft to an edge.
+fn rest_with_load_to_the_other_side(model: &ServoModel, command: f64) -> Option<f64> {
+    let mut servo = model.parameters(0);
+    let Load::Constant(load) = servo.load else {
+        return None;
+    };
+    let found = model.quantity(QuantityKind::LoadAtMiddle)?;
+    let of_fits = found.other_fits.map(|fits| [fits.least, fits.most]);
+    let of_interval = || {
+        let interval = found.interval.valid()?;
+        Some([interval.lower?, interval.upper?])
+    };
+    let [least, most] = of_fits.or_else(of_interval)?;
+    servo.load = Load::Constant(-load);
+    (least <= 0.0 && 0.0 <= most).then(|| servo.resting_output(command))
 }
 
 /// From which commands on the load stalls the drive, where that is so.

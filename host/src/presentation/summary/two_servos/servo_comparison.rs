@@ -58,7 +58,7 @@ fn speeds_of_both(
     };
     let [a, b] = [of(names[0], speeds.a)?, of(names[1], speeds.b)?];
     Some(format!(
-        "By the recordings larger strokes go {a}, and {b}: these have no intervals, and strokes of other sizes differ by a tenth and more."
+        "By the recordings larger strokes go {a}, and {b}: these have no intervals, and strokes that are larger on one side make a tenth and more of a difference by themselves."
     ))
 }
 
@@ -166,9 +166,10 @@ fn what_is_sure(
     let named = named.join("; ") + &rest;
     match &found.bounds {
         Bounds::Withdrawn(reason) => {
+            let of_sides = found.without_bounds.in_words([a, b]);
             let because = format!(
-                "because for at least one of the two {}; the values stand without intervals, and play in those of dead band, friction and delay",
-                reason.because()
+                "because {}; the values stand without intervals, and play in those of dead band, friction and delay",
+                of_sides.unwrap_or_else(|| reason.because().to_owned())
             );
             match count {
                 0 => format!("As machines: no statement about the difference, {because}."),
@@ -491,6 +492,7 @@ mod tests {
                 b_s: b.map(|_| [0.2, 0.2001]),
             }),
             bounds: bounds.map_or(Bounds::Withdrawn(Reason::ErrorsNotNoise), Bounds::Valid),
+            without_bounds: Sides::default(),
         };
         let units = Units {
             input: Some("deg"),
