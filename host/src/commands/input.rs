@@ -183,7 +183,7 @@ pub(super) fn common_name(files: &[PathBuf]) -> String {
     let alike = names.fold(first.as_str(), |alike, name| {
         let same = alike.chars().zip(name.chars()).take_while(|(a, b)| a == b);
         let length = same.map(|(letter, _)| letter.len_utf8()).sum();
-        &alike[..length]
+        alike.get(..length).unwrap_or_default()
     });
     let without_number = alike.trim_end_matches(|letter: char| letter.is_ascii_digit());
     match without_number.trim_end_matches(|letter: char| !letter.is_alphanumeric()) {

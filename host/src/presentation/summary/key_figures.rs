@@ -385,6 +385,14 @@ pub(crate) fn of_both(models: [&Model; 2], gain: &str) -> Vec<KeyFigure> {
 /// Share from which on two numbers without intervals are shown as different.
 const VISIBLY: f64 = 0.01;
 
+/// Whether it is one of the two that stand for each other at rest.
+fn is_dead_band_or_friction(pair: &QuantityPair) -> bool {
+    matches!(
+        pair.kind(),
+        Some(QuantityKind::DeadBand | QuantityKind::RestingError)
+    )
+}
+
 /// Of two servos as machines: what they differ in comes first.
 pub(crate) fn of_both_machines(
     found: &ServoModelComparison,
@@ -448,6 +456,9 @@ pub(crate) fn of_both_machines(
                         .is_some_and(|kind| CHANGED_BY_PLAY.contains(&kind));
                     let play = if play { "; play changes it, too" } else { "" };
                     format!("no interval{play}{}", loads(pair))
+                }
+                (None, None) if is_dead_band_or_friction(pair) => {
+                    "of one side only; dead band and friction rest alike".to_owned()
                 }
                 (None, None) => "of one side only".to_owned(),
             },

@@ -41,7 +41,7 @@ pub(super) fn with_other_speeds(problem: &Problem<'_>, point: &Point) -> Vec<Poi
 }
 
 /// Whether the speed of `other` is the next to that of `best`, where that is none of the usual: the speed of the servo is between them, however well the record
-/// tells both apart.
+/// distinguishes the two.
 pub(super) fn is_next_to(best: &Point, other: &Point) -> bool {
     let place = |point: &Point| {
         let mut all = SHARES.into_iter();

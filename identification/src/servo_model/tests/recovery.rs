@@ -254,6 +254,55 @@ fn friction_at_rest_may_be_gone_at_a_low_speed() {
     }
 }
 
+/// Play delays the output where the motion turns round: it is seen, or in the interval.
+#[test]
+fn a_small_play_gives_no_false_delay() {
+    let terms = Terms {
+        limit: true,
+        friction: true,
+        ..Terms::default()
+    };
+    let quick = |at: Coordinate| match at {
+        Coordinate::Delay => 0.0035,
+        Coordinate::LnStiffness => 5600f64.ln(),
+        Coordinate::LnDamping => 105f64.ln(),
+        Coordinate::LnTopSpeed => 620f64.ln(),
+        Coordinate::MotorShare => 0.6,
+        Coordinate::Friction => 0.1,
+        Coordinate::FrictionAtRest => 0.3,
+        other => value(other),
+    };
+    let servo = point(terms, quick);
+    let levels = [-15.0, -7.5, 0.0, 7.5, 15.0, 7.5, 0.0, -7.5];
+    let stairs = levels.repeat(4).into_iter();
+    let input: Vec<f64> = stairs
+        .flat_map(|level| std::iter::repeat_n(level, 250))
+        .collect();
+    let mut behind: Option<f64> = None;
+    let through_play = |y: f64| {
+        let held = behind.unwrap_or(y).clamp(y - 0.04, y + 0.04);
+        behind = Some(held);
+        held
+    };
+    let output: Vec<f64> = response(&servo, &input, 1e-4)
+        .into_iter()
+        .map(through_play)
+        .collect();
+    for seed in 1..7 {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let noise = |y: &f64| -> f64 {
+            let v: f64 = StandardNormal.sample(&mut random);
+            y + 0.06 * v
+        };
+        let output: Vec<f64> = output.iter().map(noise).collect();
+        let record = Record::of_run(PERIOD_S, &input, output).unwrap();
+        let found = fit(&record, &ServoModelOptions::default()).unwrap();
+        if found.covariance.valid().is_some() {
+            require_held(&found, &servo, &["delay"]);
+        }
+    }
+}
+
 /// The band of a stroke holds the servo from either edge of where it may have rested before.
 fn require_band_from_all_rests(servo: &Point, found: &ServoModel) {
     let stroke = [vec![0.0; 20], vec![4.0; 200]].concat();

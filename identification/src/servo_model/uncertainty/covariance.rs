@@ -149,7 +149,8 @@ pub(crate) fn uncertainty(problem: &Problem<'_>, point: &Point, blocks: usize) -
     let blockwise = by_blocks(problem, &rows, blocks, point.values.len());
     let of_windows = by_windows(&rows, window, discrepancy, point.values.len());
     let hidden_parts = at_rest.as_ref().map_or_else(Vec::new, |noise| {
-        hidden_parts(problem.stretches, point, &problem.grid, &rows, noise)
+        let motion = (&rows[..], &motion.simulated[..]);
+        hidden_parts(problem.stretches, point, &problem.grid, motion, noise)
     });
     let hidden = hidden_parts.iter().map(|part| &part.hidden);
     let hidden = sum_of_products(point.values.len(), hidden);

@@ -5,7 +5,7 @@
 
 use super::noise_at_rest::NoiseAtRest;
 use super::score_test::{Score, score_test};
-use super::{current_limit, drive_lag, motor_beside_limit, stiction, unequal_sides};
+use super::{current_limit, drive_lag, motor_beside_limit, play, stiction, unequal_sides};
 use crate::servo_model::descent::coordinates::Point;
 use crate::servo_model::descent::error_row::Row;
 use crate::servo_model::descent::step::MOST;
@@ -32,7 +32,7 @@ pub(super) fn hidden_parts(
     stretches: &[Stretch],
     point: &Point,
     grid: &Grid,
-    rows: &[Vec<Row>],
+    (rows, simulated): (&[Vec<Row>], &[Vec<f64>]),
     noise: &NoiseAtRest,
 ) -> Vec<HiddenPart> {
     let errors = FitErrors {
@@ -50,7 +50,10 @@ pub(super) fn hidden_parts(
         errors.part(unequal_sides::limit_shortfalls, Occurrence::InSome),
         errors.part(unequal_sides::motor_shortfalls, Occurrence::InSome),
     ];
-    parts.into_iter().flatten().collect()
+    let of_play = play::shortfalls(simulated);
+    let count = point.values.len();
+    let of_play = part(&of_play, count, (rows, noise), Occurrence::InAll);
+    parts.into_iter().chain([of_play]).flatten().collect()
 }
 
 /// Where parts are looked for.

@@ -9,6 +9,7 @@ mod known_beforehand;
 pub(super) mod lack_of_fit;
 mod motor_beside_limit;
 pub(super) mod noise_at_rest;
+mod play;
 pub(super) mod possible_servo;
 pub(super) mod run_offsets;
 pub(super) mod score_test;

@@ -1,6 +1,6 @@
 //! Evidence on whether the errors of a servo model are noise.
 //!
-//! Noise follows neither the command nor the play of gears; score tests show where errors do. And it is there at rest as well as in motion: where
+//! Noise follows neither the command nor what the equation lacks; score tests show where errors do. And it is there at rest as well as in motion: where
 //! the errors one step ahead are larger in motion, the model is wrong there, or its fit lies in a poor minimum. Where
 //! nothing of the record is at rest, nothing shows that they are noise.
 
@@ -24,9 +24,7 @@ pub(crate) fn against(stretches: &[Stretch], point: &Point, found: &Uncertainty)
     if hides_friction(point, found) {
         return Some(Reason::FrictionUnseen);
     }
-    let follow = lack_of_fit::follows_command(stretches, point, found)
-        || lack_of_fit::has_play(point, found)
-        || found.has_hidden_part;
+    let follow = lack_of_fit::follows_command(stretches, point, found) || found.has_hidden_part;
     if follow {
         return Some(Reason::ErrorsNotNoise);
     }

@@ -291,7 +291,29 @@ pub(crate) fn how_servo_models_are_compared(found: &ServoModelComparison) -> Str
              without them."
         }
     };
-    format!("{how}{angles}")
+    let rests = match has_dead_band_of_one_side(found) {
+        true => {
+            " A dead band and friction rest alike: the dead band of one model may be friction in the other."
+        }
+        false => "",
+    };
+    format!("{how}{angles}{rests}")
+}
+
+/// Whether one model alone has a dead band, and the other one friction.
+fn has_dead_band_of_one_side(found: &ServoModelComparison) -> bool {
+    let of_kind = |kind| {
+        let mut all = found.quantities.iter();
+        all.find(|pair| pair.kind() == Some(kind))
+    };
+    let dead_band = of_kind(QuantityKind::DeadBand);
+    let friction = of_kind(QuantityKind::RestingError);
+    dead_band
+        .zip(friction)
+        .is_some_and(|(dead_band, friction)| {
+            dead_band.a.is_none() && friction.a.is_some()
+                || dead_band.b.is_none() && friction.b.is_some()
+        })
 }
 
 /// Each quantity: value and interval of both, and of the difference where both have intervals.
