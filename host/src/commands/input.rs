@@ -176,18 +176,19 @@ pub(super) fn name_of(data: &Dataset, files: &[PathBuf]) -> String {
 
 /// What the names of files begin with alike, without a number or a mark at its end, such as "old" of old_1 and old_2; where that is nothing, the first name.
 pub(super) fn common_name(files: &[PathBuf]) -> String {
-    let mut names = files.iter().map(|file| stem(file));
-    let Some(first) = names.next() else {
-        return String::new();
+    let (first, further) = match files {
+        [] => return String::new(),
+        [one] => return stem(one),
+        [first, further @ ..] => (stem(first), further),
     };
-    let alike = names.fold(first.as_str(), |alike, name| {
+    let alike = further.iter().fold(first.as_str(), |alike, file| {
+        let name = stem(file);
         let same = alike.chars().zip(name.chars()).take_while(|(a, b)| a == b);
         let length = same.map(|(letter, _)| letter.len_utf8()).sum();
         alike.get(..length).unwrap_or_default()
     });
     let without_number = alike.trim_end_matches(|letter: char| letter.is_ascii_digit());
     match without_number.trim_end_matches(|letter: char| !letter.is_alphanumeric()) {
-        _ if files.len() == 1 => first,
         "" => first,
         alike => alike.to_owned(),
     }

@@ -1,5 +1,7 @@
 //! Servos whose friction at rest is half gone at another speed.
 //!
+//! Where that is a lower one, a stroke that the record does not have, a small one, may not move the shaft.
+//!
 //! That speed is no coordinate of the fit: left free, it ran to the least that the integration resolves, with which other recordings of
 //! the same servo were predicted worse. It is one of a few, and another than [`FRICTION_SPEED_SHARE`] only where noise alone is left of the errors with it: with that
 //! one something else is left as well, or more than by chance.
@@ -20,8 +22,16 @@ const SHARES: [f64; 5] = [FRICTION_SPEED_SHARE, 0.025, 0.012, 0.006, 0.003];
 /// The excess of friction at rest from which such a servo is looked for, where the fit has found less.
 const EXCESS: f64 = 1.0;
 
+/// A servo with the speed that is its own.
+pub(super) struct WithItsSpeed {
+    pub(super) point: Point,
+    pub(super) found: Uncertainty,
+    /// The same with each of the other speeds; none where something else than its errors speaks against intervals.
+    pub(super) others: Vec<Point>,
+}
+
 /// The servos as `point` with each of the other speeds.
-pub(super) fn with_other_speeds(problem: &Problem<'_>, point: &Point) -> Vec<Point> {
+fn with_other_speeds(problem: &Problem<'_>, point: &Point) -> Vec<Point> {
     let Some(excess) = point.get(Coordinate::FrictionAtRest) else {
         return Vec::new();
     };
@@ -51,22 +61,23 @@ pub(super) fn is_next_to(best: &Point, other: &Point) -> bool {
     places.is_some_and(|(own, other)| own > 0 && other > 0 && own.abs_diff(other) == 1)
 }
 
-/// `best`, or the servo with another speed that leaves noise alone where `best` does not, or smaller errors beyond chance. The starts of `parts` are those of
+/// The servo `point`, or the one with another speed that leaves noise alone where that does not, or smaller errors beyond chance. The starts of `parts` are those of
 /// that servo.
 pub(super) fn with_its_speed(
     parts: &mut Vec<Stretch>,
     descent: &Descent<'_>,
-    best: (Point, Uncertainty),
+    (point, found): (Point, Uncertainty),
     blocks: usize,
-) -> (Point, Uncertainty) {
-    let (point, found) = &best;
-    let Some(noise) = &found.at_rest else {
-        return best;
-    };
-    let is_of_noise = match against(parts, point, found) {
-        None => true,
-        Some(Reason::ErrorsNotNoise) => false,
-        Some(_) => return best,
+) -> WithItsSpeed {
+    let reason = against(parts, &point, &found);
+    let of_its_errors = matches!(reason, None | Some(Reason::ErrorsNotNoise));
+    let Some(noise) = found.at_rest.as_ref().filter(|_| of_its_errors) else {
+        let others = Vec::new();
+        return WithItsSpeed {
+            point,
+            found,
+            others,
+        };
     };
     let polished = |from: Point| {
         let mut parts = parts.clone();
@@ -75,19 +86,25 @@ pub(super) fn with_its_speed(
         (parts, point, found)
     };
     let leaves_noise = |(parts, point, other): &(Vec<Stretch>, Point, Uncertainty)| {
-        (!is_of_noise || found.is_beaten_by(other, SERVO_LACK_OF_FIT))
+        (reason.is_some() || found.is_beaten_by(other, SERVO_LACK_OF_FIT))
             && against(parts, point, other).is_none()
     };
-    let others = with_other_speeds(&descent.problem(parts), point);
-    let others: Vec<_> = others.into_par_iter().map(polished).collect();
+    let others = with_other_speeds(&descent.problem(parts), &point);
+    let all: Vec<_> = others.par_iter().cloned().map(polished).collect();
     let squares = |found: &Uncertainty| noise.white_squares(&found.errors());
-    let chosen = (others.into_iter().filter(leaves_noise))
+    let chosen = (all.into_iter().filter(leaves_noise))
         .min_by(|(_, _, a), (_, _, b)| squares(a).total_cmp(&squares(b)));
-    match chosen {
-        Some((its_parts, point, found)) => {
-            *parts = its_parts;
-            (point, found)
-        }
-        None => best,
+    let Some((its_parts, point, found)) = chosen else {
+        return WithItsSpeed {
+            point,
+            found,
+            others,
+        };
+    };
+    *parts = its_parts;
+    WithItsSpeed {
+        others: with_other_speeds(&descent.problem(parts), &point),
+        point,
+        found,
     }
 }

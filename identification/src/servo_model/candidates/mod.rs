@@ -17,7 +17,7 @@ use crate::servo_model::uncertainty::validity::against;
 use crate::thresholds::{SERVO_ALTERNATIVE, SERVO_LACK_OF_FIT};
 use friction_speed::{is_next_to, with_its_speed};
 use other_fits::fits_of_folds;
-use other_valleys::{outside_of_the_terms, with_quick_drive, with_soft_drive};
+use other_valleys::{with_quick_drive, with_soft_drive, with_unequal_limits};
 use rayon::prelude::*;
 
 /// A relative gain below this ends the descent to the best servo.
@@ -46,7 +46,8 @@ impl Candidates {
         level: Bounds<f64>,
     ) -> Self {
         let best = polished(parts, fold_of, shown, &climbed.best().fit, descent);
-        let (best, found) = with_its_speed(parts, descent, best, fold_of.len());
+        let with_its_speed = with_its_speed(parts, descent, best, fold_of.len());
+        let (best, found) = (with_its_speed.point, with_its_speed.found);
         let level = level.unless(against(parts, &best, &found));
         let problem = descent.problem(parts);
         let mut candidates = Self {
@@ -57,7 +58,11 @@ impl Candidates {
         };
         let mut others = with_other_terms(&problem, climbed);
         if candidates.level.valid().is_some() {
-            candidates.add_those_outside_of_the_terms(&problem, &best, fold_of.len());
+            candidates.add_those_outside_of_the_terms(
+                &problem,
+                (&best, with_its_speed.others),
+                fold_of.len(),
+            );
             others.extend(candidates.soft_drive(&problem, &best, climbed, fold_of.len()));
             // With the covariance of the best: its own knows no end of how quick the drive may be.
             let quick = with_quick_drive(&problem, &best, fold_of.len());
@@ -83,10 +88,11 @@ impl Candidates {
     fn add_those_outside_of_the_terms(
         &mut self,
         problem: &Problem<'_>,
-        best: &Point,
+        (best, of_other_speeds): (&Point, Vec<Point>),
         blocks: usize,
     ) {
-        for point in outside_of_the_terms(problem, best) {
+        let unequal = with_unequal_limits(problem, best);
+        for point in of_other_speeds.into_iter().chain(unequal) {
             let other = uncertainty(problem, &point, blocks);
             let is_better = self.found.is_beaten_by(&other, SERVO_LACK_OF_FIT);
             self.level = self

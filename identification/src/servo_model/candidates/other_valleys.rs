@@ -1,13 +1,11 @@
 //! Servos in other valleys of the surface, which the record hardly distinguishes from the best one: with the same terms, but for one that the ladder
 //! does not try.
 //!
-//! The covariance of a fit knows its own valley alone. Four others are known to hide below the noise. Where all strokes are alike,
-//! a limit of the drive acts as a linear servo does: a low top speed and a stiff drive, or a soft drive that is never full. And
-//! friction at rest may be gone at a far lower speed than the equation has it: then a stroke that the record does not have, a small
-//! one, may not move the shaft. A drive that is there at once differs from a quick one by a delay of less than a sample. And a drive whose limits
+//! The covariance of a fit knows its own valley alone. Three others are known to hide below the noise, and a fourth by the
+//! [speed at which friction at rest is gone](super::friction_speed). Where all strokes are alike,
+//! a limit of the drive acts as a linear servo does: a low top speed and a stiff drive, or a soft drive that is never full. A drive that is there at once differs from a quick one by a delay of less than a sample. And a drive whose limits
 //! differ at one stiffness moves as one under a load, with friction in the place of most of its dead band.
 
-use super::friction_speed::with_other_speeds;
 use crate::servo_model::descent::coordinates::{Coordinate, LoadKind, Point, Terms};
 use crate::servo_model::descent::fit::Problem;
 use crate::servo_model::motion::simulated_motion::largest_error;
@@ -68,14 +66,11 @@ pub(super) fn with_quick_drive(
     (!misses(&other, &own)).then_some(quick)
 }
 
-/// The servos as `point` whose friction at rest is gone at other speeds, and the one whose limits of the drive differ at one stiffness.
-pub(super) fn outside_of_the_terms(problem: &Problem<'_>, point: &Point) -> Vec<Point> {
-    let mut all = with_other_speeds(problem, point);
-    if let Some(mut unequal) = unequal_limits(point) {
-        problem.descend(&mut unequal, STEPS);
-        all.push(unequal);
-    }
-    all
+/// The servo as `point` whose limits of the drive differ at one stiffness, where it may be.
+pub(super) fn with_unequal_limits(problem: &Problem<'_>, point: &Point) -> Option<Point> {
+    let mut unequal = unequal_limits(point)?;
+    problem.descend(&mut unequal, STEPS);
+    Some(unequal)
 }
 
 /// `point` with the drive of the linear servo, full beyond the error `full_at`; `None` where its own drive is as soft.

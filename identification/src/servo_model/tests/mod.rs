@@ -94,15 +94,17 @@ fn noisy(point: &Point, input: &[f64], seed: u64) -> Vec<f64> {
 
 /// The response in white noise of this standard deviation.
 fn with_noise(point: &Point, input: &[f64], sd: f64, seed: u64) -> Vec<f64> {
+    in_noise(response(point, input, 1e-4), sd, seed)
+}
+
+/// An output in white noise of this standard deviation.
+fn in_noise(output: Vec<f64>, sd: f64, seed: u64) -> Vec<f64> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let noise = |y: f64| -> f64 {
         let v: f64 = StandardNormal.sample(&mut random);
         y + sd * v
     };
-    response(point, input, 1e-4)
-        .into_iter()
-        .map(noise)
-        .collect()
+    output.into_iter().map(noise).collect()
 }
 
 /// Intervals of what follows from how the shaft rests and how fast it turns, by name.

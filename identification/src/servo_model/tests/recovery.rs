@@ -4,7 +4,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::{PERIOD_S, noisy, point, require_held, response, strokes, value, with_noise};
+use super::{PERIOD_S, in_noise, noisy, point, require_held, response, strokes, value, with_noise};
 use crate::data::Record;
 use crate::servo_model::descent::coordinates::{Coordinate, FRICTION_SPEED_SHARE, Point, Terms};
 use crate::servo_model::{
@@ -289,13 +289,8 @@ fn a_small_play_gives_no_false_delay() {
         .map(through_play)
         .collect();
     for seed in 1..7 {
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
-        let noise = |y: &f64| -> f64 {
-            let v: f64 = StandardNormal.sample(&mut random);
-            y + 0.06 * v
-        };
-        let output: Vec<f64> = output.iter().map(noise).collect();
-        let record = Record::of_run(PERIOD_S, &input, output).unwrap();
+        let measured = in_noise(output.clone(), 0.06, seed);
+        let record = Record::of_run(PERIOD_S, &input, measured).unwrap();
         let found = fit(&record, &ServoModelOptions::default()).unwrap();
         if found.covariance.valid().is_some() {
             require_held(&found, &servo, &["delay"]);

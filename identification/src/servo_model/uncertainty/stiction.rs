@@ -9,8 +9,7 @@ const SPEED_SHARE: f64 = 0.2;
 /// The excess over friction in motion, where the fit has found less.
 const EXCESS: f64 = 1.0;
 
-/// What such friction would take from the output of `servo` in each sample of a stretch \[output\]; `None` for a servo without friction or
-/// without a top speed.
+/// What such friction would take from the output of `servo` in each sample of a stretch \[output\]; `None` for a servo without friction.
 pub(super) fn shortfall(
     servo: &ServoParameters,
     stretch: &Stretch,
@@ -30,7 +29,7 @@ fn sticking(servo: &ServoParameters) -> Option<Friction<f64>> {
     let found = friction.at_rest?;
     let speed = SPEED_SHARE * found.speed;
     let excess = found.excess.max(EXCESS);
-    speed.is_finite().then_some(Friction {
+    Some(Friction {
         at_rest: Some(AtRest { excess, speed }),
         ..friction
     })
