@@ -4,6 +4,7 @@ use faer::Mat;
 
 use super::intervals::Ends;
 use super::levenberg_marquardt::Minimum;
+use super::report::Circumstances;
 use crate::numerics::matrix_rows::to_rows;
 use crate::results::{Bounds, Interval, ParameterBounds};
 
@@ -18,16 +19,18 @@ pub(super) struct Estimates<'a> {
 }
 
 impl<'a> Estimates<'a> {
-    /// With standard deviations of the gain, and of all others, that are wider than those of even noise by these factors.
+    /// With standard deviations of the gain, and of all others, that are wider than those of even noise, and with how runs differ.
     pub(super) fn new(
         minimum: &'a Minimum,
         level: Bounds<f64>,
         ends: Bounds<Ends>,
-        beyond_even_noise: [f64; 2],
+        under: &Circumstances,
     ) -> Self {
-        let factor = |k: usize| beyond_even_noise[k.min(1)];
+        let factor = |k: usize| under.beyond_even_noise[k.min(1)];
         let count = minimum.parameters.len();
-        let widened = |i: usize, k: usize| factor(i) * factor(k) * minimum.covariance[(i, k)];
+        let widened = |i: usize, k: usize| {
+            factor(i) * factor(k) * minimum.covariance[(i, k)] + under.runs.covariance(i, k)
+        };
         Self {
             x: &minimum.parameters,
             ends,

@@ -34,6 +34,7 @@ mod poles;
 mod profile;
 mod projection;
 mod report;
+mod runs_apart;
 mod slow_end;
 mod starting_points;
 
@@ -45,6 +46,7 @@ use fitter::{FittedOrder, Fitter};
 use order::simplest;
 use projection::Projection;
 use report::Circumstances;
+use runs_apart::RunsApart;
 use starting_points::Guess;
 
 pub use discrete::Discrete;
@@ -85,12 +87,15 @@ pub fn fit(
     options: &FlightModelOptions,
 ) -> Result<FlightModel, Error> {
     let record = &without_runs_own(record, model);
-    let projection = match (model.band(), &model.band_estimate) {
-        (Some(_), Some(estimate)) => in_band::in_band(record, model, estimate),
-        (Some(_), None) => Err(Error::OfBandAlone),
-        (None, _) => Projection::of_record(record, model),
+    let (projection, of_runs) = match (model.band(), &model.band_estimate) {
+        (Some(_), Some(estimate)) => (
+            in_band::in_band(record, model, estimate)?,
+            in_band::of_runs(record, model, estimate)?,
+        ),
+        (Some(_), None) => return Err(Error::OfBandAlone),
+        (None, _) => (Projection::of_record(record, model)?, Vec::new()),
     };
-    choose(projection?, model, options)
+    choose(projection, of_runs, model, options)
 }
 
 /// `record` without the offset and the drift of each run by which `model` was identified.
@@ -129,15 +134,16 @@ fn without_runs_own<'a>(record: &Record<'a>, model: &Model) -> Record<'a> {
 pub fn of_model(model: &Model, options: &FlightModelOptions) -> Result<FlightModel, Error> {
     match model.band() {
         Some(_) => Err(Error::OfBandAlone),
-        None => choose(Projection::of_model(model)?, model, options),
+        None => choose(Projection::of_model(model)?, Vec::new(), model, options),
     }
 }
 
 /// Fits every order and takes the one that the rule above says.
 /// Lack of fit is tested where the bounds of the model hold, so that its noise is known; else an order is good by
-/// its largest error alone.
+/// its largest error alone. In a band the projections `of_runs`, if there are any, show how runs differ; elsewhere that is in the bounds of the model.
 fn choose(
     projection: Projection,
+    of_runs: Vec<Projection>,
     model: &Model,
     options: &FlightModelOptions,
 ) -> Result<FlightModel, Error> {
@@ -188,8 +194,15 @@ fn choose(
             found.ok_or(Error::NoResponse)?
         }
     };
+    let of_runs: Vec<Fitter> = (of_runs.into_iter())
+        .map(|projection| Fitter {
+            projection,
+            timing: model.timing(),
+        })
+        .collect();
     let circumstances = Circumstances {
         level,
+        runs: RunsApart::of(&of_runs, chosen),
         beyond_even_noise: fitter.projection.beyond_even_noise(model),
         band_hz,
         is_of_motion: !model.linear && band_hz.is_none(),

@@ -6,6 +6,7 @@ use super::intervals::{self, Widths};
 use super::low_order::LowOrder;
 use super::model::FlightModel;
 use super::order::OrderTried;
+use super::runs_apart::RunsApart;
 use crate::numerics::pointwise_critical;
 use crate::results::{Bounds, Interval, Reason};
 use crate::thresholds::ORDER_REJECTED;
@@ -19,6 +20,7 @@ pub(super) struct Circumstances {
     pub(super) level: Bounds<f64>,
     /// By how much the standard deviations of the gain, and of all others, are wider than those of even noise.
     pub(super) beyond_even_noise: [f64; 2],
+    pub(super) runs: RunsApart,
     pub(super) band_hz: Option<[f64; 2]>,
     /// Whether the response is one of this motion alone: the servo is not linear.
     pub(super) is_of_motion: bool,
@@ -62,9 +64,14 @@ pub(super) fn of(
             lowest_hz: under.band_hz.map(|ends| ends[0]),
             is_of_motion: under.is_of_motion,
         };
-        intervals::of(fitter, chosen, fits, &widths)
+        let ends = intervals::of(fitter, chosen, fits, &widths);
+        let widened = |(k, ends): (usize, Option<[f64; 2]>)| {
+            let x = chosen.minimum.parameters[k];
+            under.runs.widened(k, x, ends?, of_even)
+        };
+        ends.into_iter().enumerate().map(widened).collect()
     });
-    let estimates = Estimates::new(&chosen.minimum, level, ends, under.beyond_even_noise);
+    let estimates = Estimates::new(&chosen.minimum, level, ends, under);
     let oscillates = transfer.oscillator.is_some();
     let last = chosen.minimum.parameters.len() - 1;
     let found = FlightModel {

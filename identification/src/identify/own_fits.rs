@@ -8,7 +8,7 @@ use super::task::Task;
 use crate::data::{Record, Run};
 use crate::numerics::chi_square_upper_tail;
 
-/// The probability `p_of` of all runs, each by a fit of its own: -2 Σ ln p is χ² of two degrees of freedom a run (Fisher, 1932).
+/// The probability `p_of` of all runs, each by a fit of its own, [combined]: -2 Σ ln p is χ² of two degrees of freedom a run.
 /// `None` of a single run, and where none of them can say.
 pub(super) fn p_of_own_fits(
     task: &Task<'_>,
@@ -19,10 +19,13 @@ pub(super) fn p_of_own_fits(
     let of_run =
         |run: &Run<'_>| p_of_fit_to(&record.with_runs(vec![run.clone()]), (task, fitted), &p_of);
     let found: Vec<f64> = record.runs().iter().filter_map(of_run).collect();
-    let sum: f64 = found
-        .iter()
-        .map(|p| -2.0 * p.max(f64::MIN_POSITIVE).ln())
-        .sum();
+    combined(&found)
+}
+
+/// The probability of independent probabilities as small as these together (Fisher, 1932); `None` without any.
+pub(super) fn combined(found: &[f64]) -> Option<f64> {
+    let of_one = |p: &f64| -2.0 * p.max(f64::MIN_POSITIVE).ln();
+    let sum = found.iter().map(of_one).sum();
     (!found.is_empty()).then(|| chi_square_upper_tail(sum, 2 * found.len()))
 }
 

@@ -213,6 +213,110 @@ fn two_runs_of_a_sweep_have_one_low_order_model() {
     }
 }
 
+/// Runs of the sweep whose gains scatter by so much (a share), and their starts by `late` [samples].
+fn scattered_runs(runs: u64, (gain, late): (f64, f64), seed: u64) -> Record<'static> {
+    let mut random = random(7000 + seed);
+    let run = |k: u64| {
+        let (gain, late) = (1.0 + gain * normal(&mut random), late * normal(&mut random));
+        let output = answer(f64::INFINITY, 0.0, 0.0, 10 * seed + k);
+        let between = |k: usize| {
+            let at = (k as f64 - late).max(0.0);
+            let (whole, part) = (at as usize, at.fract());
+            let next = output[(whole + 1).min(SAMPLES - 1)];
+            gain * ((1.0 - part) * output[whole] + part * next)
+        };
+        Run::new(sweep(), (0..SAMPLES).map(between).collect::<Vec<f64>>()).unwrap()
+    };
+    Record::new(PERIOD_S, (0..runs).map(run).collect()).unwrap()
+}
+
+/// What holds of records of several runs.
+#[derive(Debug, Default)]
+struct OfRuns {
+    /// With a band.
+    records: usize,
+    /// With a point of the response outside of its bounds.
+    with_a_point_outside: usize,
+    points: usize,
+    points_inside: usize,
+    /// Of low-order models.
+    intervals: usize,
+    intervals_missed: usize,
+}
+
+impl OfRuns {
+    /// Of so many runs, whose gain and start scatter.
+    fn of(runs: u64, scatter: (f64, f64), seeds: std::ops::Range<u64>) -> Self {
+        let of_seed = |seed: u64| {
+            let record = scattered_runs(runs, scatter, seed);
+            let model = identify(&record, &Options::default()).unwrap();
+            model.band()?;
+            // A band that is narrow has no order.
+            let found = fit(&record, &model, &FlightModelOptions::default()).ok();
+            let known = found.filter(|found| !found.approximation && found.order == 1);
+            let lag_s = -PERIOD_S / KEPT.ln();
+            let intervals = known.map(|found| {
+                let all = [
+                    (found.gain, 1.0),
+                    (found.delay_s, 0.0),
+                    (found.lag_s.unwrap(), lag_s),
+                ];
+                all.map(|(interval, truth)| interval.contains(truth))
+            });
+            Some((held(&model), intervals))
+        };
+        let all: Vec<_> = seeds.into_par_iter().filter_map(of_seed).collect();
+        let inside = |points: &[bool]| points.iter().filter(|held| **held).count();
+        let intervals: Vec<bool> = all
+            .iter()
+            .filter_map(|(_, found)| *found)
+            .flatten()
+            .collect();
+        Self {
+            records: all.len(),
+            with_a_point_outside: all.iter().filter(|(held, _)| held.contains(&false)).count(),
+            points: all.iter().map(|(held, _)| held.len()).sum(),
+            points_inside: all.iter().map(|(held, _)| inside(held)).sum(),
+            intervals: intervals.len(),
+            intervals_missed: intervals.len() - inside(&intervals),
+        }
+    }
+}
+
+/// Runs, and what scatters.
+const KINDS_OF_RUNS: [(u64, (f64, f64)); 5] = [
+    (3, (0.0, 0.0)),
+    (3, (0.01, 0.1)),
+    (3, (0.003, 0.03)),
+    (4, (0.01, 0.0)),
+    (5, (0.0, 0.2)),
+];
+
+/// What runs change moves all frequencies together: one record in a hundred or two has points outside. Of seven more than one, or a second of 21 intervals, are not chance.
+#[test]
+fn bounds_of_several_runs_of_a_sweep_hold_the_mean_of_the_servo() {
+    for (runs, scatter) in KINDS_OF_RUNS {
+        let found = OfRuns::of(runs, scatter, 0..7);
+        assert!(found.records >= 5 && found.intervals >= 9, "{found:?}");
+        assert!(found.with_a_point_outside <= 1, "{found:?}");
+        assert!(found.intervals_missed <= 1, "{found:?}");
+    }
+}
+
+/// The table of docs/method.md. All points of a record are off together, so of 120 records with 99 % each a share of 96.5 % is three standard deviations low.
+#[test]
+#[ignore = "many seeds: cargo test --release -p servoid-identification --test integration -- --ignored --nocapture many_records_of_runs"]
+fn bounds_of_many_records_of_runs_of_a_sweep_hold() {
+    for (runs, scatter) in KINDS_OF_RUNS {
+        let found = OfRuns::of(runs, scatter, 100..220);
+        println!("{runs} runs, {scatter:?}: {found:?}");
+        let share = found.points_inside as f64 / found.points as f64;
+        assert!(share > 0.965, "{found:?}");
+        // Of some 350 intervals of 99 %.
+        assert!(found.intervals_missed <= 9, "{found:?}");
+    }
+}
+
 /// Sines at all multiples of .2 Hz up to 8 Hz, and what the lag answers in noise; this share of it is behind a lag of .15 s. They come back after 5 s, sooner than the longest N.
 fn sines(slow_share: f64, seed: u64) -> Record<'static> {
     let mut random = random(seed);

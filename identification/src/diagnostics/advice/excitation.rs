@@ -59,8 +59,8 @@ pub(super) fn excitation(evidence: &Evidence<'_>) -> Option<Advice> {
         ));
     }
     let (frequencies, remedy) = lacking(unexcited, highest);
-    let (of_runs, each_run) = match is_smooth_in_runs(evidence) {
-        true => (RUNS_WITHOUT_BAND, EACH_RUN),
+    let (of_runs, each_run) = match is_smooth_in_two_runs(evidence) {
+        true => (TWO_RUNS, EACH_RUN),
         false => ("", ""),
     };
     Some(Advice::new(
@@ -75,18 +75,18 @@ pub(super) fn excitation(evidence: &Evidence<'_>) -> Option<Advice> {
     ))
 }
 
-/// Said of runs of a smooth reference, each of which has bounds in its band where its errors are noise.
-const RUNS_WITHOUT_BAND: &str = " Of three and more runs of such a reference together the frequency response has no bounds either, and of two often none: they would have to \
-    contain how the runs differ, which is not computed in a band.";
+/// Said of two runs of a smooth reference, each of which has bounds in its band where its errors are noise.
+const TWO_RUNS: &str = " Where two runs of such a reference differ by more than noise, they have no bounds of the frequency response together: two do not show by how much runs do.";
 
 /// What to do about it.
-const EACH_RUN: &str = "Each run by itself may have bounds of the frequency response: identify them one by one, and look at how far the answers lie apart. ";
+const EACH_RUN: &str =
+    "Record a third run; or identify each by itself, and look at how far the answers lie apart. ";
 
-/// Whether the record has several runs of a smooth reference, so that there may be no bounds in its band.
-fn is_smooth_in_runs(evidence: &Evidence<'_>) -> bool {
+/// Whether the record has two runs of a smooth reference.
+fn is_smooth_in_two_runs(evidence: &Evidence<'_>) -> bool {
     let excitation = evidence.explanation.excitation.as_ref();
     let runs = evidence.recorded.map_or(0, |record| record.runs().len());
-    excitation.is_some_and(Excitation::is_smooth) && runs > 1
+    excitation.is_some_and(Excitation::is_smooth) && runs == 2
 }
 
 /// That commands with such `errors` may have been without, and then excite nothing of what these do.

@@ -9,7 +9,9 @@
 //!
 //! The errors are then noise, if the servo is linear: the tests of other records decide that here, too.
 
+mod mean_of_runs;
 mod points;
+mod whole_response;
 
 use super::allowances::Allowances;
 use super::candidate::Candidate;
@@ -17,13 +19,14 @@ use super::describe;
 use super::estimate::Estimate;
 use super::fitted::Fitted;
 use super::gates::input_is_free;
+use super::own_fits::combined;
 use super::plan::{Plan, check_rows};
 use super::responses::Responses;
 use super::task::Task;
-use crate::data::{Moments, Record, Timing};
+use crate::data::{Moments, Record, Run, Timing};
 use crate::diagnostics::{
-    BothEstimators, Explanation, INPUT_LAGS, Linearity, Simulated, Tails, comes_back,
-    lowest_excited, one_step_errors, simulated, simulated_whole, whiteness,
+    BothEstimators, Explanation, INPUT_LAGS, Linearity, Simulated, comes_back, lowest_excited,
+    one_step_errors, simulated, whiteness,
 };
 use crate::estimation::{Coordinates, FIRST_ORDER, FsfBasis, GlsFit, GlsOptions, RowInformation};
 use crate::options::{Frequencies, Settling};
@@ -33,6 +36,7 @@ use crate::thresholds::{
     MISFIT_SIGNIFICANCE, MOMENT_ACCURACY, RUNS_FOR_MEAN, WHITENING_COST_POINTS,
 };
 use points::Points;
+use whole_response::WholeResponse;
 
 /// Share of the squares of the errors that rounding of the moments may be, for tests of the errors: what is as uncertain as the prior is off by a hundredth of that.
 /// Bounds ask for [`MOMENT_ACCURACY`].
@@ -56,26 +60,78 @@ struct Band {
     metrics: Metrics,
 }
 
-/// What all lags show; `None` where their errors are not noise either, or the structure was chosen by hand. Of three runs and more bounds
-/// are those of the servo's mean elsewhere, and the noise alone does not say how sure that is: there are none.
+/// What all lags show; `None` where their errors are not noise either, or the structure was chosen by hand. Of three runs and more bounds are those of the
+/// servo's mean, as elsewhere, and errors are those of each run by itself: of runs that differ, those of their common response follow the motion.
 pub(super) fn of(task: &Task<'_>) -> Option<InBand> {
     let automatic =
         task.options.settling == Settling::Auto && task.options.frequencies == Frequencies::Auto;
     let record = task.record.filter(|_| automatic)?;
-    if record.runs().len() >= RUNS_FOR_MEAN {
-        return None;
-    }
     let fitted = fitted(task, record)?;
+    if record.runs().len() < RUNS_FOR_MEAN {
+        return Some(InBand {
+            residuals: tests(record, &fitted)?,
+            linearity: fitted.linearity,
+            band: Band::of(task, record, fitted, &[]),
+        });
+    }
+    let alone: Vec<Record<'_>> = (record.runs().iter())
+        .map(|run| record.with_runs(vec![run.clone()]))
+        .collect();
+    let own: Vec<Fitted> = (alone.iter())
+        .map(|alone| fitted_alone(task, alone))
+        .collect::<Option<_>>()?;
+    let found: Vec<Residuals> = (alone.iter().zip(&own))
+        .map(|(alone, own)| tests(alone, own))
+        .collect::<Option<_>>()?;
+    let own: Vec<WholeResponse> = (alone.iter().zip(own))
+        .map(|(alone, own)| WholeResponse::new(alone, own.estimate))
+        .collect::<Option<_>>()?;
     Some(InBand {
-        residuals: tests(record, &fitted)?,
-        linearity: fitted.linearity,
-        band: Band::of(task, record, fitted),
+        residuals: of_runs(&found)?,
+        linearity: fitted
+            .linearity
+            .filter(|found| !found.errors_follow_motion()),
+        band: Band::of(task, record, fitted, &own),
+    })
+}
+
+/// A run by a fit of its own.
+fn fitted_alone(task: &Task<'_>, alone: &Record<'_>) -> Option<Fitted> {
+    let task = Task {
+        record: Some(alone),
+        ..*task
+    };
+    fitted(&task, alone)
+}
+
+/// Tests of several runs together; `None` where these find what no single one does.
+fn of_runs(found: &[Residuals]) -> Option<Residuals> {
+    let all = |p: fn(&Residuals) -> Option<f64>| -> Option<f64> {
+        combined(&found.iter().filter_map(p).collect::<Vec<f64>>())
+    };
+    let most = |percent: fn(&Residuals) -> Option<f64>| -> Option<f64> {
+        found.iter().filter_map(percent).reduce(f64::max)
+    };
+    let (whiteness_p, linearity_p) = (all(|run| run.whiteness_p), all(|run| run.linearity_p));
+    let is_noise = is_chance(whiteness_p) && is_chance(linearity_p);
+    is_noise.then(|| Residuals {
+        input_correlation_p: None,
+        whiteness_p,
+        linearity_p,
+        beyond_linear_percent: most(|run| run.beyond_linear_percent),
+        rest_p: all(|run| run.rest_p),
+        beyond_rest_percent: most(|run| run.beyond_rest_percent),
     })
 }
 
 impl Band {
     /// `None` where bounds would not hold, or are wide.
-    fn of(task: &Task<'_>, record: &Record<'_>, fitted: Fitted) -> Option<Self> {
+    fn of(
+        task: &Task<'_>,
+        record: &Record<'_>,
+        fitted: Fitted,
+        own: &[WholeResponse],
+    ) -> Option<Self> {
         let Estimate {
             information, fit, ..
         } = &fitted.estimate;
@@ -89,16 +145,15 @@ impl Band {
         let validity = describe::validity(task, &fitted, &responses, &allowances);
         let claimed = validity.level;
         let level = *claimed.valid()?;
+        let whole = WholeResponse::new(record, fitted.estimate)?;
+        let points = Points::in_band(&whole, own, level, lowest_excited(record)?)?;
         let Estimate {
             information, fit, ..
-        } = &fitted.estimate;
-        let runs = simulated_whole(record, &information.moments, fit);
-        let tails = Tails::beside(&runs, &information.moments, fit, prior_sd(fit))?;
+        } = &whole.estimate;
         let timing = Timing {
             sample_period_s: information.moments.sample_period_s(),
             sample_phase_s: information.moments.sample_phase_s(),
         };
-        let points = Points::in_band(&fitted.estimate, &tails, level, lowest_excited(record)?)?;
         Some(Self {
             frequency: points.frequency_response(timing, claimed),
             estimate: BandEstimate {
@@ -133,9 +188,11 @@ fn prior_sd(fit: &GlsFit) -> f64 {
     (fit.variance / fit.precision).sqrt()
 }
 
-/// The longest N, but of an input that comes back no more than half of the time until then: lines of a sum of sines say nothing of frequencies between them to a longer one.
+/// The longest N of the longest run: a longer one, as runs together would have, tells frequencies apart that each run passes within a few cycles. But of an input that comes
+/// back no more than half of the time until then: lines of a sum of sines say nothing of frequencies between them to a longer one.
 fn settling(record: &Record<'_>, cap: Option<usize>) -> Option<usize> {
-    let longest = longest_settling(record, cap).ok()?;
+    let of_run = |run: &Run<'_>| longest_settling(&record.with_runs(vec![run.clone()]), cap).ok();
+    let longest = record.runs().iter().filter_map(of_run).max()?;
     let back = comes_back(record, 2 * longest);
     Some(back.map_or(longest, |back| odd_at_most(back / 2).min(longest)))
 }
@@ -213,6 +270,10 @@ fn errors_of_rows(run: &Simulated<'_>, information: &RowInformation, fit: &GlsFi
     kept
 }
 
+fn is_chance(p: Option<f64>) -> bool {
+    p.is_none_or(|p| p >= MISFIT_SIGNIFICANCE)
+}
+
 /// Tests of the errors, where they are noise. A band of a thousandth is narrower than what counts as a servo that is not linear elsewhere, so every
 /// finding that is beyond chance counts.
 fn tests(record: &Record<'_>, fitted: &Fitted) -> Option<Residuals> {
@@ -229,7 +290,6 @@ fn tests(record: &Record<'_>, fitted: &Fitted) -> Option<Residuals> {
     let whiteness_p = whiteness(&errors, fit.ar.len(), share);
     let linearity = fitted.linearity;
     let rest = linearity.and_then(|found| found.rest);
-    let is_chance = |p: Option<f64>| p.is_none_or(|p| p >= MISFIT_SIGNIFICANCE);
     let noise = whitening <= WHITENING_COST_POINTS
         && is_chance(whiteness_p)
         && is_chance(linearity.map(|found| found.p))

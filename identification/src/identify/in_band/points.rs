@@ -4,11 +4,12 @@ use std::f64::consts::PI;
 
 use faer::Mat;
 
+use super::mean_of_runs::MeanOfRuns;
+use super::whole_response::WholeResponse;
 use crate::data::Timing;
-use crate::diagnostics::Tails;
-use crate::estimation::CurveVariance;
+use crate::estimation::{CurveVariance, RunPart};
 use crate::identify::estimate::Estimate;
-use crate::numerics::{dot, not_negative, pointwise_critical, times};
+use crate::numerics::{dot, not_negative, pointwise_critical};
 use crate::results::{
     BandPoint, Bounds, FrequencyBounds, FrequencyResponse, MetricBounds, Metrics, frequency_map,
 };
@@ -39,80 +40,65 @@ pub(super) struct Points {
 }
 
 impl Points {
-    /// Within the band where bounds of this level are narrow, from `lowest` \[rad/s\] on; `None` where that is less than an octave.
+    /// Within the band where bounds of this level are narrow, from `lowest` \[rad/s\] on; `None` where that is less than an octave. With the responses
+    /// of single `runs` their mean, with how they differ in the bounds.
     pub(super) fn in_band(
-        estimate: &Estimate,
-        tails: &Tails,
+        whole: &WholeResponse,
+        runs: &[WholeResponse],
         level: f64,
         lowest: f64,
     ) -> Option<Self> {
+        let estimate = &whole.estimate;
         let period = estimate.information.moments.sample_period_s();
         let fundamental = estimate.coordinates.basis.fundamental();
         let lowest = (lowest * period).max(0.1 * fundamental);
-        let at = |omegas: &[f64]| Self::at(estimate, tails, level, omegas);
+        let at = |omegas: &[f64]| Self::at(whole, runs, level, omegas);
         let (from, to) = at(&logarithmic(lowest, PI, SCAN)).narrow_band()?;
         (to >= 2.0 * from).then(|| at(&logarithmic(from, to, FINE)))
     }
 
     /// At rest and at `omegas` \[rad/sample\], with bounds of this level.
-    fn at(estimate: &Estimate, tails: &Tails, level: f64, omegas: &[f64]) -> Self {
-        let Estimate {
-            coordinates,
-            information,
-            fit,
-        } = estimate;
+    fn at(whole: &WholeResponse, runs: &[WholeResponse], level: f64, omegas: &[f64]) -> Self {
         let omegas: Vec<f64> = std::iter::once(0.0).chain(omegas.iter().copied()).collect();
-        let map = frequency_map(coordinates, &omegas);
-        let by_ends = tails.functions(&map, &omegas);
-        let mut values = times(&map, fit.solution.response());
-        for (value, by_ends) in values.iter_mut().zip(times(&by_ends, tails.gains())) {
-            *value += by_ends;
-        }
-        let of_lags = CurveVariance::of_fit(information, fit, &map);
-        let lags = map.ncols();
-        let unit = fit.unit_covariance();
-        let weighted = unit.as_ref().submatrix(0, 0, lags, lags) * map.transpose();
-        let functions = map.transpose().to_owned();
-        let ends = by_ends.transpose().to_owned();
-        // Noise that is not even, and errors of the commands, make the ends as much less sure as the lags.
-        let even = fit.solution.inverse.as_ref().submatrix(0, 0, lags, lags) * &functions;
-        let less_sure: Vec<f64> = (0..values.len())
-            .map(|i| {
-                let of =
-                    |weighted: &Mat<f64>| dot(weighted.col_as_slice(i), functions.col_as_slice(i));
-                (of(&weighted) / of(&even)).max(1.0).sqrt()
-            })
-            .collect();
-        let weighted_ends = tails.covariance() * &ends;
-        let product = |i: usize, k: usize| {
-            fit.variance * dot(weighted.col_as_slice(i), functions.col_as_slice(k))
-                + less_sure[i]
-                    * less_sure[k]
-                    * dot(weighted_ends.col_as_slice(i), ends.col_as_slice(k))
-        };
-        let sd: Vec<f64> = (0..values.len())
-            .map(|i| not_negative(product(i, i)).sqrt())
-            .collect();
-        let correlation = |i: usize| match sd[i - 1] * sd[i] {
-            scale if scale > 0.0 => (product(i - 1, i) / scale).clamp(-1.0, 1.0),
-            _ => 1.0,
-        };
-        let spread = CurveVariance {
-            neighbour_correlation: (1..sd.len()).map(correlation).collect(),
-            degrees_of_freedom: of_lags.degrees_of_freedom,
+        let noise = OfNoise::of(whole, &omegas);
+        let mean = MeanOfRuns::of(runs, &omegas);
+        let count = 2 * omegas.len();
+        let of_runs = |i: usize, k: usize| mean.as_ref().map_or(0.0, |mean| mean.covariance(i, k));
+        let sum = |i: usize, k: usize| noise.covariance(i, k) + of_runs(i, k);
+        let of_noise = CurveVariance {
+            neighbour_correlation: neighbour_correlation(count, |i, k| noise.covariance(i, k)),
+            degrees_of_freedom: noise.degrees_of_freedom.clone(),
             of_runs: None,
-            sd,
+            sd: deviations(count, |i, k| noise.covariance(i, k)),
         };
         let normal = pointwise_critical(level);
-        let critical = spread.critical(normal);
-        let wider = |(less_sure, critical): (&f64, &f64)| less_sure * critical / normal;
+        let wider = (noise.less_sure.iter()).zip(of_noise.critical(normal));
+        let beyond_even_noise = wider
+            .map(|(less_sure, critical)| less_sure * critical / normal)
+            .collect();
+        let spread = match &mean {
+            None => of_noise,
+            Some(mean) => CurveVariance {
+                neighbour_correlation: neighbour_correlation(count, sum),
+                degrees_of_freedom: of_noise.degrees_of_freedom,
+                of_runs: Some(RunPart {
+                    sd: deviations(count, of_runs),
+                    noise_sd: of_noise.sd,
+                    noise_correlation: of_noise.neighbour_correlation,
+                    degrees: mean.degrees(),
+                }),
+                sd: deviations(count, sum),
+            },
+        };
         Self {
-            beyond_even_noise: less_sure.iter().zip(&critical).map(wider).collect(),
-            critical,
+            beyond_even_noise,
+            with_rest: (0..count).map(|i| sum(i, 0)).collect(),
+            values: mean
+                .as_ref()
+                .map_or_else(|| whole.values(&omegas), |mean| mean.values.clone()),
+            critical: spread.critical(normal),
             spread,
-            with_rest: (0..values.len()).map(|i| product(i, 0)).collect(),
             omegas,
-            values,
         }
     }
 
@@ -154,17 +140,25 @@ impl Points {
                 .flat_map(|k| [of[2 * k], of[2 * k + 1]])
                 .collect()
         };
-        let (values, correlation) = (pairs(&self.values), &self.spread.neighbour_correlation);
+        let values = pairs(&self.values);
         // Between points they are not asked for.
-        let mut neighbours: Vec<f64> = (kept.iter())
-            .flat_map(|k| [correlation[2 * k], 0.0])
-            .collect();
-        neighbours.pop();
+        let neighbours = |correlation: &[f64]| -> Vec<f64> {
+            let mut own: Vec<f64> = (kept.iter())
+                .flat_map(|k| [correlation[2 * k], 0.0])
+                .collect();
+            own.pop();
+            own
+        };
         let spread = CurveVariance {
             sd: pairs(&self.spread.sd),
             degrees_of_freedom: pairs(&self.spread.degrees_of_freedom),
-            neighbour_correlation: neighbours,
-            of_runs: None,
+            neighbour_correlation: neighbours(&self.spread.neighbour_correlation),
+            of_runs: self.spread.of_runs.as_ref().map(|runs| RunPart {
+                sd: pairs(&runs.sd),
+                noise_sd: pairs(&runs.noise_sd),
+                noise_correlation: neighbours(&runs.noise_correlation),
+                degrees: runs.degrees,
+            }),
         };
         let omegas: Vec<f64> = kept.iter().map(|&k| self.omegas[k]).collect();
         let bounds = level.map(|level| FrequencyBounds::new(&values, &spread, level, Vec::new()));
@@ -191,6 +185,72 @@ impl Points {
         let bounds = level.map(|level| MetricBounds { level });
         Metrics::in_band(&all[0], &all[1..], self.is_narrow(0), timing, bounds)
     }
+}
+
+/// What noise makes of Re G and Im G in turn at a row of frequencies.
+struct OfNoise {
+    variance: f64,
+    /// Of lags and ends: (Z'Z)^-1 w, and w, a function in each column.
+    lags: [Mat<f64>; 2],
+    ends: [Mat<f64>; 2],
+    /// By how much each is less sure than in even noise.
+    less_sure: Vec<f64>,
+    degrees_of_freedom: Vec<f64>,
+}
+
+impl OfNoise {
+    fn of(whole: &WholeResponse, omegas: &[f64]) -> Self {
+        let Estimate {
+            coordinates,
+            information,
+            fit,
+        } = &whole.estimate;
+        let map = frequency_map(coordinates, omegas);
+        let by_ends = whole.tails.functions(&map, omegas);
+        let of_lags = CurveVariance::of_fit(information, fit, &map);
+        let lags = map.ncols();
+        let unit = fit.unit_covariance();
+        let weighted = unit.as_ref().submatrix(0, 0, lags, lags) * map.transpose();
+        let functions = map.transpose().to_owned();
+        let ends = by_ends.transpose().to_owned();
+        // Noise that is not even, and errors of the commands, make the ends as much less sure as the lags.
+        let even = fit.solution.inverse.as_ref().submatrix(0, 0, lags, lags) * &functions;
+        let less_sure = |i: usize| {
+            let of = |weighted: &Mat<f64>| dot(weighted.col_as_slice(i), functions.col_as_slice(i));
+            (of(&weighted) / of(&even)).max(1.0).sqrt()
+        };
+        Self {
+            variance: fit.variance,
+            less_sure: (0..map.nrows()).map(less_sure).collect(),
+            ends: [whole.tails.covariance() * &ends, ends],
+            lags: [weighted, functions],
+            degrees_of_freedom: of_lags.degrees_of_freedom,
+        }
+    }
+
+    fn covariance(&self, i: usize, k: usize) -> f64 {
+        let of = |[weighted, functions]: &[Mat<f64>; 2]| {
+            dot(weighted.col_as_slice(i), functions.col_as_slice(k))
+        };
+        let ends = self.less_sure[i] * self.less_sure[k] * of(&self.ends);
+        self.variance * of(&self.lags) + ends
+    }
+}
+
+fn deviations(count: usize, covariance: impl Fn(usize, usize) -> f64) -> Vec<f64> {
+    (0..count)
+        .map(|i| not_negative(covariance(i, i)).sqrt())
+        .collect()
+}
+
+/// Correlation of each with the one before it.
+fn neighbour_correlation(count: usize, covariance: impl Fn(usize, usize) -> f64) -> Vec<f64> {
+    let sd = deviations(count, &covariance);
+    let correlation = |i: usize| match sd[i - 1] * sd[i] {
+        scale if scale > 0.0 => (covariance(i - 1, i) / scale).clamp(-1.0, 1.0),
+        _ => 1.0,
+    };
+    (1..count).map(correlation).collect()
 }
 
 /// So many frequencies, evenly over the logarithm.

@@ -5,7 +5,7 @@ use crate::presentation::summary::wording::numbers::{decimals, digits, fixed, he
 use crate::presentation::summary::wording::strokes::{of_one_size, stroke_in_words};
 use servoid_identification::Error;
 use servoid_identification::results::{
-    Bounds, FrequencyResponse, Interval, Model, Reason, with_unit,
+    Bounds, FrequencyResponse, Interval, Model, Reason, Withheld, with_unit,
 };
 use servoid_identification::servo_model::{QuantityKind, ServoModel};
 use std::f64::consts::TAU;
@@ -225,6 +225,10 @@ pub fn sine_of_linear_model(
     let found = gain_and_phase(model, hertz)?;
     Ok(match (found, model.metrics.why_withheld()) {
         (None, _) => Err("outside of the frequencies of the commands".to_owned()),
+        // The frequency itself may be excited well.
+        (Some(_), _) if !has_bounds && model.metrics.withheld == Some(Withheld::InputUnexcited) => Err(
+            "withheld: where the reference leaves part of the response open, nothing says how far the linear model is off".to_owned(),
+        ),
         (Some(_), Some(because)) if !has_bounds => Err(format!("withheld: {because}")),
         (Some(found), _) => Ok(found),
     })
