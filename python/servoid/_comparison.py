@@ -42,8 +42,9 @@ class Comparison(Printed):
 
     @property
     def verdict(self) -> str:
-        """``"different"``, ``"same"`` or ``"undecided"``, against :attr:`margin_percent`.
+        """``"different"``, ``"same"`` or ``"undecided"``, against :attr:`margin_percent`: of the step responses alone.
 
+        How the servos differ as machines is in :attr:`servo_model`, and in the text of ``print(comparison)``.
         Sides with different references are never ``"different"``: that may be the reference and not the servo.
         """
         return str(self._fields["verdict"])
@@ -149,6 +150,33 @@ class Comparison(Printed):
     def advice(self) -> tuple[Advice, ...]:
         """What the recordings cannot answer."""
         return advice(self._fields)
+
+    def plot(self, ax: Any = None, *, label: str = "second less first") -> Any:
+        """Draw the :attr:`curves`: the difference of the step responses, with its band. Needs matplotlib.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Where to draw; a new figure without it.
+        label : str
+            Name in the legend.
+
+        Returns
+        -------
+        matplotlib Axes
+
+        Raises
+        ------
+        ServoidError
+            The servos were compared as machines alone: ``a.servo_model.plot(u)`` and ``b.servo_model.plot(u, ax)`` draw how these move.
+        """
+        from ._plot import differences
+
+        if not self.curves:
+            raise _servoid.ServoidError(
+                "servos that are compared as machines alone have no curves of step responses: draw both under one command with servo_model.plot(u)"
+            )
+        return differences(self, ax, label)
 
     def __repr__(self) -> str:
         of_models = self._fields.get("motions", ()) is None

@@ -10,6 +10,7 @@ from ._arrays import as_given
 from ._servoid import ServoidError
 
 if TYPE_CHECKING:
+    from ._comparison import Comparison
     from ._model import FrequencyResponse, Model
     from ._servo_model import ServoModel, ServoResponse
 
@@ -73,6 +74,25 @@ def step(model: Model, ax: Any, label: str) -> Any:
         ax.fill_between(time_s, response.lower, response.upper, alpha=0.2, color=line.get_color(), label=band)
     ax.set_xlabel("time since the edge of the command (s)")
     ax.set_ylabel(f"response to a unit step {ratio(model)}")
+    ax.legend()
+    return ax
+
+
+def differences(comparison: Comparison, ax: Any, label: str) -> Any:
+    """The difference of the step responses with its band, of each direction where they differ."""
+    ax = axes_or_new(ax)
+    for stroke, curve in comparison.curves.items():
+        name = label if stroke == "both" else f"{label}, strokes {stroke}"
+        if curve.lower is None or curve.upper is None:
+            name += NO_BOUNDS
+        (line,) = ax.plot(1e3 * curve.time_s, curve.percent, label=name)
+        if curve.lower is not None and curve.upper is not None and comparison.level is not None:
+            band = f"the whole curve, {100 * comparison.level:g} %"
+            ax.fill_between(1e3 * curve.time_s, curve.lower, curve.upper, alpha=0.2, color=line.get_color(), label=band)
+    for margin in (-comparison.margin_percent, comparison.margin_percent):
+        ax.axhline(margin, color="grey", linestyle=":", label="margin" if margin > 0 else None)
+    ax.set_xlabel("time since the edge of the command (ms)")
+    ax.set_ylabel("difference of the step responses (% of the step)")
     ax.legend()
     return ax
 

@@ -361,3 +361,15 @@ def test_models_are_compared_as_models():
 
 def test_a_low_order_model_says_whether_it_is_an_approximation(model):
     assert model.flight_model.approximation is model.to_dict()["flight_model"]["approximation"]
+
+
+def test_a_comparison_is_drawn_with_its_band_and_margin(needed):
+    needed("matplotlib").use("Agg")
+    found = servoid.compare(servoid.simulate("bench"), servoid.simulate("aircraft"), servo_model=False)
+    ax = found.plot(label="aircraft less bench")
+    legend = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert any(text.startswith("aircraft less bench") for text in legend) and "margin" in legend
+    assert any(text.startswith("the whole curve, 99 %") for text in legend)
+    drawn = ax.lines[0].get_ydata()
+    first = next(iter(found.curves.values()))
+    assert list(drawn) == list(first.percent)

@@ -38,6 +38,7 @@ impl ServoRemarks {
         let has_other_fits = quantities.iter().any(|found| found.other_fits.is_some());
         let behind = [
             has_other_fits.then(|| OTHER_FITS.to_owned()),
+            at_the_middle(model, units),
             whole_stroke(model, units),
             against_the_model(model, units),
             one_unreached(model, units),
@@ -109,6 +110,19 @@ fn friction_at_low_speed(model: &ServoModel) -> Option<String> {
         "Friction at rest is half gone at {} % of the top speed here, since 5 %, as in most models, leaves more than noise. How it falls in between is assumed: neither it nor the offset has an \
          interval, which that would move.",
         digits(100.0 * share, 2)
+    ))
+}
+
+/// Under which command speeds, accelerations and the load are stated, where the load changes with the angle.
+fn at_the_middle(model: &ServoModel, units: Units<'_>) -> Option<String> {
+    let servo = model.parameters(0);
+    let commands = model.commands.filter(|_| servo.load.changes_with_angle())?;
+    let at =
+        |value: f64, unit: Option<&str>| with_unit(four_digits(value), unit.unwrap_or_default());
+    let command = at(commands.middle(), units.input);
+    let position = at(servo.gain * commands.middle() + servo.offset, units.output);
+    Some(format!(
+        "Speeds and accelerations under load, and the load, are those under a command of {command} (position {position}), the middle of the recorded ones."
     ))
 }
 
