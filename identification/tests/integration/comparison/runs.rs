@@ -67,6 +67,7 @@ fn several_runs_a_side_are_a_verdict_on_the_servos() {
         runs: 3,
         gain_sd: 0.005,
         delay_sd_s: 0.0005,
+        frequency_sd: 0.0,
         second_gain: 0.957,
         later_s: 0.0,
     };

@@ -1,5 +1,6 @@
 //! What is said of a servo model beside the table of its quantities, by the terminal and by a page alike.
 
+use super::clauses::shows_load;
 use super::measured_limits::against_the_model;
 use super::top_speeds::one_unreached;
 use super::what_to_record::advice_on_servo_model;
@@ -8,7 +9,7 @@ use crate::data::model_file::ServoModelDocument;
 use crate::data::neutral::neutral;
 use crate::data::pulse_widths::is_pulse;
 use crate::data::units::Units;
-use crate::presentation::summary::wording::numbers::{digits, four_digits};
+use crate::presentation::summary::wording::numbers::{digits, digits_beside, four_digits};
 use servoid_identification::nonlinear::MissedRest;
 use servoid_identification::results::{Bounds, with_unit};
 use servoid_identification::servo_model::{Load, QuantityKind, ServoModel, Stall, Stops};
@@ -116,11 +117,23 @@ fn friction_at_low_speed(model: &ServoModel) -> Option<String> {
 /// Under which command speeds, accelerations and the load are stated, where the load changes with the angle.
 fn at_the_middle(model: &ServoModel, units: Units<'_>) -> Option<String> {
     let servo = model.parameters(0);
-    let commands = model.commands.filter(|_| servo.load.changes_with_angle())?;
-    let at =
-        |value: f64, unit: Option<&str>| with_unit(four_digits(value), unit.unwrap_or_default());
-    let command = at(commands.middle(), units.input);
-    let position = at(servo.gain * commands.middle() + servo.offset, units.output);
+    let changes = servo.load.changes_with_angle() && shows_load(model);
+    let commands = model.commands.filter(|_| changes)?;
+    // Three digits of the recorded range are enough.
+    let width = commands.largest - commands.least;
+    let at = |value: f64, width: f64, unit: Option<&str>| {
+        with_unit(
+            digits_beside(value, 4, Some(width)),
+            unit.unwrap_or_default(),
+        )
+    };
+    let middle = commands.middle();
+    let command = at(middle, width, units.input);
+    let position = at(
+        servo.gain * middle + servo.offset,
+        width * servo.gain.abs(),
+        units.output,
+    );
     Some(format!(
         "Speeds and accelerations under load, and the load, are those under a command of {command} (position {position}), the middle of the recorded ones."
     ))
