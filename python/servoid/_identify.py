@@ -81,7 +81,7 @@ def identify(
         Also: why this structure, a low-order model, and motion that is not linear. A low-order model is found by itself where
         bounds hold in a band of frequencies alone.
     servo_model : bool, optional
-        Also the servo as a machine. Without it that is looked for where the servo is not linear or the linear model has no
+        Also the servo as a machine. Without it that is looked for where the servo is not linear, or may not be, or the linear model has no
         bounds, which takes some seconds, and minutes of long recordings; ``False`` leaves it out.
     **reading
         Options of :func:`read`, where ``u`` names files.

@@ -56,9 +56,10 @@ pub(crate) struct PlanOptions {
 
 impl PlanOptions {
     fn assumed(&self) -> anyhow::Result<AssumedServo> {
+        let rig = RigFile::default();
         let assumed = match &self.model {
-            Some(path) => AssumedServo::of_file(path, RigFile::default().train())?,
-            None => AssumedServo::named(&self.servo, RigFile::default().train())?,
+            Some(path) => AssumedServo::of_file(path, rig.train(), rig.servo.us_per_degree)?,
+            None => AssumedServo::named(&self.servo, rig.train())?,
         };
         Ok(match self.noise {
             Some(sigma) => assumed.with_white_noise(sigma),

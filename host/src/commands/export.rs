@@ -36,7 +36,7 @@ pub(super) struct ExportArgs {
     /// The controller of the servo model, as the recordings call it, where it has several
     #[arg(long, value_name = "CONTROLLER", allow_negative_numbers = true, value_parser = super::value_parsers::finite)]
     controller: Option<f64>,
-    /// Step of time of the servo model in the file (ms); without it, one that suits servo and target
+    /// Step of time of the servo model in the file (ms), 0.05 to 100; without it, one that suits servo and target, which the file and the terminal name: call the file once in each step
     #[arg(long, value_name = "MS", allow_negative_numbers = true, value_parser = super::value_parsers::finite)]
     step_ms: Option<f64>,
     /// The command that fully deflects a servo of ArduPilot, for --to ardupilot; without it 500 us from 1500 us, 45

@@ -108,13 +108,13 @@ impl PlanArgs {
         let read = self.model.iter().chain(&path).chain([&servo]).chain(table);
         output.check_beside(&self.out, read)?;
         let train = rig.train();
-        let assumed = self.assumed(train)?;
+        let us_per_degree = rig.servo.us_per_degree;
+        let assumed = self.assumed(train, us_per_degree)?;
         let remarks = [caution(&self.servo), taken_for(&self.servo)].into_iter();
         for remark in remarks.flatten().filter(|_| self.model.is_none()) {
             talk.say(remark);
         }
         let servo_model = self.servo_model || self.model.is_none() && is_servo_model(&self.servo);
-        let us_per_degree = rig.servo.us_per_degree;
         let request = PlanRequest {
             reference: self.reference.resolve(&rig, talk)?,
             us_per_degree,
@@ -148,9 +148,9 @@ impl PlanArgs {
         talk.result(said.unwrap_or_default() + &of_plan(&plan), &document)
     }
 
-    fn assumed(&self, train: PulseTrain) -> Result<AssumedServo> {
+    fn assumed(&self, train: PulseTrain, us_per_degree: f64) -> Result<AssumedServo> {
         let assumed = match &self.model {
-            Some(path) => AssumedServo::of_file(path, train)?,
+            Some(path) => AssumedServo::of_file(path, train, us_per_degree)?,
             None => {
                 match AssumedServo::named(&with_controller(&self.servo, self.controller), train) {
                     Err(AssumedServoError::NoServo(error)) => return Err(no_servo(error)),

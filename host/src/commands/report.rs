@@ -124,7 +124,7 @@ impl Report {
         let mut found = identified(&data, &listed(files), &options)?;
         let low_order = low_order(false, &data, &found).and_then(Result::ok);
         let search = self.no_servo_model.or(self.servo_model);
-        let machine = servo_fit::is_wanted(search, &found.model).then(|| {
+        let machine = servo_fit::is_wanted(search, &found).then(|| {
             let search = ServoSearch::begin("the servo as a machine", talk);
             servo_fit::find(&data, &mut found, &options, true, &search)
         });

@@ -312,7 +312,7 @@ fn degrees_of(unitless: UnitlessCommand) -> f64 {
 }
 
 /// Degrees in an angle's unit; `None` for what is no angle.
-fn degrees(unit: &str) -> Option<f64> {
+pub(crate) fn degrees(unit: &str) -> Option<f64> {
     match unit {
         "deg" => Some(1.0),
         "rad" => Some(1f64.to_degrees()),

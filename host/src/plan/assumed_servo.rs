@@ -1,7 +1,9 @@
 //! The servo and the noise that a plan assumes.
 
 use crate::data::model_file::{ModelFile, ModelFileError, is_model};
-use crate::instrument::simulated_servo::{self, SimulatedServoError};
+use crate::data::model_metadata::{ModelMetadata, unit_meant};
+use crate::data::pulse_widths::is_pulse;
+use crate::instrument::simulated_servo::{self, SimulatedServoError, degrees};
 use servoid_identification::results::{Model, Noise};
 use servoid_identification::{Error, Options, Record, Run, identify};
 use servoid_protocol::reference::Staircase;
@@ -39,6 +41,18 @@ pub enum AssumedServoError {
     /// The model cannot be read.
     #[error(transparent)]
     Model(#[from] ModelFileError),
+    /// Its units are not those of a rig.
+    #[error(
+        "{path:?} cannot be planned with: its {what} is in {unit}, and a rig commands and reads angles; identify a recording with the {what} in degrees"
+    )]
+    NotAnAngle {
+        /// The model.
+        path: PathBuf,
+        /// Command or position.
+        what: &'static str,
+        /// Its unit.
+        unit: String,
+    },
     /// A model of samples that no rig takes.
     #[error(
         "{0:?} cannot be planned with: it was sampled every {1} µs, and the rig of this servo samples every {2} µs; capture the servo once ('servoid capture -o rec.csv'), identify it ('servoid identify rec.csv -o model.json') and plan with --model model.json, or leave out --model to assume a simulated servo"
@@ -98,12 +112,18 @@ impl AssumedServo {
         )
     }
 
-    /// The servo of a model file, of which the linear part is known.
+    /// The servo of a model file, of which the linear part is known, on a rig that commands so many us per degree.
     ///
     /// # Errors
     /// [`AssumedServoError`].
-    pub fn of_file(path: &Path, train: PulseTrain) -> Result<Self, AssumedServoError> {
-        let ModelFile { model, .. } = ModelFile::read(path)?;
+    pub fn of_file(
+        path: &Path,
+        train: PulseTrain,
+        us_per_degree: f64,
+    ) -> Result<Self, AssumedServoError> {
+        let ModelFile {
+            model, metadata, ..
+        } = ModelFile::read(path)?;
         let period_us = model.sample_period_s * 1e6;
         // The file has the period as rounded digits, so equality is to a nanosecond.
         let rig_us = train.sample_us();
@@ -114,8 +134,13 @@ impl AssumedServo {
                 rig_us,
             ));
         }
-        let name = format!("the servo of {}", path.display());
-        Ok(Self::of_model(name, model, train))
+        let units = Degrees::of(path, &metadata, us_per_degree)?;
+        let shown = path.display();
+        let name = match units.is_pulse {
+            true => format!("the servo of {shown} at {us_per_degree} us per degree"),
+            false => format!("the servo of {shown}"),
+        };
+        Ok(Self::of_model(name, units.of_model(model), train))
     }
 
     /// A servo that is known by its model alone.
@@ -155,6 +180,51 @@ impl AssumedServo {
     }
 }
 
+/// A degree in the units of a model.
+struct Degrees {
+    /// Whether the command is the pulse itself.
+    is_pulse: bool,
+    command: f64,
+    output: f64,
+}
+
+impl Degrees {
+    fn of(
+        path: &Path,
+        metadata: &ModelMetadata,
+        us_per_degree: f64,
+    ) -> Result<Self, AssumedServoError> {
+        let units = metadata.units();
+        let of_angle = |what, unit: Option<String>| match unit {
+            None => Ok(1.0),
+            Some(unit) => degrees(&unit).map(f64::recip).ok_or_else(|| {
+                let path = path.to_owned();
+                AssumedServoError::NotAnAngle { path, what, unit }
+            }),
+        };
+        let is_pulse = is_pulse(units, metadata.recorded.map(|motion| motion.commands));
+        Ok(Self {
+            is_pulse,
+            command: match is_pulse {
+                true => us_per_degree,
+                false => of_angle("command", units.input.and_then(unit_meant))?,
+            },
+            output: of_angle("position", units.output.and_then(unit_meant))?,
+        })
+    }
+
+    /// What a plan takes of `model`: its response and its noise. The offset is that at the command 0, which a rig's degrees count from the neutral pulse.
+    fn of_model(&self, mut model: Model) -> Model {
+        let gain = self.command / self.output;
+        for value in model.theta.iter_mut().chain(&mut model.step.value) {
+            *value *= gain;
+        }
+        model.noise.sigma /= self.output;
+        model.offset = 0.0;
+        model
+    }
+}
+
 /// Whether a simulated servo is a model file.
 #[must_use]
 pub fn is_servo_model(servo: &str) -> bool {
@@ -184,4 +254,31 @@ pub(super) fn noise_rms(noise: &Noise) -> f64 {
         }
     }
     noise.sigma * power.sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_model_of_pulses_is_planned_with_in_degrees() {
+        let options = "linear".parse().unwrap();
+        let AssumedServo { model, .. } =
+            AssumedServo::simulated(&options, PulseTrain::USUAL).unwrap();
+        let gain = |model: &Model| *model.step.value.last().unwrap();
+        let planned = |input: &str, output: &str| {
+            let metadata = ModelMetadata::new(Some(input.into()), Some(output.into()), None);
+            let units = Degrees::of(Path::new("servo.json"), &metadata, 8.0)?;
+            Ok::<Model, AssumedServoError>(units.of_model(model.clone()))
+        };
+        let of_pulses = planned("us", "deg").unwrap();
+        assert!((gain(&of_pulses) / gain(&model) - 8.0).abs() < 1e-12);
+        let run = of_pulses.simulate_input(&[1.0; 2000], Some(0.0));
+        assert!((run[1999] - gain(&of_pulses)).abs() < 1e-9, "{}", run[1999]);
+        let of_radians = planned("rad", "rad").unwrap();
+        assert!((gain(&of_radians) / gain(&model) - 1.0).abs() < 1e-12);
+        assert!(((of_radians.noise.sigma / model.noise.sigma).to_radians() - 1.0).abs() < 1e-12);
+        let error = planned("V", "deg").unwrap_err().to_string();
+        assert!(error.contains("its command is in v"), "{error}");
+    }
 }

@@ -144,6 +144,12 @@ pub struct Explanation {
 }
 
 impl Explanation {
+    /// Whether answers to commands come sooner or later than the model says, beyond noise: commands wait, or the servo is not linear.
+    #[must_use]
+    pub fn answers_scatter(&self) -> bool {
+        self.hold_scatter.is_some_and(|found| found.answers_s > 0.0)
+    }
+
     /// Whether bounds allow for a response that goes on beyond N.
     pub(crate) fn may_go_on(&self) -> bool {
         self.allowed_end.is_some() || matches!(self.prior, Some(PriorOutcome::Used { .. }))

@@ -115,7 +115,7 @@ impl Reason {
             Self::EarlyMotion => "the servo moves before its command",
             Self::HeldOutput => "the position is refreshed less often than it is written",
             Self::LagDrift => "the servo's lag changes along the recording",
-            Self::CommandsBetweenRows => "commands change between the rows",
+            Self::CommandsBetweenRows => "commands seem to change between the rows",
             Self::CommandsWait => "each command waits for a moment of its own, as for a pulse",
             Self::TravelEnd => {
                 "the servo does not go as far as its outermost commands, as at a stop or under a load that holds it"

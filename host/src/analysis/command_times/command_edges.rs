@@ -97,8 +97,8 @@ fn between_rows(rows: f64, model: &Model) -> Advice {
 
 fn in_frames(rows: f64, scatter_s: f64) -> Advice {
     let finding = format!(
-        "{}, as if each waited for a moment of its own: pulses in frames that the rows know nothing of do that, and controllers with \
-         such a cycle. All times contain the mean of this wait",
+        "{}, as if each waited for a moment of its own: pulses in frames that the rows know nothing of do that, controllers with \
+         such a cycle, and some servos that are not linear. Where it is a wait, all times contain the mean of it",
         scatter_in_words(scatter_s)
     );
     of_wait(rows, &finding, scatter_s)

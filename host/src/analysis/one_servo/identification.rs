@@ -71,7 +71,7 @@ impl Identified {
         let options = &request.options;
         let mut found = identified(data, name, options)?;
         let flight_model = low_order(request.flight_model, data, &found);
-        let servo = servo_fit::is_wanted(request.servo_model, &found.model)
+        let servo = servo_fit::is_wanted(request.servo_model, &found)
             .then(|| servo_fit::find(data, &mut found, options, request.held_out, &watch()));
         let Identification {
             mut model,

@@ -13,6 +13,7 @@ use servoid_identification::results::{Model, Precedence, Reason, Validation};
 use servoid_identification::servo_model::{
     self, ServoModel, ServoModelOptions, Watch, no_prediction,
 };
+use servoid_identification::thresholds::MISFIT_SIGNIFICANCE;
 use servoid_identification::{Identification, Options, Run, identify};
 
 /// When a servo is looked for as a machine, which may take minutes.
@@ -39,12 +40,16 @@ impl ServoModelSearch {
     }
 }
 
-/// Whether a servo model is looked for: on request, and where the servo is not linear or the result has no bounds, which leaves its
-/// user with little. Where the input follows the output the motion is that of a loop, and where the output leads times count from nothing:
+/// Whether a servo model is looked for: on request, and where the servo is not linear, may not be, or the result has no bounds,
+/// which leaves its user with little. Answers to commands that scatter, beside errors that no noise of the highest order is like, are those of commands that wait, or of a servo that is not linear. Where the input follows the output the motion is that of a loop, and where the output leads times count from nothing:
 /// a model of such a recording would be none of the servo.
-pub fn is_wanted(asked: ServoModelSearch, linear: &Model) -> bool {
-    let withdrawn = linear.level().withdrawn();
-    help(asked, linear.linear && withdrawn.is_none(), withdrawn)
+pub fn is_wanted(asked: ServoModelSearch, found: &Identification) -> bool {
+    let withdrawn = found.model.level().withdrawn();
+    let whiteness = found.model.residuals.whiteness_p;
+    let is_doubtful =
+        found.explanation.answers_scatter() && whiteness.is_some_and(|p| p < MISFIT_SIGNIFICANCE);
+    let suffices = found.model.linear && withdrawn.is_none() && !is_doubtful;
+    help(asked, suffices, withdrawn)
 }
 
 /// Whether servo models of both sides are compared: on request, and where the step responses decide nothing.

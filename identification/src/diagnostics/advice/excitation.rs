@@ -29,7 +29,7 @@ fn lacking(unexcited_hz: f64, highest_hz: f64) -> (String, String) {
         true => (
             format!("at {unexcited_hz:.1} Hz, the highest frequency that these samples show,"),
             "Sample twice as fast: there the response is over. Holds of an even number of samples each have no power there, and odd ones among them have \
-             some, which is enough where the noise is low. Or assume that the response falls by 40 dB/decade there: '--frequencies narrow'."
+             some, which is enough where the noise is low. Or assume that the response falls by 40 dB/decade there: identify with '--frequencies narrow', and compare such models."
                 .to_owned(),
         ),
         false => (

@@ -75,6 +75,15 @@ fn at_mean_command(runs: &RunComparison, evidence: &Evidence<'_>) -> String {
     format!("at the mean command of {command}")
 }
 
+/// Whether all runs have the same command, row by row.
+fn have_one_command(evidence: &Evidence<'_>) -> bool {
+    let Some(record) = evidence.recorded else {
+        return true;
+    };
+    let mut pairs = record.runs().windows(2);
+    pairs.all(|pair| pair[0].input() == pair[1].input())
+}
+
 pub(super) fn scatter(evidence: &Evidence<'_>) -> Option<Advice> {
     let runs = evidence.explanation.runs.as_ref()?;
     let scatter = [runs.gain_percent, runs.delay_s, runs.offset];
@@ -85,7 +94,7 @@ pub(super) fn scatter(evidence: &Evidence<'_>) -> Option<Advice> {
             " The bounds are those of these recordings, not of the servo: its mean takes three runs."
         }
         true => {
-            " The bounds contain this scatter: they are those of the servo's mean, not of its next run."
+            " The bounds contain this scatter: they are those of the mean of all such runs of the servo, not of its next run."
         }
         false => "",
     };
@@ -133,6 +142,10 @@ pub(super) fn scatter(evidence: &Evidence<'_>) -> Option<Advice> {
             match (evidence.model.linear, moves) {
                 (true, false) => {
                     "The step response does not depend on it. Look at the zero of the sensor, at the horn on its spline and at loads that pull to one side."
+                }
+                (true, true) if !have_one_command(evidence) => {
+                    "These runs have different commands, and a servo that is not linear, by less than shows here, answers each in its own way: runs of one order show what is left. Look there \
+                     for what changes from run to run, such as the supply voltage, the temperature, or when pulses come that have a clock of their own."
                 }
                 (true, true) => {
                     "Look for what changes from run to run, such as the supply voltage, the temperature, or when pulses come that have a clock of their own; \

@@ -242,7 +242,7 @@ fn one_speed(export: &ServoExport<'_>, speed: Option<f64>) -> Option<String> {
     };
     is_other.then(|| {
         format!(
-            "one speed stands for two: {} {unit}/s, where the servo{without} has {} {unit}/s upwards and {} {unit}/s downwards",
+            "one speed stands for two: {} {unit}/s, where the model{without} has {} {unit}/s upwards and {} {unit}/s downwards",
             four_digits(speed),
             of_position(up),
             of_position(down)

@@ -16,7 +16,7 @@ use crate::presentation::summary;
 use crate::presentation::summary::recorded::{self, beside};
 use crate::presentation::summary::{digits, four_digits};
 use servoid_identification::results::{Bounds, six_digits};
-use servoid_identification::servo_model::{Load, QuantityKind};
+use servoid_identification::servo_model::{Load, LoadKind, QuantityKind};
 
 /// How the difference of an export from the servo model was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,6 +67,7 @@ impl ServoExport<'_> {
             Some(self.model),
             self.metadata.units(),
         ));
+        found.extend(self.unseen_load());
         found.extend(self.guessed_angle(target));
         let findings = self.of_sensor.iter();
         // What follows in a finding is no limit of a number, and a warning has its own stop.
@@ -138,6 +139,14 @@ impl ServoExport<'_> {
                 "the recording does not determine the top speed: strokes that are faster than the recorded motion{recorded}, large or quickly turned round, may be far too \
                  slow or too quick in this file"
             )
+        })
+    }
+
+    /// That the load may be none.
+    fn unseen_load(&self) -> Option<String> {
+        let is_unseen = self.model.terms.load != LoadKind::None && !summary::shows_load(self.model);
+        is_unseen.then(|| {
+            "the load of this servo model is one that no interval shows: it may stand for something else that the model lacks, as may unequal speeds that come of it".to_owned()
         })
     }
 
@@ -332,7 +341,7 @@ impl ServoExport<'_> {
         let of_top = |limit: f64, top: f64| {
             let [percent, limit, top] = [100.0 * (limit / top), limit, top].map(four_digits);
             format!(
-                "{limit} {unit}/s, which is {percent} % of the top speed of {top} {unit}/s{both}"
+                "{limit} {unit}/s, which is {percent} % of the model's top speed of {top} {unit}/s{both}"
             )
         };
         let [up, down] = (self.parameters)
@@ -353,7 +362,7 @@ impl ServoExport<'_> {
         };
         let larger = match limits[0] < FACTOR * tops[0] {
             true => {
-                " In larger strokes than the recorded ones the file falls behind the servo, which reaches its top speed there."
+                " In larger strokes than the recorded ones the file falls behind the model, which reaches its top speed there."
             }
             false => "",
         };
@@ -459,11 +468,49 @@ impl ServoExport<'_> {
             self.strokes(trial),
             four_digits(1e3 * trial.step_s),
             self.percent_of_stroke(found.root_mean_square, trial),
-            searched(trial),
+            self.searched(trial),
             shown(found.largest_in_strokes),
-            searched_once(trial),
+            self.searched_once(trial),
             without.unwrap_or_default(),
             command(trial),
+        )
+    }
+
+    /// In which strokes the difference is largest, a sentence.
+    fn searched(&self, trial: &Trial) -> String {
+        let has_stops = !self.parameters.stops.are_none();
+        match trial.worst.is_empty() {
+            true => format!(
+                "It is that of repeated reversals, as a loop that swings has them, and of strokes that are held or broken off once; other commands may show several times as much, most of it where the servo just comes to rest{}; shorter steps show less.",
+                if has_stops {
+                    format!(", and {AT_STOPS}")
+                } else {
+                    String::new()
+                }
+            ),
+            false => format!(
+                "A search found the strokes in which it is largest, {}, among reversals and random strokes over the recorded range, with half-periods from 1/sqrt(k) to the time in which its largest stroke settles; other commands may be farther, as random ones by up to a fifth.",
+                reversals(trial)
+            ),
+        }
+    }
+
+    /// In which stroke, broken off once, a search found the difference largest.
+    fn searched_once(&self, trial: &Trial) -> String {
+        let [from, to, ..] = &trial.worst_broken_off[..] else {
+            return String::new();
+        };
+        let has_stops = !self.parameters.stops.are_none();
+        format!(
+            ", the most of a search over strokes from rest between any levels, each broken off after 1/sqrt(k) or longer: here that from {} to {} after {} s{}",
+            number(from.level),
+            number(to.level),
+            four_digits(to.steps as f64 * trial.step_s),
+            if has_stops {
+                format!("; shorter ones may be several times as far, {AT_STOPS}")
+            } else {
+                String::new()
+            }
         )
     }
 }
@@ -500,29 +547,9 @@ fn command(trial: &Trial) -> String {
     )
 }
 
-/// In which strokes the difference is largest, a sentence.
-fn searched(trial: &Trial) -> String {
-    match trial.worst.is_empty() {
-        true => "It is that of repeated reversals, as a loop that swings has them, and of strokes that are held or broken off once; other commands may show several times as much, most of it where the servo just reaches a stop or just comes to rest; shorter steps show less.".to_owned(),
-        false => format!(
-            "A search found the strokes in which it is largest, {}, among reversals and random strokes over the recorded range, with half-periods from 1/sqrt(k) to the time in which its largest stroke settles; other commands may be farther, as random ones by up to a fifth.",
-            reversals(trial)
-        ),
-    }
-}
-
-/// In which stroke, broken off once, a search found the difference largest.
-fn searched_once(trial: &Trial) -> String {
-    let [from, to, ..] = &trial.worst_broken_off[..] else {
-        return String::new();
-    };
-    format!(
-        ", the most of a search over strokes from rest between any levels, each broken off after any time: here that from {} to {} after {} s",
-        number(from.level),
-        number(to.level),
-        four_digits(to.steps as f64 * trial.step_s)
-    )
-}
+/// Said of a servo with stops: whether it meets one is a matter of less than any search tries.
+const AT_STOPS: &str =
+    "where the servo just reaches a stop, or just does not, some per cent of its largest stroke";
 
 /// "reversals of 0.04 to 0.12 s", the half-periods of the strokes of the search.
 fn reversals(trial: &Trial) -> String {

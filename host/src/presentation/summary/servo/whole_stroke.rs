@@ -9,9 +9,14 @@ use servoid_identification::servo_model::ServoModel;
 /// A step of this part of a stroke is one of its size: the servo rests a little off its command.
 const AS_LARGE: f64 = 0.95;
 
-/// How long a whole stroke of 60 degrees takes, which people ask first.
+const NOT_SHOWN: &str = "How long a stroke of 60 degrees takes is not known: the recording has none so large, and no top speed; or by this model a load or a stop ends it before.";
+
+/// How long a whole stroke of 60 degrees takes, which people ask first, or why that is not known.
 pub(crate) fn whole_stroke(model: &ServoModel, units: Units<'_>) -> Option<String> {
-    let times = both_ways(model.stroke_times_s(sixty_degrees(units)?)?);
+    let Some(times) = model.stroke_times_s(sixty_degrees(units)?) else {
+        return model.predicts().then(|| NOT_SHOWN.to_owned());
+    };
+    let times = both_ways(times);
     let (commands, servo) = (model.commands?, model.parameters(0));
     let [least, most] = servo.range();
     let [low, high] = [commands.least, commands.largest].map(|end| end.max(least).min(most));

@@ -66,8 +66,12 @@ fn speeds_of_both(
 fn strokes_of_both(a: &str, b: &str, found: &ServoModelComparison) -> Option<String> {
     let stroke = found.stroke?;
     let [of_a, of_b] = [both_ways(stroke.a_s?), both_ways(stroke.b_s?)];
+    let may_be_off = match found.bounds.withdrawn() {
+        Some(_) => ", whose figures may be off by more than this differs,",
+        None => "",
+    };
     Some(format!(
-        "By the models a stroke of 60 degrees takes {of_a} in {a}, and {of_b} in {b}, until it stays within 2 % of its end: one that overshoots may take longer than a slower one."
+        "By the models{may_be_off} a stroke of 60 degrees takes {of_a} in {a}, and {of_b} in {b}, until it stays within 2 % of its end: one that overshoots may take longer than a slower one."
     ))
 }
 
@@ -291,13 +295,22 @@ pub(crate) fn how_servo_models_are_compared(found: &ServoModelComparison) -> Str
              without them."
         }
     };
+    let stroke = match found
+        .stroke
+        .is_some_and(|stroke| stroke.a_s.is_some() != stroke.b_s.is_some())
+    {
+        true => {
+            " Where a stroke has no time, that recording does not show how the servo would end it (it has none so large, and no top speed), or by its model the servo does not."
+        }
+        false => "",
+    };
     let rests = match has_dead_band_of_one_side(found) {
         true => {
             " A dead band and friction rest alike: the dead band of one model may be friction in the other."
         }
         false => "",
     };
-    format!("{how}{angles}{rests}")
+    format!("{how}{angles}{stroke}{rests}")
 }
 
 /// Whether one model alone has a dead band, and the other one friction.

@@ -252,7 +252,7 @@ fn a_limit_of_a_rate_is_said_beside_the_top_speed() {
         let said = prose(&text);
         let limit = number_behind(&said, "the limit of theta is ");
         let share = number_behind(&said, "deg/s, which is ");
-        let top = number_behind(&said, "% of the top speed of ");
+        let top = number_behind(&said, "% of the model's top speed of ");
         // Four digits are written.
         assert!((limit / top - share / 100.0).abs() < 1e-3, "{said}");
         let written = match target {
@@ -533,7 +533,7 @@ fn what_is_assumed_for_ardupilot_is_said() {
     assert!(part.contains("is taken for the command 1: state"), "{part}");
     // Speeds of 233 and 158 deg/s of the command, times the gain of 1.02.
     let unequal = of(&SERVOS[2].file(folder.path()), &[]);
-    let said = "where the servo has 238.0 deg/s upwards and 161.5 deg/s downwards";
+    let said = "where the model has 238.0 deg/s upwards and 161.5 deg/s downwards";
     assert!(
         unequal.contains("one speed stands for two: ") && unequal.contains(said),
         "{unequal}"

@@ -325,10 +325,10 @@ fn one_speed_names_those_that_it_stands_for() {
     };
     let said = of(6);
     assert!(
-        said.contains("the servo, without the load that is left out, has "),
+        said.contains("the model, without the load that is left out, has "),
         "{said}"
     );
-    assert!(of(2).contains("where the servo has "));
+    assert!(of(2).contains("where the model has "));
 }
 
 /// Even reversals in a few words, other strokes one by one.
