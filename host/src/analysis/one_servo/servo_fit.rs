@@ -13,7 +13,7 @@ use servoid_identification::results::{Model, Precedence, Reason, Validation};
 use servoid_identification::servo_model::{
     self, ServoModel, ServoModelOptions, Watch, no_prediction,
 };
-use servoid_identification::thresholds::MISFIT_SIGNIFICANCE;
+use servoid_identification::thresholds::RESIDUAL_SIGNIFICANCE;
 use servoid_identification::{Identification, Options, Run, identify};
 
 /// When a servo is looked for as a machine, which may take minutes.
@@ -47,7 +47,7 @@ pub fn is_wanted(asked: ServoModelSearch, found: &Identification) -> bool {
     let withdrawn = found.model.level().withdrawn();
     let whiteness = found.model.residuals.whiteness_p;
     let is_doubtful =
-        found.explanation.answers_scatter() && whiteness.is_some_and(|p| p < MISFIT_SIGNIFICANCE);
+        found.explanation.answers_scatter() && whiteness.is_some_and(|p| p < RESIDUAL_SIGNIFICANCE);
     let suffices = found.model.linear && withdrawn.is_none() && !is_doubtful;
     help(asked, suffices, withdrawn)
 }
@@ -264,6 +264,8 @@ fn predict(held_out: &HeldOut, options: &Options, search: &dyn Watch) -> Option<
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::data::dataset::{ArrayRun, Arrays, of_arrays};
+    use servoid_test_support::plants::{normal, random};
 
     #[test]
     fn a_servo_is_looked_for_where_it_helps_and_not_behind_a_closed_loop() {
@@ -278,5 +280,48 @@ mod tests {
         for loop_or_lead in [Reason::InputFollowsOutput, Reason::EarlyMotion] {
             assert_eq!(help(false, Some(loop_or_lead)), [false, true, false]);
         }
+    }
+
+    /// Strokes to and fro of a springy servo that reaches the limit of its drive, some of which end while it still swings: linear by each test of its errors.
+    fn springy() -> Dataset<'static> {
+        const ROW_S: f64 = 0.002;
+        const FINE: usize = 20;
+        let mut random = random(1);
+        let (mut input, mut output) = (Vec::new(), Vec::new());
+        let (mut x, mut v) = (0.0f64, 0.0f64);
+        let mut level = 13.0;
+        while input.len() < 13_500 {
+            let rows = (100.0 + 150.0 * normal(&mut random).abs().min(1.0)) as usize;
+            for _ in 0..rows {
+                input.push(level);
+                output.push(x + 0.047 * normal(&mut random));
+                for _ in 0..FINE {
+                    let drive = (3536.0 * (level - x)).clamp(-15_300.0, 15_300.0);
+                    v += (drive - 29.4 * v) * ROW_S / FINE as f64;
+                    x += v * ROW_S / FINE as f64;
+                }
+            }
+            level = -level;
+        }
+        let arrays = Arrays {
+            period_s: ROW_S,
+            runs: vec![ArrayRun {
+                input: input.into(),
+                output: output.into(),
+                at_rest: None,
+            }],
+            ..Arrays::default()
+        };
+        of_arrays(arrays).unwrap()
+    }
+
+    #[test]
+    fn a_servo_whose_answers_scatter_in_errors_that_are_no_noise_is_looked_for() {
+        let data = springy();
+        let found = identified(&data, "springy", &Options::default()).unwrap();
+        let model = &found.model;
+        assert!(model.linear && model.level().valid().is_some());
+        assert!(is_wanted(ServoModelSearch::WhereNeeded, &found));
+        assert!(!is_wanted(ServoModelSearch::Never, &found));
     }
 }
