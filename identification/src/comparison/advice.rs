@@ -222,12 +222,28 @@ pub(super) fn gather(
                 "Record runs with several strokes each way.",
             ),
         };
+        let is_between_levels = |motions: &Sides<Motion>| {
+            motions.a.is_between_two_levels() && motions.b.is_between_two_levels()
+        };
+        let several_sizes = comparison
+            .motions
+            .as_ref()
+            .is_some_and(|found| !is_between_levels(found));
+        let is_open = comparison.verdict == Verdict::Undecided
+            && several_sizes
+            && models.iter().any(|model| !model.linear);
+        let sooner = match is_open {
+            true => {
+                " Of servos that are not linear, strokes to and fro between two levels decide sooner, as all are of one size."
+            }
+            false => "",
+        };
         advice.push(Advice::new(
             Check::Runs,
             format!("{fewest} {runs} a side: differences from run to run are not included.{why}"),
             fewest as f64,
             3.0,
-            remedy,
+            format!("{remedy}{sooner}"),
         ));
     }
     advice.extend(few_runs(comparison, models, sides, of_recordings));

@@ -18,7 +18,7 @@ use crate::servo_model::descent::chosen_terms::Descent;
 use crate::servo_model::descent::coordinates::{LoadKind, Point, Terms};
 use crate::servo_model::descent::starting_values::Shown;
 use crate::servo_model::motion::reached_speeds::ReachedSpeeds;
-use crate::servo_model::motion::simulated_motion::largest_error;
+use crate::servo_model::motion::simulated_motion::{largest_drive, largest_error};
 use crate::servo_model::quantities::limit_at_work::LimitsAtWork;
 use crate::servo_model::stretches::Stretch;
 use crate::servo_model::terms::ladder::{Climbed, Ladder, Rung, beats, misses};
@@ -30,6 +30,7 @@ use crate::servo_model::uncertainty::validity::against;
 use crate::thresholds::RUN_OFFSETS_LEAVE;
 use faer::Mat;
 use rayon::prelude::*;
+use servoid_dynamics::ServoParameters;
 use servoid_dynamics::{Grid, PulseEnd, Stops};
 
 /// Longest step of the integration in the search from far away \[s\], and the most steps in a sample period: what is faster does
@@ -537,18 +538,31 @@ fn fit_of(servo: &Found, record: &Record, spread: f64) -> ServoFit {
         discrepancy: level.valid().map(|_| found.discrepancy),
         lacking: (found.lacking()).filter(|_| level.withdrawn() == Some(Reason::ErrorsNotNoise)),
         servo_changed: false,
-        largest_error: largest_error_of(&servo.parts, &possible[0].point, found),
+        largest_error: largest_of(&servo.parts, &possible[0].point, found, largest_error),
+        largest_drive: Some(largest_of(
+            &servo.parts,
+            &possible[0].point,
+            found,
+            |physics, input, output| {
+                largest_drive(physics, input, output, record.sample_period_s())
+            },
+        )),
         samples_used: count,
         samples_missing: record.samples() - count,
     }
 }
 
-/// Over all of the record.
-fn largest_error_of(parts: &[Stretch], point: &Point, found: &Uncertainty) -> f64 {
+/// The largest `of` all of the simulated record.
+fn largest_of(
+    parts: &[Stretch],
+    point: &Point,
+    found: &Uncertainty,
+    of: impl Fn(&ServoParameters, &[f64], &[f64]) -> f64,
+) -> f64 {
     let simulated = parts.iter().zip(&found.motion.simulated);
     let of_part = |(part, output): (&Stretch, &Vec<f64>)| {
         let physics = point.servo_of(part, |_, value| value);
-        largest_error(&physics, &part.input, output)
+        of(&physics, &part.input, output)
     };
     simulated.map(of_part).fold(0.0, f64::max)
 }

@@ -13,7 +13,7 @@ use servoid_identification::servo_model::ServoModel;
 enum Basis<'a> {
     /// One servo as a machine.
     Machine(&'a ServoModel),
-    /// Two servos as machines, where their linear models have no verdict.
+    /// Two servos as machines, where they say more than the step responses, as in the terminal.
     Machines([&'a ServoModel; 2]),
     /// Linear models.
     Linear,
@@ -22,17 +22,18 @@ enum Basis<'a> {
 impl<'a> Basis<'a> {
     fn of(page: &Page<'a>) -> Self {
         let machine = |part: &Part<'a>| part.servo_model.map(|found| &found.model);
-        let verdict = page.comparison.is_some_and(Comparison::has_verdict);
+        let machines_first = page.servo_models.is_some_and(|servos| {
+            let verdict = page.comparison.is_some_and(Comparison::has_verdict);
+            !verdict || servos.answer_before(page.comparison)
+        });
         match (&page.second, machine(&page.first)) {
             (None, Some(model)) if model.better_linear_percent().is_none() && model.predicts() => {
                 Self::Machine(model)
             }
-            (Some(second), Some(first)) if !verdict && page.servo_models.is_some() => {
-                match machine(second) {
-                    Some(second) => Self::Machines([first, second]),
-                    None => Self::Linear,
-                }
-            }
+            (Some(second), Some(first)) if machines_first => match machine(second) {
+                Some(second) => Self::Machines([first, second]),
+                None => Self::Linear,
+            },
             _ => Self::Linear,
         }
     }

@@ -88,7 +88,7 @@ impl Table {
                 "This recording does not determine whether the rest position depends on the direction of approach{seen}"
             ),
             remedy: format!(
-                "Record stairs that reach each level from both sides, at least twice, each held for at least {:.2} s.",
+                "Record stairs that reach each level from both sides, at least twice, each held for at least {:.2} s; where these are such stairs, more of them.",
                 self.needed_s
             ),
         };

@@ -64,15 +64,18 @@ pub struct Rate {
     pub remedy: Option<String>,
 }
 
+/// No stroke exceeds a limit by so much: those that are left out show that the speed is one of their places, as under a load that changes with the angle.
+const BEYOND_LIMIT: f64 = 1.15;
+
 /// Sizes of strokes are equal but for rounding where they differ by less, as a share.
 const EQUAL_SIZES: f64 = 1e-6;
 
 impl Rate {
     /// Of the strokes of one direction.
     pub(crate) fn new(direction: &str, strokes: &[Stroke], level: f64) -> Self {
-        let all = strokes.len();
-        let mut strokes = unstopped(strokes);
-        let stopped = all - strokes.len();
+        let all = strokes;
+        let mut strokes = unstopped(all);
+        let stopped = all.len() - strokes.len();
         strokes.sort_by(|a, b| a.size.abs().total_cmp(&b.size.abs()));
         let size = |stroke: &Stroke| stroke.size.abs();
         let sizes = match (strokes.first(), strokes.last()) {
@@ -147,6 +150,14 @@ impl Rate {
             let largest = above.iter().filter(near_largest).count();
             let taken = largest.max(STROKES_AT_LIMIT.0).min(above.len());
             rate.speed = top_speed(&above[above.len() - taken..], level);
+            let fastest = all.iter().map(|s| s.speed).fold(0.0, f64::max);
+            if rate
+                .speed
+                .value
+                .is_some_and(|limit| fastest > BEYOND_LIMIT * limit)
+            {
+                return rate.exceeded(direction, fastest);
+            }
         } else {
             rate.verdict = RateVerdict::GrowsLess;
             rate.speed = mean_speed(
@@ -156,6 +167,24 @@ impl Rate {
         }
         rate.statement = rate.sentence(direction);
         rate
+    }
+
+    /// The same where a stroke was faster than what seemed to be the limit.
+    fn exceeded(self, direction: &str, fastest: f64) -> Self {
+        let open = OpenQuestion {
+            finding: format!(
+                "This recording does not determine whether the speed {direction} is limited, because strokes that ended at a stop or fell short of what others reach went at up to {fastest:.1} per \
+                 second, faster than the others"
+            ),
+            remedy: "Record strokes of several sizes about one middle: under a load that changes with the angle, speeds depend on where a stroke begins.".to_owned(),
+        };
+        Self {
+            verdict: RateVerdict::CannotTell,
+            speed: Interval::default(),
+            statement: open.statement(),
+            remedy: Some(open.remedy),
+            ..self
+        }
     }
 
     fn sentence(&self, direction: &str) -> String {

@@ -22,7 +22,7 @@ use crate::servo_model::descent::initial_state::find_starts;
 use crate::servo_model::descent::step::MOST;
 use crate::servo_model::motion::command_range::CommandRange;
 use crate::servo_model::motion::reached_speeds::ReachedSpeeds;
-use crate::servo_model::motion::simulated_motion::largest_error;
+use crate::servo_model::motion::simulated_motion::{largest_drive, largest_error};
 use crate::servo_model::quantities::quantity_kind::QuantityKind;
 use crate::servo_model::stretches::stretches;
 use crate::servo_model::uncertainty::run_offsets;
@@ -196,6 +196,10 @@ pub struct ServoFit {
     pub servo_changed: bool,
     /// Largest distance of the simulated angle from the command \[command\].
     pub largest_error: f64,
+    /// The largest drive of the simulation, as the error that asks for it, if all of the damping is in the loop \[command\]: a limit of the drive beyond it does not show. `None` in files
+    /// from before it was kept.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub largest_drive: Option<f64>,
     /// Samples used.
     pub samples_used: usize,
     /// Samples without an output, or without an input.
@@ -401,8 +405,20 @@ impl ServoModel {
 
     /// Why the record says too little of the response `value` to `input`.
     fn beyond_record(&self, input: &[f64], value: &[f64], controller: usize) -> Option<Reason> {
-        let error = largest_error(&self.parameters(controller), input, value);
-        (error > SERVO_ERROR_BEYOND_RECORD * self.fit.largest_error).then_some(Reason::BeyondRecord)
+        let servo = self.parameters(controller);
+        let is_beyond = |found: f64, recorded: f64| found > SERVO_ERROR_BEYOND_RECORD * recorded;
+        let error = largest_error(&servo, input, value);
+        let limit = self.quantity(QuantityKind::ErrorOfFullDrive);
+        let limit_is_open = limit.is_none_or(|limit| !limit.determined);
+        let drive = self.fit.largest_drive.filter(|_| limit_is_open);
+        let has_unseen_drive = drive.is_some_and(|recorded| {
+            is_beyond(
+                largest_drive(&servo, input, value, self.sample_period_s),
+                recorded,
+            )
+        });
+        (is_beyond(error, self.fit.largest_error) || has_unseen_drive)
+            .then_some(Reason::BeyondRecord)
     }
 
     /// Response and its standard deviation.

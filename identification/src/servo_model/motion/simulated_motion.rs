@@ -56,6 +56,25 @@ pub(crate) fn largest_error(physics: &ServoParameters, input: &[f64], output: &[
     errors.fold(0.0, f64::max)
 }
 
+/// The largest drive that the servo `physics` may have taken, as the error that asks for it \[command\], if all of its damping is in the loop: what moves smoothly behind its command asks for
+/// less than its error, and never shows a limit that a step of that size meets.
+pub(crate) fn largest_drive(
+    physics: &ServoParameters,
+    input: &[f64],
+    output: &[f64],
+    period_s: f64,
+) -> f64 {
+    let angle = |y: f64| (y - physics.offset) / physics.gain;
+    let late = (physics.delay_s.max(0.0) / period_s) as usize;
+    let ahead_s = physics.damping / physics.stiffness;
+    let drive = |(pair, u): (&[f64], &f64)| {
+        let speed = (angle(pair[1]) - angle(pair[0])) / period_s;
+        (u - angle(pair[0]) - ahead_s * speed).abs()
+    };
+    let moves = output.windows(2).skip(late).zip(input);
+    moves.map(drive).fold(0.0, f64::max)
+}
+
 impl ServoMotion {
     /// The motion behind errors of the simulation: measured output less error.
     pub(crate) fn new(stretches: &[Stretch], errors: &[Vec<f64>], period_s: f64) -> Self {

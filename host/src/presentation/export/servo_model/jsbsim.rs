@@ -335,12 +335,21 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         export.options.step_s.unwrap_or(STEP_S),
         [f64::NEG_INFINITY, f64::INFINITY],
     );
-    let both = (&trial, &Smooth::of(export, &trial));
-    let [first, behind] =
-        [Filter::Before, Filter::Behind].map(|filter| any.fitted(export, filter, both));
+    let smooth = Smooth::of(export, &trial);
+    let exact = trial.exact(&export.parameters);
+    // In strokes that end both places of the filter may be about as close, and in those that turn round one of them several times as far.
+    let with_reversals = |filter: Filter| {
+        let found = any.fitted(export, filter, (&trial, &smooth));
+        let positions = found.actuator.respond(&trial.command(), trial.step_s);
+        let in_strokes = trial.root_mean_square(&positions, &exact);
+        Closest {
+            difference: in_strokes.hypot(smooth.difference(&found.actuator)),
+            ..found
+        }
+    };
     let Closest {
         actuator, share, ..
-    } = behind.or_closer(first);
+    } = with_reversals(Filter::Behind).or_closer(with_reversals(Filter::Before));
     let step_s = trial.step_s;
     let trial = with_worst(trial, export, |commands| actuator.respond(commands, step_s));
     let positions = actuator.respond(&trial.command(), step_s);
