@@ -380,6 +380,27 @@ mod tests {
     }
 
     #[test]
+    fn a_speed_that_other_strokes_exceed_is_no_limit() {
+        let mut all = strokes(|a| (30.0 * a).min(100.0));
+        let of_load = |all: &mut Vec<Stroke>, speed: f64| {
+            // A load helps two of the largest, and holds them half way.
+            for stroke in all.iter_mut().filter(|stroke| stroke.size > 9.0).take(2) {
+                (stroke.travel, stroke.speed) = (0.5 * stroke.size, speed);
+            }
+            Rate::new("down", all, 0.99)
+        };
+        assert_eq!(of_load(&mut all, 105.0).verdict, RateVerdict::Limited);
+        let found = of_load(&mut all, 150.0);
+        assert_eq!(found.verdict, RateVerdict::CannotTell);
+        assert_eq!(found.speed.value, None);
+        assert!(
+            found.statement.contains("up to 150.0 per second"),
+            "{}",
+            found.statement
+        );
+    }
+
+    #[test]
     fn strokes_that_meet_a_stop_are_no_evidence_of_their_speed() {
         // Strokes commanded beyond 6 end there: the largest that went free was of 6.
         let stopped: Vec<Stroke> = strokes(|a| (30.0 * a).min(200.0))

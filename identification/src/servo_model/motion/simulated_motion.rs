@@ -132,3 +132,28 @@ impl ServoMotion {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Behind a ramp the error of a servo whose damping is in its loop asks for no drive; behind a step all of it does.
+    #[test]
+    fn a_smooth_command_takes_less_drive_than_its_error_and_a_step_takes_all() {
+        const PERIOD_S: f64 = 0.005;
+        let servo = ServoParameters {
+            delay_s: 0.01,
+            gain: 2.0,
+            offset: 1.0,
+            ..ServoParameters::linear(2500.0, 100.0)
+        };
+        let input: Vec<f64> = (0..400).map(|k| 50.0 * PERIOD_S * f64::from(k)).collect();
+        let behind = |u: &f64| servo.gain * (u - 50.0 * (0.01 + 100.0 / 2500.0)) + servo.offset;
+        let output: Vec<f64> = input.iter().map(behind).collect();
+        assert!((largest_error(&servo, &input, &output) - 2.5).abs() < 1e-9);
+        assert!(largest_drive(&servo, &input, &output, PERIOD_S) < 1e-9);
+        let step = [vec![0.0; 10], vec![3.0; 10]].concat();
+        let still = vec![servo.offset; 20];
+        assert_eq!(largest_drive(&servo, &step, &still, PERIOD_S), 3.0);
+    }
+}

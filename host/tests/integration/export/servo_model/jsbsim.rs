@@ -158,6 +158,43 @@ fn a_system_of_a_held_command_is_closer_to_the_servo_in_strokes_and_not_early_in
     assert!(held < 0.7 * smooth, "{held} {smooth}");
 }
 
+/// A quick servo of 427 a second with a dead band: in strokes that end, a filter before the actuator was closest by a tenth, and in reversals it was 45 % of a stroke away.
+#[test]
+fn the_filter_is_where_it_is_closest_in_reversals_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let servo = Servo {
+        name: "quick",
+        terms: &["limit", "dead_band"],
+        load: "none",
+        controller: None,
+    };
+    let file = servo.file(folder.path());
+    let mut document = crate::support::json(&file);
+    let model = &mut document["servo_model"];
+    model["commands"] = serde_json::json!({ "least": -36.6, "largest": 36.6 });
+    let chosen = [
+        ("delay", 0.00705),
+        ("ln_stiffness", 8.2453),
+        ("ln_damping", 4.8103),
+        ("gain", 0.91),
+        ("offset", 0.0),
+        ("ln_top_speed", 427f64.ln()),
+        ("motor_share", 0.3406),
+        ("dead_band", 0.586),
+    ];
+    for (name, value) in chosen {
+        let mut names = model["coordinates"].as_array().unwrap().iter();
+        let place = names.position(|known| known == name).unwrap();
+        model["values"][place] = value.into();
+    }
+    std::fs::write(&file, document.to_string()).unwrap();
+    let exported = export(&file, 0, "jsbsim", &["--name", servo.name]);
+    let said = prose(&exported.text);
+    assert!(said.contains("behind the actuator"), "{said}");
+    let percent = number_behind(&said, "deg of the position, ");
+    assert!(percent < 15.0, "{percent}");
+}
+
 #[test]
 fn the_step_of_a_stated_rate_is_named() {
     let folder = tempfile::tempdir().unwrap();
