@@ -21,7 +21,6 @@ use crate::error::Error;
 use crate::estimation::{Coordinates, Edges, FsfBasis, filtered_input_moments, noise_filter};
 use crate::numerics::{dot, symmetric_eigen, times};
 use crate::results::{BandEstimate, Model};
-use crate::thresholds::RUNS_FOR_MEAN;
 
 /// Share of an eigenvector, in squares, that is in the band.
 const MOSTLY: f64 = 0.5;
@@ -55,25 +54,6 @@ pub(super) fn in_band(
         map: whitening * &equations.products,
         identified: IdentifiedResponse::Band(band),
     })
-}
-
-/// The same of each run by itself; none where runs are too few to say how they differ.
-pub(super) fn of_runs(
-    record: &Record,
-    model: &Model,
-    estimate: &BandEstimate,
-) -> Result<Vec<Projection>, Error> {
-    if record.runs().len() < RUNS_FOR_MEAN {
-        return Ok(Vec::new());
-    }
-    let of_run = |(index, run): (usize, &Run<'_>)| {
-        let own = BandEstimate {
-            slopes: estimate.slopes.get(index).copied().into_iter().collect(),
-            ..estimate.clone()
-        };
-        in_band(&record.with_runs(vec![run.clone()]), model, &own)
-    };
-    record.runs().iter().enumerate().map(of_run).collect()
 }
 
 /// The share of each column, in squares, that is between these frequencies \[rad/sample\].

@@ -38,15 +38,16 @@ mod runs_apart;
 mod slow_end;
 mod starting_points;
 
-use crate::data::Record;
+use crate::data::{Record, Run};
 use crate::diagnostics::without_offsets_and_trends;
 use crate::error::Error;
 use crate::results::Model;
+use crate::thresholds::RUNS_FOR_MEAN;
 use fitter::{FittedOrder, Fitter};
 use order::simplest;
 use projection::Projection;
 use report::Circumstances;
-use runs_apart::RunsApart;
+use runs_apart::{Runs, RunsApart};
 use starting_points::Guess;
 
 pub use discrete::Discrete;
@@ -87,15 +88,28 @@ pub fn fit(
     options: &FlightModelOptions,
 ) -> Result<FlightModel, Error> {
     let record = &without_runs_own(record, model);
-    let (projection, of_runs) = match (model.band(), &model.band_estimate) {
-        (Some(_), Some(estimate)) => (
-            in_band::in_band(record, model, estimate)?,
-            in_band::of_runs(record, model, estimate)?,
-        ),
-        (Some(_), None) => return Err(Error::OfBandAlone),
-        (None, _) => (Projection::of_record(record, model)?, Vec::new()),
+    let of = |record: &Record<'_>, run: Option<usize>| match (model.band(), &model.band_estimate) {
+        (Some(_), Some(estimate)) => in_band::in_band(record, model, &estimate.of_run(run)),
+        (Some(_), None) => Err(Error::OfBandAlone),
+        (None, _) => Projection::of_record(record, model),
     };
-    choose(projection, of_runs, model, options)
+    let runs = alone(record).map_or(Runs::TooFew, |alone| {
+        let each = alone
+            .iter()
+            .zip(0..)
+            .map(|(alone, run)| of(alone, Some(run)).ok());
+        // One that is too short to show a response leaves how they differ to the bounds of the model.
+        each.collect::<Option<Vec<Projection>>>()
+            .map_or(Runs::Unknown, Runs::Each)
+    });
+    choose(of(record, None)?, runs, model, options)
+}
+
+/// The record of each run by itself; `None` where they are too few to say how they differ.
+fn alone<'a>(record: &Record<'a>) -> Option<Vec<Record<'a>>> {
+    let runs = record.runs();
+    let of_run = |run: &Run<'a>| record.with_runs(vec![run.clone()]);
+    (runs.len() >= RUNS_FOR_MEAN).then(|| runs.iter().map(of_run).collect())
 }
 
 /// `record` without the offset and the drift of each run by which `model` was identified.
@@ -134,16 +148,16 @@ fn without_runs_own<'a>(record: &Record<'a>, model: &Model) -> Record<'a> {
 pub fn of_model(model: &Model, options: &FlightModelOptions) -> Result<FlightModel, Error> {
     match model.band() {
         Some(_) => Err(Error::OfBandAlone),
-        None => choose(Projection::of_model(model)?, Vec::new(), model, options),
+        None => choose(Projection::of_model(model)?, Runs::Unknown, model, options),
     }
 }
 
 /// Fits every order and takes the one that the rule above says.
 /// Lack of fit is tested where the bounds of the model hold, so that its noise is known; else an order is good by
-/// its largest error alone. In a band the projections `of_runs`, if there are any, show how runs differ; elsewhere that is in the bounds of the model.
+/// its largest error alone.
 fn choose(
     projection: Projection,
-    of_runs: Vec<Projection>,
+    runs: Runs,
     model: &Model,
     options: &FlightModelOptions,
 ) -> Result<FlightModel, Error> {
@@ -194,15 +208,9 @@ fn choose(
             found.ok_or(Error::NoResponse)?
         }
     };
-    let of_runs: Vec<Fitter> = (of_runs.into_iter())
-        .map(|projection| Fitter {
-            projection,
-            timing: model.timing(),
-        })
-        .collect();
     let circumstances = Circumstances {
         level,
-        runs: RunsApart::of(&of_runs, chosen),
+        runs: RunsApart::of(runs, chosen, (&fitter.projection, model)),
         beyond_even_noise: fitter.projection.beyond_even_noise(model),
         band_hz,
         is_of_motion: !model.linear && band_hz.is_none(),

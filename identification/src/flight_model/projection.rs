@@ -17,7 +17,7 @@ use crate::data::{Moments, Record, Run};
 use crate::error::Error;
 use crate::estimation::{Coordinates, RowInformation, filtered_input_moments, noise_filter};
 use crate::numerics::{dot, not_negative, pointwise_critical, symmetric_eigen, times};
-use crate::results::{Bounds, Model};
+use crate::results::{Bounds, Model, StepBounds};
 
 /// Length of h in settling times. N leaves a margin over the response; a response that is longer than
 /// twice N is too slow for the data to show.
@@ -146,9 +146,7 @@ impl Projection {
         let critical = pointwise_critical(bounds.level);
         // Few runs, and slow noise, have wider bounds for a standard deviation. At its end the response is flat, so no error of a delay is in that.
         let last = step.curve.len() - 1;
-        let half = (bounds.pointwise.upper[last] - bounds.pointwise.lower[last]) / 2.0;
-        let of_noise = half - bounds.truncation_bias - bounds.rounding_bias;
-        let wider = (of_noise / (critical * bounds.sd[last])).max(1.0);
+        let wider = (half_width_at_end(bounds) / (critical * bounds.sd[last])).max(1.0);
         let ratio = |m: usize| {
             let sd = wider * bounds.sd[m] + bounds.rounding_bias / critical;
             Some(sd / step.sd[m]).filter(|ratio| ratio.is_finite())
@@ -156,6 +154,16 @@ impl Projection {
         let rises = |m: &usize| (0.05..0.95).contains(&(step.curve[*m] / step.curve[last]));
         let in_rise = (0..last).filter(rises).filter_map(ratio);
         [ratio(last).unwrap_or(1.0), in_rise.fold(1.0, f64::max)]
+    }
+
+    /// The variance that the end of the step response of `model` has beside that of even noise; `None` in a band, and without bounds.
+    pub(crate) fn variance_beside_even_noise(&self, model: &Model) -> Option<f64> {
+        let IdentifiedResponse::Step(step) = &self.identified else {
+            return None;
+        };
+        let bounds = model.step.bounds.valid()?;
+        let sd = half_width_at_end(bounds) / pointwise_critical(bounds.level);
+        Some((sd * sd - step.sd.last()?.powi(2)).max(0.0))
     }
 
     /// Whether it is of the response in a band.
@@ -183,6 +191,13 @@ impl Projection {
     pub(crate) fn largest_difference(&self, impulse: &[f64]) -> f64 {
         self.identified.largest_difference(impulse)
     }
+}
+
+/// Half the width of the bound at the end of a step response, without the biases in it.
+fn half_width_at_end(bounds: &StepBounds) -> f64 {
+    let ends = (bounds.pointwise.lower.last()).zip(bounds.pointwise.upper.last());
+    let half = ends.map_or(0.0, |(lower, upper)| (upper - lower) / 2.0);
+    half - bounds.truncation_bias - bounds.rounding_bias
 }
 
 /// The record with a stated history: before the first sample the input stood still, which only responses

@@ -1,22 +1,37 @@
-//! How the parameters of an order differ from run to run, where the response is known in a band alone.
+//! How the parameters of an order differ from run to run.
 //!
-//! Each run has parameters of its own there, as it has a response of its own. Those x of R runs together have the covariance
+//! Each run has parameters of its own, as it has a response of its own. Those x of R runs together have the covariance
 //!
 //! ```text
 //! sum_r d_r d_r' / (R (R - 1)),    d_r = x_r - mean of x
 //! ```
 //!
-//! at R - 1 degrees of freedom, beside that of the noise.
+//! at R - 1 degrees of freedom, beside that of the noise. A factor by which bounds of the step response are wider is not enough: an order takes its gain from all of the response,
+//! which averages noise, and not the gains of the runs.
+//!
+//! Where runs cannot be told apart, as of a model without its record, the gain has all of what its bound at the end of the step response has beside even noise.
 
 use faer::Mat;
 
 use super::fitter::{FittedOrder, Fitter};
+use super::projection::Projection;
 use crate::numerics::student_critical;
+use crate::results::Model;
+
+/// What is known of single runs.
+pub(super) enum Runs {
+    /// They are too few to say how they differ.
+    TooFew,
+    /// What each shows by itself.
+    Each(Vec<Projection>),
+    /// Nothing, though there may be several.
+    Unknown,
+}
 
 /// How runs differ.
 pub(super) enum RunsApart {
-    /// There are none, or bounds have it already.
-    None,
+    /// Further variance of the gain, 0 where bounds are those of these runs.
+    OfGain(f64),
     /// Covariance of the parameters of all runs together, and its degrees of freedom.
     Known(Mat<f64>, f64),
     /// A run by itself has no such order.
@@ -24,26 +39,38 @@ pub(super) enum RunsApart {
 }
 
 impl RunsApart {
-    /// In parameters of the order that was `chosen`.
-    pub(super) fn of(runs: &[Fitter], chosen: &FittedOrder) -> Self {
-        if runs.is_empty() {
-            return Self::None;
-        }
-        let own = |run: &Fitter| run.best(chosen.order, &[chosen.transfer]);
-        let all: Option<Vec<FittedOrder>> = runs.iter().map(own).collect();
-        let Some(all) = all else {
-            return Self::Unknown;
+    /// In parameters of the order that was `chosen`, which was fitted to the projection of the model.
+    pub(super) fn of(
+        runs: Runs,
+        chosen: &FittedOrder,
+        (projection, model): (&Projection, &Model),
+    ) -> Self {
+        let of_run = |projection: Projection| {
+            let timing = model.timing();
+            let run = Fitter { projection, timing };
+            run.best(chosen.order, &[chosen.transfer])
         };
-        let (count, degrees) = (all.len() as f64, all.len() as f64 - 1.0);
-        let size = chosen.minimum.parameters.len();
-        let of = |run: &FittedOrder, k: usize| run.minimum.parameters[k];
-        let mean: Vec<f64> = (0..size)
-            .map(|k| all.iter().map(|run| of(run, k)).sum::<f64>() / count)
-            .collect();
+        match runs {
+            Runs::TooFew => Self::OfGain(0.0),
+            Runs::Unknown => {
+                Self::OfGain(projection.variance_beside_even_noise(model).unwrap_or(0.0))
+            }
+            Runs::Each(each) => {
+                let fits: Option<Vec<FittedOrder>> = each.into_iter().map(of_run).collect();
+                fits.map_or(Self::Unknown, |fits| Self::between(&fits))
+            }
+        }
+    }
+
+    /// Of the fits to single runs.
+    fn between(fits: &[FittedOrder]) -> Self {
+        let (count, degrees) = (fits.len() as f64, fits.len() as f64 - 1.0);
+        let all: Vec<&[f64]> = fits.iter().map(|fit| &fit.minimum.parameters[..]).collect();
+        let size = all[0].len();
+        let mean = |k: usize| all.iter().map(|x| x[k]).sum::<f64>() / count;
+        let mean: Vec<f64> = (0..size).map(mean).collect();
         let product = |i: usize, k: usize| {
-            let each = all
-                .iter()
-                .map(|run| (of(run, i) - mean[i]) * (of(run, k) - mean[k]));
+            let each = all.iter().map(|x| (x[i] - mean[i]) * (x[k] - mean[k]));
             each.sum::<f64>() / (count * degrees)
         };
         Self::Known(Mat::from_fn(size, size, product), degrees)
@@ -57,21 +84,23 @@ impl RunsApart {
         [lower, upper]: [f64; 2],
         critical: f64,
     ) -> Option<[f64; 2]> {
-        match self {
-            Self::None => Some([lower, upper]),
-            Self::Unknown => None,
+        let half = match self {
+            Self::OfGain(variance) if k == 0 => critical * variance.sqrt(),
+            Self::OfGain(_) => 0.0,
             Self::Known(covariance, degrees) => {
-                let half = student_critical(critical, &[*degrees])[0] * covariance[(k, k)].sqrt();
-                Some([x - (x - lower).hypot(half), x + (upper - x).hypot(half)])
+                student_critical(critical, &[*degrees])[0] * covariance[(k, k)].sqrt()
             }
-        }
+            Self::Unknown => return None,
+        };
+        Some([x - (x - lower).hypot(half), x + (upper - x).hypot(half)])
     }
 
     /// What is added to a covariance.
     pub(super) fn covariance(&self, i: usize, k: usize) -> f64 {
         match self {
             Self::Known(covariance, _) => covariance[(i, k)],
-            Self::None | Self::Unknown => 0.0,
+            Self::OfGain(variance) if (i, k) == (0, 0) => *variance,
+            Self::OfGain(_) | Self::Unknown => 0.0,
         }
     }
 }

@@ -24,6 +24,15 @@ pub struct BandEstimate {
 }
 
 impl BandEstimate {
+    /// The same beside the slope of one run alone, from 0; of all runs without one.
+    pub(crate) fn of_run(&self, run: Option<usize>) -> Self {
+        let slope = |run: usize| self.slopes.get(run).copied().into_iter().collect();
+        Self {
+            slopes: run.map_or_else(|| self.slopes.clone(), slope),
+            ..self.clone()
+        }
+    }
+
     /// Whether its parts fit together, with numbers that can be computed with.
     pub(super) fn is_consistent(&self) -> bool {
         let is_sized_all = |values: &[f64]| is_sized(values, values.len());

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use servoid_identification::flight_model::{FlightModel, FlightModelOptions, fit, of_model};
 use servoid_identification::results::{Model, Reason};
-use servoid_identification::{Frequencies, Options, Record, Settling, identify};
+use servoid_identification::{Frequencies, Options, Record, Run, Settling, identify};
 
 use servoid_test_support::servos::{Limit, Linear, PERIOD, limited, measured, staircase};
 
@@ -196,4 +196,26 @@ fn intervals_hold_a_servo_whose_last_pole_does_not_show() {
     assert!(missed <= 1, "{missed} of {}", lower.len());
     let known = lower.iter().filter(|found| found.delay_s.upper.is_some());
     assert!(known.count() >= lower.len() / 2);
+}
+
+/// Student's t for two degrees of freedom at 99 % is 9.92. The order takes its gain from all of the response, and averages noise there, and not the gains of the runs.
+#[test]
+fn the_gain_of_an_order_is_no_surer_than_the_gains_of_its_runs() {
+    let gains = [0.94, 0.97, 1.0];
+    let runs = gains.iter().zip(0..).map(|(gain, seed)| {
+        let clean = Linear::second_order(*gain, 0.0255, 0.5, 60.0).respond(&staircase(), -5.0, 0.0);
+        Run::new(staircase(), measured(&clean, 0.3, seed)).unwrap()
+    });
+    let record = Record::new(PERIOD, runs.collect()).unwrap();
+    let model = identify(&record, &Options::default()).unwrap();
+    let options = FlightModelOptions::default();
+    let of_scatter = 9.92 * 0.03 / 3f64.sqrt();
+    for found in [fit(&record, &model, &options), of_model(&model, &options)] {
+        let gain = found.unwrap().gain;
+        let half = (gain.upper.unwrap() - gain.lower.unwrap()) / 2.0;
+        assert!(
+            half > 0.97 * of_scatter,
+            "{half}, {of_scatter} by the gains"
+        );
+    }
 }

@@ -224,7 +224,7 @@ pub fn sine_of_linear_model(
     let has_bounds = model.frequency.bounds.valid().is_some();
     let found = gain_and_phase(model, hertz)?;
     Ok(match (found, model.metrics.why_withheld()) {
-        (None, _) => Err("outside of the frequencies of the commands".to_owned()),
+        (None, _) => Err(outside_of_band(model)),
         // The frequency itself may be excited well.
         (Some(_), _) if !has_bounds && model.metrics.withheld == Some(Withheld::InputUnexcited) => Err(
             "withheld: where the reference leaves part of the response open, nothing says how far the linear model is off".to_owned(),
@@ -232,6 +232,16 @@ pub fn sine_of_linear_model(
         (Some(_), Some(because)) if !has_bounds => Err(format!("withheld: {because}")),
         (Some(found), _) => Ok(found),
     })
+}
+
+/// Why a response in a band has none at another frequency.
+fn outside_of_band(model: &Model) -> String {
+    match model.band_hz() {
+        Some([from, to]) => format!(
+            "the response is known to a tenth from {from:.2} to {to:.1} Hz; less noise, a rest after the motion, and more of the commands beyond show more"
+        ),
+        None => "outside of the frequencies of the commands".to_owned(),
+    }
 }
 
 fn of_linear_model(

@@ -159,6 +159,13 @@ fn overshoot(share: Interval) -> Option<String> {
             shown(upper)
         ),
         None if value < NO_OVERSHOOT_PERCENT => "does not overshoot".to_owned(),
+        // What may be none is no overshoot of that size.
+        None if ends.is_some_and(|(lower, _)| lower <= 0.0) => {
+            format!(
+                "overshoots by at most {} %",
+                shown(share.upper.unwrap_or(value))
+            )
+        }
         None => format!("overshoots by {} %", shown(value)),
     })
 }

@@ -86,8 +86,8 @@ const STAIRS_DO_NOT_SEPARATE: &str = "Dead band and friction rest alike, and sta
     --frequencies 0.1:3 --length 20). Identify it together with this recording, in rows of one period, for the servo model alone: the linear model of two kinds of motion is of neither. A recording that has both shows no more, and none does where the gears have play, which passes for either.";
 
 /// What gives intervals in a file of another program, where more of the same does not.
-const PLAY_OR_PULSES: &str = "Another recording of this kind may have intervals where the model has all of the servo: of such servos a few recordings in a hundred have none by chance. Where pulses come on a clock of their own, commands wait for them, which neither \
-    another reference nor shorter rows mend: change the command with the pulse, and write it in the row of that moment, as servoid's own board does. A logger that reads positions on a clock of its own takes --polled. Where the gears have play, the output is behind a linkage that is not linear, the supply changes along a recording, or gusts load the shaft, \
+const PLAY_OR_PULSES: &str = "If a logger with a clock of its own wrote the file, say --polled: without it all times are half a row too early. Another recording of this kind may have intervals where the model has all of the servo: of such servos a few recordings in a hundred have none by chance. Where pulses come on a clock of their own, commands wait for them, which neither \
+    another reference nor shorter rows mend: change the command with the pulse, and write it in the row of that moment, as servoid's own board does. Where the gears have play, the output is behind a linkage that is not linear, the supply changes along a recording, or gusts load the shaft, \
     which the model lacks, hardly any recording has them. Steps of a sensor that are larger than its noise may hide them, too. Runs between which the servo changed a little, as by its supply, may have them by themselves, and not together.";
 
 /// The same of a recording of servoid, whose commands change with the pulse.
