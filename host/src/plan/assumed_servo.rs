@@ -134,7 +134,7 @@ impl AssumedServo {
                 rig_us,
             ));
         }
-        let units = Degrees::of(path, &metadata, us_per_degree)?;
+        let units = OneDegree::of(path, &metadata, us_per_degree)?;
         let shown = path.display();
         let name = match units.is_pulse {
             true => format!("the servo of {shown} at {us_per_degree} us per degree"),
@@ -181,14 +181,14 @@ impl AssumedServo {
 }
 
 /// A degree in the units of a model.
-struct Degrees {
+struct OneDegree {
     /// Whether the command is the pulse itself.
     is_pulse: bool,
     command: f64,
     output: f64,
 }
 
-impl Degrees {
+impl OneDegree {
     fn of(
         path: &Path,
         metadata: &ModelMetadata,
@@ -268,7 +268,7 @@ mod tests {
         let gain = |model: &Model| *model.step.value.last().unwrap();
         let planned = |input: &str, output: &str| {
             let metadata = ModelMetadata::new(Some(input.into()), Some(output.into()), None);
-            let units = Degrees::of(Path::new("servo.json"), &metadata, 8.0)?;
+            let units = OneDegree::of(Path::new("servo.json"), &metadata, 8.0)?;
             Ok::<Model, AssumedServoError>(units.of_model(model.clone()))
         };
         let of_pulses = planned("us", "deg").unwrap();

@@ -4,7 +4,6 @@ use faer::Mat;
 
 use super::intervals::Ends;
 use super::levenberg_marquardt::Minimum;
-use super::report::Circumstances;
 use crate::numerics::matrix_rows::to_rows;
 use crate::results::{Bounds, Interval, ParameterBounds};
 
@@ -14,28 +13,22 @@ pub(super) struct Estimates<'a> {
     /// Of each parameter, where bounds hold.
     ends: Bounds<Ends>,
     level: Bounds<f64>,
-    /// Widened already.
     covariance: Mat<f64>,
 }
 
 impl<'a> Estimates<'a> {
-    /// With standard deviations of the gain, and of all others, that are wider than those of even noise, and with how runs differ.
+    /// Of a minimum, whose `covariance` is not that of even noise alone.
     pub(super) fn new(
         minimum: &'a Minimum,
         level: Bounds<f64>,
         ends: Bounds<Ends>,
-        under: &Circumstances,
+        covariance: Mat<f64>,
     ) -> Self {
-        let factor = |k: usize| under.beyond_even_noise[k.min(1)];
-        let count = minimum.parameters.len();
-        let widened = |i: usize, k: usize| {
-            factor(i) * factor(k) * minimum.covariance[(i, k)] + under.runs.covariance(i, k)
-        };
         Self {
             x: &minimum.parameters,
             ends,
             level,
-            covariance: Mat::from_fn(count, count, widened),
+            covariance,
         }
     }
 

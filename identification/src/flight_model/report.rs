@@ -1,5 +1,7 @@
 //! What a fit says.
 
+use faer::Mat;
+
 use super::estimates::Estimates;
 use super::fitter::{FittedOrder, Fitter};
 use super::intervals::{self, Widths};
@@ -20,6 +22,7 @@ pub(super) struct Circumstances {
     pub(super) level: Bounds<f64>,
     /// By how much the standard deviations of the gain, and of all others, are wider than those of even noise.
     pub(super) beyond_even_noise: [f64; 2],
+    /// How runs differ, in the parameters.
     pub(super) runs: RunsApart,
     pub(super) band_hz: Option<[f64; 2]>,
     /// Whether the response is one of this motion alone: the servo is not linear.
@@ -27,6 +30,16 @@ pub(super) struct Circumstances {
     /// The gain of the identified response, where all of it is known.
     pub(super) gain: Option<f64>,
     pub(super) hold_period_s: Option<f64>,
+}
+
+impl Circumstances {
+    /// `of_even` noise, with what noise has beside that, and with how runs differ.
+    fn covariance(&self, of_even: &Mat<f64>) -> Mat<f64> {
+        let factor = |k: usize| self.beyond_even_noise[k.min(1)];
+        Mat::from_fn(of_even.nrows(), of_even.ncols(), |i, k| {
+            factor(i) * factor(k) * of_even[(i, k)] + self.runs.covariance(i, k)
+        })
+    }
 }
 
 /// The model of the `chosen` order of `fits`.
@@ -71,7 +84,8 @@ pub(super) fn of(
         };
         ends.into_iter().enumerate().map(widened).collect()
     });
-    let estimates = Estimates::new(&chosen.minimum, level, ends, under);
+    let covariance = under.covariance(&chosen.minimum.covariance);
+    let estimates = Estimates::new(&chosen.minimum, level, ends, covariance);
     let oscillates = transfer.oscillator.is_some();
     let last = chosen.minimum.parameters.len() - 1;
     let found = FlightModel {

@@ -9,7 +9,7 @@
 //! at R - 1 degrees of freedom, beside that of the noise. A factor by which bounds of the step response are wider is not enough: an order takes its gain from all of the response,
 //! which averages noise, and not the gains of the runs.
 //!
-//! Where runs cannot be told apart, as of a model without its record, the gain has all of what its bound at the end of the step response has beside even noise.
+//! Where nothing is known of single runs, as of a model without its record, the gain has all of what its bound at the end of the step response has beside even noise.
 
 use faer::Mat;
 

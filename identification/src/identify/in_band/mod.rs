@@ -183,12 +183,7 @@ impl InBand {
     }
 }
 
-/// The standard deviation of the prior of each lag.
-fn prior_sd(fit: &GlsFit) -> f64 {
-    (fit.variance / fit.precision).sqrt()
-}
-
-/// The longest N of the longest run: a longer one, as runs together would have, tells frequencies apart that each run passes within a few cycles. But of an input that comes
+/// The longest N of the longest run: a longer one, as runs together would have, distinguishes frequencies that each run passes within a few cycles. But of an input that comes
 /// back no more than half of the time until then: lines of a sum of sines say nothing of frequencies between them to a longer one.
 fn settling(record: &Record<'_>, cap: Option<usize>) -> Option<usize> {
     let of_run = |run: &Run<'_>| longest_settling(&record.with_runs(vec![run.clone()]), cap).ok();

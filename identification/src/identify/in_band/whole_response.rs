@@ -1,8 +1,8 @@
 //! All lags of a response and the ends that follow them, as one response.
 
-use super::prior_sd;
 use crate::data::Record;
 use crate::diagnostics::{Tails, simulated_whole};
+use crate::estimation::GlsFit;
 use crate::identify::estimate::Estimate;
 use crate::numerics::times;
 use crate::results::frequency_map;
@@ -35,4 +35,9 @@ impl WholeResponse {
             .map(|(lags, ends)| lags + ends)
             .collect()
     }
+}
+
+/// The standard deviation of the prior of each lag.
+fn prior_sd(fit: &GlsFit) -> f64 {
+    (fit.variance / fit.precision).sqrt()
 }

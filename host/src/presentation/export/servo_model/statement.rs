@@ -478,15 +478,10 @@ impl ServoExport<'_> {
 
     /// In which strokes the difference is largest, a sentence.
     fn searched(&self, trial: &Trial) -> String {
-        let has_stops = !self.parameters.stops.are_none();
         match trial.worst.is_empty() {
             true => format!(
                 "It is that of repeated reversals, as a loop that swings has them, and of strokes that are held or broken off once; other commands may show several times as much, most of it where the servo just comes to rest{}; shorter steps show less.",
-                if has_stops {
-                    format!(", and {AT_STOPS}")
-                } else {
-                    String::new()
-                }
+                self.at_stops(", and ")
             ),
             false => format!(
                 "A search found the strokes in which it is largest, {}, among reversals and random strokes over the recorded range, with half-periods from 1/sqrt(k) to the time in which its largest stroke settles; other commands may be farther, as random ones by up to a fifth.",
@@ -500,18 +495,23 @@ impl ServoExport<'_> {
         let [from, to, ..] = &trial.worst_broken_off[..] else {
             return String::new();
         };
-        let has_stops = !self.parameters.stops.are_none();
         format!(
             ", the most of a search over strokes from rest between any levels, each broken off after 1/sqrt(k) or longer: here that from {} to {} after {} s{}",
             number(from.level),
             number(to.level),
             four_digits(to.steps as f64 * trial.step_s),
-            if has_stops {
-                format!("; shorter ones may be several times as far, {AT_STOPS}")
-            } else {
-                String::new()
-            }
+            self.at_stops("; shorter ones may be several times as far, ")
         )
+    }
+
+    /// Said of a servo with stops behind the words `before`: whether it meets one is a matter of less than any search tries.
+    fn at_stops(&self, before: &str) -> String {
+        match self.parameters.stops.are_none() {
+            true => String::new(),
+            false => format!(
+                "{before}where the servo just reaches a stop, or just does not, some per cent of its largest stroke"
+            ),
+        }
     }
 }
 
@@ -546,10 +546,6 @@ fn command(trial: &Trial) -> String {
         number(trial.middle()),
     )
 }
-
-/// Said of a servo with stops: whether it meets one is a matter of less than any search tries.
-const AT_STOPS: &str =
-    "where the servo just reaches a stop, or just does not, some per cent of its largest stroke";
 
 /// "reversals of 0.04 to 0.12 s", the half-periods of the strokes of the search.
 fn reversals(trial: &Trial) -> String {
