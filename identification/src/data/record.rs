@@ -368,6 +368,12 @@ impl<'a> Record<'a> {
         }
     }
 
+    /// Each run as a record of its own.
+    pub(crate) fn each_run(&self) -> impl Iterator<Item = Self> {
+        let alone = |run: &Run<'a>| self.with_runs(vec![run.clone()]);
+        self.runs.iter().map(alone)
+    }
+
     /// The same with the missing inputs that the others make known (see [`known_inputs`]).
     pub(crate) fn with_complete_inputs(&self) -> Record<'_> {
         self.with_inputs(Run::with_complete_input)

@@ -35,4 +35,4 @@ pub(crate) use noise_order::{autoregressive, best_order};
 pub(crate) use qr::triangular_factor;
 pub(crate) use stable_prior::Regularised;
 pub(crate) use truncation::{FIRST_ORDER, SECOND_ORDER, Truncation};
-pub(crate) use variance::{CurveVariance, RunPart};
+pub(crate) use variance::{CurveVariance, RunPart, neighbour_correlation};

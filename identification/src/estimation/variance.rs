@@ -187,7 +187,7 @@ fn along_directions(directions: &Mat<f64>, functions: &Mat<f64>) -> Mat<f64> {
 
 /// Correlation of each of `count` functions with the one before it. `scale` is the product of the
 /// standard deviations of function i and the one before it.
-fn neighbour_correlation(
+pub(crate) fn neighbour_correlation(
     count: usize,
     covariance: impl Fn(usize, usize) -> f64,
     scale: impl Fn(usize) -> f64,

@@ -38,7 +38,7 @@ mod runs_apart;
 mod slow_end;
 mod starting_points;
 
-use crate::data::{Record, Run};
+use crate::data::Record;
 use crate::diagnostics::without_offsets_and_trends;
 use crate::error::Error;
 use crate::results::Model;
@@ -93,23 +93,17 @@ pub fn fit(
         (Some(_), None) => Err(Error::OfBandAlone),
         (None, _) => Projection::of_record(record, model),
     };
-    let runs = alone(record).map_or(Runs::TooFew, |alone| {
-        let each = alone
-            .iter()
-            .zip(0..)
-            .map(|(alone, run)| of(alone, Some(run)).ok());
-        // One that is too short to show a response leaves how they differ to the bounds of the model.
-        each.collect::<Option<Vec<Projection>>>()
-            .map_or(Runs::Unknown, Runs::Each)
-    });
+    let runs = match record.runs().len() >= RUNS_FOR_MEAN {
+        false => Runs::TooFew,
+        true => {
+            let each = record.each_run().zip(0..);
+            let each = each.map(|(alone, run)| of(&alone, Some(run)).ok());
+            // One that is too short to show a response leaves how they differ to the bounds of the model.
+            let each: Option<Vec<Projection>> = each.collect();
+            each.map_or(Runs::Unknown, Runs::Each)
+        }
+    };
     choose(of(record, None)?, runs, model, options)
-}
-
-/// The record of each run by itself; `None` where they are too few to say how they differ.
-fn alone<'a>(record: &Record<'a>) -> Option<Vec<Record<'a>>> {
-    let runs = record.runs();
-    let of_run = |run: &Run<'a>| record.with_runs(vec![run.clone()]);
-    (runs.len() >= RUNS_FOR_MEAN).then(|| runs.iter().map(of_run).collect())
 }
 
 /// `record` without the offset and the drift of each run by which `model` was identified.

@@ -11,11 +11,9 @@
 //!
 //! Where nothing is known of single runs, as of a model without its record, the gain has all of what its bound at the end of the step response has beside even noise.
 
-use faer::Mat;
-
 use super::fitter::{FittedOrder, Fitter};
 use super::projection::Projection;
-use crate::numerics::student_critical;
+use crate::numerics::{SampleMean, student_critical};
 use crate::results::Model;
 
 /// What is known of single runs.
@@ -32,8 +30,8 @@ pub(super) enum Runs {
 pub(super) enum RunsApart {
     /// Further variance of the gain, 0 where bounds are those of these runs.
     OfGain(f64),
-    /// Covariance of the parameters of all runs together, and its degrees of freedom.
-    Known(Mat<f64>, f64),
+    /// The mean of the parameters of the runs.
+    Known(SampleMean),
     /// A run by itself has no such order.
     Unknown,
 }
@@ -48,7 +46,8 @@ impl RunsApart {
         let of_run = |projection: Projection| {
             let timing = model.timing();
             let run = Fitter { projection, timing };
-            run.best(chosen.order, &[chosen.transfer])
+            let fit = run.best(chosen.order, &[chosen.transfer])?;
+            Some(fit.minimum.parameters)
         };
         match runs {
             Runs::TooFew => Self::OfGain(0.0),
@@ -56,24 +55,11 @@ impl RunsApart {
                 Self::OfGain(projection.variance_beside_even_noise(model).unwrap_or(0.0))
             }
             Runs::Each(each) => {
-                let fits: Option<Vec<FittedOrder>> = each.into_iter().map(of_run).collect();
-                fits.map_or(Self::Unknown, |fits| Self::between(&fits))
+                let all: Option<Vec<Vec<f64>>> = each.into_iter().map(of_run).collect();
+                let mean = all.and_then(|all| SampleMean::of(&all));
+                mean.map_or(Self::Unknown, Self::Known)
             }
         }
-    }
-
-    /// Of the fits to single runs.
-    fn between(fits: &[FittedOrder]) -> Self {
-        let (count, degrees) = (fits.len() as f64, fits.len() as f64 - 1.0);
-        let all: Vec<&[f64]> = fits.iter().map(|fit| &fit.minimum.parameters[..]).collect();
-        let size = all[0].len();
-        let mean = |k: usize| all.iter().map(|x| x[k]).sum::<f64>() / count;
-        let mean: Vec<f64> = (0..size).map(mean).collect();
-        let product = |i: usize, k: usize| {
-            let each = all.iter().map(|x| (x[i] - mean[i]) * (x[k] - mean[k]));
-            each.sum::<f64>() / (count * degrees)
-        };
-        Self::Known(Mat::from_fn(size, size, product), degrees)
     }
 
     /// The ends of the interval of parameter `k` around `x`, with this in them, where `critical` holds at endless degrees of freedom.
@@ -87,8 +73,8 @@ impl RunsApart {
         let half = match self {
             Self::OfGain(variance) if k == 0 => critical * variance.sqrt(),
             Self::OfGain(_) => 0.0,
-            Self::Known(covariance, degrees) => {
-                student_critical(critical, &[*degrees])[0] * covariance[(k, k)].sqrt()
+            Self::Known(mean) => {
+                student_critical(critical, &[mean.degrees()])[0] * mean.covariance(k, k).sqrt()
             }
             Self::Unknown => return None,
         };
@@ -98,7 +84,7 @@ impl RunsApart {
     /// What is added to a covariance.
     pub(super) fn covariance(&self, i: usize, k: usize) -> f64 {
         match self {
-            Self::Known(covariance, _) => covariance[(i, k)],
+            Self::Known(mean) => mean.covariance(i, k),
             Self::OfGain(variance) if (i, k) == (0, 0) => *variance,
             Self::OfGain(_) | Self::Unknown => 0.0,
         }

@@ -5,7 +5,7 @@
 
 use super::fitted::Fitted;
 use super::task::Task;
-use crate::data::{Record, Run};
+use crate::data::Record;
 use crate::numerics::chi_square_upper_tail;
 
 /// The probability `p_of` of all runs, each by a fit of its own, [combined]: -2 Σ ln p is χ² of two degrees of freedom a run.
@@ -16,9 +16,8 @@ pub(super) fn p_of_own_fits(
     p_of: impl Fn(&Task<'_>, &Fitted) -> Option<f64>,
 ) -> Option<f64> {
     let record = task.record.filter(|record| record.runs().len() > 1)?;
-    let of_run =
-        |run: &Run<'_>| p_of_fit_to(&record.with_runs(vec![run.clone()]), (task, fitted), &p_of);
-    let found: Vec<f64> = record.runs().iter().filter_map(of_run).collect();
+    let of_run = |alone: Record<'_>| p_of_fit_to(&alone, (task, fitted), &p_of);
+    let found: Vec<f64> = record.each_run().filter_map(of_run).collect();
     combined(&found)
 }
 

@@ -298,7 +298,7 @@ impl<'a> Undisturbed<'a> {
         }
         let found = outliers(&errors, moments, fit, step, smaller);
         // Under a smooth input the bank of a few frequencies lacks some of the motion, and large errors are that, as where a sweep ends. No motion makes a spike.
-        next.outliers = match Excitation::of(moments).is_smooth() {
+        next.outliers = match found.count() > 0 && Excitation::of(moments).is_smooth() {
             true => found.of_shape(),
             false => found,
         };

@@ -8,6 +8,7 @@ mod lagged_sums;
 pub(crate) mod matrix_rows;
 mod order_statistics;
 mod rounding;
+mod sample_mean;
 mod vectors;
 
 pub(crate) use convolution::causal_filter;
@@ -21,6 +22,7 @@ pub(crate) use lagged_sums::LaggedSums;
 pub use order_statistics::median;
 pub use rounding::{command_in_words, six_digits, with_unit};
 pub(crate) use rounding::{four_digits, not_negative, two_digits};
+pub(crate) use sample_mean::SampleMean;
 pub(crate) use servoid_linear_algebra::{
     SymmetricEigen, add_outer_product, backward_solve, cholesky, condition, factorised,
     forward_solve, inverse_of_lower, inverse_of_square, mirror, outer_square, spectral_radius,

@@ -1,5 +1,6 @@
 //! Findings on the record: whether it is enough, sound for the arithmetic, and of one piece.
 
+use crate::data::References;
 use crate::diagnostics::advice::evidence::Evidence;
 use crate::diagnostics::runs::run_scatter::{RunComparison, RunDifference, Scatter};
 use crate::estimation::{Solver, WELL_CONDITIONED};
@@ -75,13 +76,10 @@ fn at_mean_command(runs: &RunComparison, evidence: &Evidence<'_>) -> String {
     format!("at the mean command of {command}")
 }
 
-/// Whether all runs have the same command, row by row.
-fn have_one_command(evidence: &Evidence<'_>) -> bool {
-    let Some(record) = evidence.recorded else {
-        return true;
-    };
-    let mut pairs = record.runs().windows(2);
-    pairs.all(|pair| pair[0].input() == pair[1].input())
+/// Whether all runs have one reference.
+fn have_one_reference(evidence: &Evidence<'_>) -> bool {
+    let runs = evidence.recorded.map(|record| record.runs().iter());
+    runs.is_none_or(|runs| References::of(runs).count() == 1)
 }
 
 pub(super) fn scatter(evidence: &Evidence<'_>) -> Option<Advice> {
@@ -143,7 +141,7 @@ pub(super) fn scatter(evidence: &Evidence<'_>) -> Option<Advice> {
                 (true, false) => {
                     "The step response does not depend on it. Look at the zero of the sensor, at the horn on its spline and at loads that pull to one side."
                 }
-                (true, true) if !have_one_command(evidence) => {
+                (true, true) if !have_one_reference(evidence) => {
                     "These runs have different commands, and a servo that is not linear, by less than shows here, answers each in its own way: runs of one order show what is left. Look there \
                      for what changes from run to run, such as the supply voltage, the temperature, or when pulses come that have a clock of their own."
                 }

@@ -7,9 +7,12 @@
 //! of the noise and of the prior together (Tikhonov's regularisation as Bayes' estimate), so bounds are as wide as the prior where the input has no power, and
 //! the band is where they are not.
 //!
+//! A smooth input determines the response in its band within each run, so each of several runs has a response there. From run to run the servo changes, and noise moves them as well: from
+//! three runs on the response is their mean, with the covariance of both, whatever it is that changes. Noise counts once more beside it, because what all runs share, as the prior's part, is
+//! not in how they differ.
+//!
 //! The errors are then noise, if the servo is linear: the tests of other records decide that here, too.
 
-mod mean_of_runs;
 mod points;
 mod whole_response;
 
@@ -23,7 +26,7 @@ use super::own_fits::combined;
 use super::plan::{Plan, check_rows};
 use super::responses::Responses;
 use super::task::Task;
-use crate::data::{Moments, Record, Run, Timing};
+use crate::data::{Moments, Record, Timing};
 use crate::diagnostics::{
     BothEstimators, Explanation, INPUT_LAGS, Linearity, Simulated, comes_back, lowest_excited,
     one_step_errors, simulated, whiteness,
@@ -74,9 +77,7 @@ pub(super) fn of(task: &Task<'_>) -> Option<InBand> {
             band: Band::of(task, record, fitted, &[]),
         });
     }
-    let alone: Vec<Record<'_>> = (record.runs().iter())
-        .map(|run| record.with_runs(vec![run.clone()]))
-        .collect();
+    let alone: Vec<Record<'_>> = record.each_run().collect();
     let own: Vec<Fitted> = (alone.iter())
         .map(|alone| fitted_alone(task, alone))
         .collect::<Option<_>>()?;
@@ -186,8 +187,8 @@ impl InBand {
 /// The longest N of the longest run: a longer one, as runs together would have, distinguishes frequencies that each run passes within a few cycles. But of an input that comes
 /// back no more than half of the time until then: lines of a sum of sines say nothing of frequencies between them to a longer one.
 fn settling(record: &Record<'_>, cap: Option<usize>) -> Option<usize> {
-    let of_run = |run: &Run<'_>| longest_settling(&record.with_runs(vec![run.clone()]), cap).ok();
-    let longest = record.runs().iter().filter_map(of_run).max()?;
+    let of_run = |alone: Record<'_>| longest_settling(&alone, cap).ok();
+    let longest = record.each_run().filter_map(of_run).max()?;
     let back = comes_back(record, 2 * longest);
     Some(back.map_or(longest, |back| odd_at_most(back / 2).min(longest)))
 }

@@ -4,14 +4,13 @@ use std::f64::consts::PI;
 
 use faer::Mat;
 
-use super::mean_of_runs::MeanOfRuns;
-use super::whole_response::WholeResponse;
+use super::whole_response::{Functions, WholeResponse};
 use crate::data::Timing;
-use crate::estimation::{CurveVariance, RunPart};
+use crate::estimation::{CurveVariance, RunPart, neighbour_correlation};
 use crate::identify::estimate::Estimate;
-use crate::numerics::{dot, not_negative, pointwise_critical};
+use crate::numerics::{SampleMean, dot, not_negative, pointwise_critical};
 use crate::results::{
-    BandPoint, Bounds, FrequencyBounds, FrequencyResponse, MetricBounds, Metrics, frequency_map,
+    BandPoint, Bounds, FrequencyBounds, FrequencyResponse, MetricBounds, Metrics,
 };
 use crate::thresholds::WIDEST_IN_BAND;
 
@@ -60,42 +59,52 @@ impl Points {
     /// At rest and at `omegas` \[rad/sample\], with bounds of this level.
     fn at(whole: &WholeResponse, runs: &[WholeResponse], level: f64, omegas: &[f64]) -> Self {
         let omegas: Vec<f64> = std::iter::once(0.0).chain(omegas.iter().copied()).collect();
-        let noise = OfNoise::of(whole, &omegas);
-        let mean = MeanOfRuns::of(runs, &omegas);
+        let functions = whole.functions(&omegas);
+        let noise = OfNoise::of(whole, &functions);
+        let of_runs: Vec<Vec<f64>> = (runs.iter())
+            .map(|run| run.values(&run.functions(&omegas)))
+            .collect();
+        let mean = SampleMean::of(&of_runs);
         let count = 2 * omegas.len();
+        let of_noise = |i: usize, k: usize| noise.covariance(i, k);
         let of_runs = |i: usize, k: usize| mean.as_ref().map_or(0.0, |mean| mean.covariance(i, k));
-        let sum = |i: usize, k: usize| noise.covariance(i, k) + of_runs(i, k);
-        let of_noise = CurveVariance {
-            neighbour_correlation: neighbour_correlation(count, |i, k| noise.covariance(i, k)),
+        let sum = |i: usize, k: usize| of_noise(i, k) + of_runs(i, k);
+        let (noise_sd, noise_correlation) = spread_of(count, of_noise);
+        let by_noise = CurveVariance {
+            sd: noise_sd,
+            neighbour_correlation: noise_correlation,
             degrees_of_freedom: noise.degrees_of_freedom.clone(),
             of_runs: None,
-            sd: deviations(count, |i, k| noise.covariance(i, k)),
         };
         let normal = pointwise_critical(level);
-        let wider = (noise.less_sure.iter()).zip(of_noise.critical(normal));
+        let wider = (noise.less_sure.iter()).zip(by_noise.critical(normal));
         let beyond_even_noise = wider
             .map(|(less_sure, critical)| less_sure * critical / normal)
             .collect();
         let spread = match &mean {
-            None => of_noise,
-            Some(mean) => CurveVariance {
-                neighbour_correlation: neighbour_correlation(count, sum),
-                degrees_of_freedom: of_noise.degrees_of_freedom,
-                of_runs: Some(RunPart {
-                    sd: deviations(count, of_runs),
-                    noise_sd: of_noise.sd,
-                    noise_correlation: of_noise.neighbour_correlation,
-                    degrees: mean.degrees(),
-                }),
-                sd: deviations(count, sum),
-            },
+            None => by_noise,
+            Some(mean) => {
+                let (sd, neighbour_correlation) = spread_of(count, sum);
+                CurveVariance {
+                    sd,
+                    neighbour_correlation,
+                    degrees_of_freedom: by_noise.degrees_of_freedom,
+                    of_runs: Some(RunPart {
+                        sd: deviations(count, of_runs),
+                        noise_sd: by_noise.sd,
+                        noise_correlation: by_noise.neighbour_correlation,
+                        degrees: mean.degrees(),
+                    }),
+                }
+            }
         };
         Self {
             beyond_even_noise,
             with_rest: (0..count).map(|i| sum(i, 0)).collect(),
-            values: mean
-                .as_ref()
-                .map_or_else(|| whole.values(&omegas), |mean| mean.values.clone()),
+            values: match &mean {
+                None => whole.values(&functions),
+                Some(mean) => mean.value.clone(),
+            },
             critical: spread.critical(normal),
             spread,
             omegas,
@@ -199,20 +208,16 @@ struct OfNoise {
 }
 
 impl OfNoise {
-    fn of(whole: &WholeResponse, omegas: &[f64]) -> Self {
+    fn of(whole: &WholeResponse, Functions { lags: map, ends }: &Functions) -> Self {
         let Estimate {
-            coordinates,
-            information,
-            fit,
+            information, fit, ..
         } = &whole.estimate;
-        let map = frequency_map(coordinates, omegas);
-        let by_ends = whole.tails.functions(&map, omegas);
-        let of_lags = CurveVariance::of_fit(information, fit, &map);
+        let of_lags = CurveVariance::of_fit(information, fit, map);
         let lags = map.ncols();
         let unit = fit.unit_covariance();
         let weighted = unit.as_ref().submatrix(0, 0, lags, lags) * map.transpose();
         let functions = map.transpose().to_owned();
-        let ends = by_ends.transpose().to_owned();
+        let ends = ends.transpose().to_owned();
         // Noise that is not even, and errors of the commands, make the ends as much less sure as the lags.
         let even = fit.solution.inverse.as_ref().submatrix(0, 0, lags, lags) * &functions;
         let less_sure = |i: usize| {
@@ -243,14 +248,11 @@ fn deviations(count: usize, covariance: impl Fn(usize, usize) -> f64) -> Vec<f64
         .collect()
 }
 
-/// Correlation of each with the one before it.
-fn neighbour_correlation(count: usize, covariance: impl Fn(usize, usize) -> f64) -> Vec<f64> {
+/// The standard deviation of each, and its correlation with the one before it.
+fn spread_of(count: usize, covariance: impl Fn(usize, usize) -> f64) -> (Vec<f64>, Vec<f64>) {
     let sd = deviations(count, &covariance);
-    let correlation = |i: usize| match sd[i - 1] * sd[i] {
-        scale if scale > 0.0 => (covariance(i - 1, i) / scale).clamp(-1.0, 1.0),
-        _ => 1.0,
-    };
-    (1..count).map(correlation).collect()
+    let correlation = neighbour_correlation(count, covariance, |i| sd[i - 1] * sd[i]);
+    (sd, correlation)
 }
 
 /// So many frequencies, evenly over the logarithm.

@@ -1,5 +1,7 @@
 //! All lags of a response and the ends that follow them, as one response.
 
+use faer::Mat;
+
 use crate::data::Record;
 use crate::diagnostics::{Tails, simulated_whole};
 use crate::estimation::GlsFit;
@@ -24,17 +26,27 @@ impl WholeResponse {
         Some(Self { estimate, tails })
     }
 
-    /// Re G and Im G in turn at `omegas` \[rad/sample\].
-    pub(super) fn values(&self, omegas: &[f64]) -> Vec<f64> {
-        let map = frequency_map(&self.estimate.coordinates, omegas);
-        let by_ends = self.tails.functions(&map, omegas);
-        let ends = times(&by_ends, self.tails.gains());
-        let lags = times(&map, self.estimate.fit.solution.response());
-        lags.iter()
-            .zip(&ends)
+    /// Of Re G and Im G in turn at `omegas` \[rad/sample\].
+    pub(super) fn functions(&self, omegas: &[f64]) -> Functions {
+        let lags = frequency_map(&self.estimate.coordinates, omegas);
+        let ends = self.tails.functions(&lags, omegas);
+        Functions { lags, ends }
+    }
+
+    /// What these make of the estimate.
+    pub(super) fn values(&self, Functions { lags, ends }: &Functions) -> Vec<f64> {
+        let by_lags = times(lags, self.estimate.fit.solution.response());
+        let by_ends = times(ends, self.tails.gains());
+        (by_lags.iter().zip(by_ends))
             .map(|(lags, ends)| lags + ends)
             .collect()
     }
+}
+
+/// Functions of a response, in rows.
+pub(super) struct Functions {
+    pub(super) lags: Mat<f64>,
+    pub(super) ends: Mat<f64>,
 }
 
 /// The standard deviation of the prior of each lag.
