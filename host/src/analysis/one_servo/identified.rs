@@ -72,6 +72,7 @@ pub fn identified(data: &Dataset, name: &str, options: &Options) -> Result<Ident
         Some(CommandEdges::InFrames(advice)) => Some(advice),
         None => {
             name_pulses(data, &mut found.model.advice);
+            name_logger(data, &mut found.model);
             None
         }
     };
@@ -148,6 +149,22 @@ fn name_pulses(data: &Dataset, advice: &mut [Advice]) {
     for found in advice.iter_mut().filter(|found| found.is_of_linearity()) {
         found.remedy += " Commands that wait for pulses on a clock of their own make a linear servo look so, too, and under holds of one length nothing shows it: change \
                          them with the pulses, or hold them for different times.";
+    }
+}
+
+/// Of a servo that is not linear, in a file of another program: what its times are counted from. Its answers scatter by themselves, so that they do not
+/// [show](command_edges) a logger with a clock of its own.
+fn name_logger(data: &Dataset, model: &mut Model) {
+    if !data.about.commands_at_rows || model.bounds.valid().is_none() {
+        return;
+    }
+    let half_row = in_words(0.5 * model.sample_period_s);
+    let not_linear = model.advice.iter_mut();
+    for found in not_linear.filter(|found| found.is_of_linearity()) {
+        found.remedy += &format!(
+            " Times count from the row in which a command changes. If a logger with a clock of its own wrote the file, say --polled: without it all times are {half_row} too early, \
+             which no interval here contains, and the answers of such a servo do not show it."
+        );
     }
 }
 

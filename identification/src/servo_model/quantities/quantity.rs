@@ -56,6 +56,14 @@ pub struct Spread {
     pub most: f64,
 }
 
+impl Spread {
+    /// How far the farther end is from `value`, which is off by so much or more.
+    #[must_use]
+    pub fn farthest_from(self, value: f64) -> f64 {
+        (value - self.least).abs().max((self.most - value).abs())
+    }
+}
+
 impl Quantity {
     /// Which quantity it is; `None` of one that this version does not know.
     #[must_use]

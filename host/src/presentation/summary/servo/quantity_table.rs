@@ -1,7 +1,7 @@
 //! The quantities of a servo model as the rows of a table.
 
 use crate::data::units::Units;
-use crate::presentation::summary::wording::numbers::{digits_beside, head_of_bounds};
+use crate::presentation::summary::wording::numbers::{digits, digits_beside, head_of_bounds};
 use crate::presentation::summary::wording::sixty_degrees::per_60_degrees;
 use servoid_identification::results::{Bounds, Interval, with_unit};
 use servoid_identification::servo_model::{Quantity, QuantityKind, Spread, Unit};
@@ -60,7 +60,7 @@ pub(crate) struct QuantityRow {
     pub value: String,
     /// The unit that people use.
     pub unit: String,
-    /// Its interval, or that the record does not determine it; without intervals, how far other fits go apart.
+    /// Its interval, or that the record does not determine it; without intervals, how far other fits are from the value.
     pub interval: String,
 }
 
@@ -117,13 +117,7 @@ fn quantity_row(quantity: &Quantity, units: Units<'_>) -> QuantityRow {
         false => "-".to_owned(),
     };
     let spread = quantity.other_fits.filter(|_| quantity.determined);
-    let spread = spread
-        .map(|Spread { least, most }| (shown(least), shown(most)))
-        .map(|ends| match ends {
-            (least, most) if least == most && most == value => "the same in other fits".to_owned(),
-            (least, most) if least == most => format!("{most} in other fits"),
-            (least, most) => format!("other fits {least} to {most}"),
-        });
+    let spread = spread.map(|fits| or_more(scale * fits.farthest_from(quantity.value)));
     QuantityRow {
         name: quantity.name.clone(),
         value,
@@ -139,6 +133,11 @@ fn quantity_row(quantity: &Quantity, units: Units<'_>) -> QuantityRow {
             .trim_end()
             .to_owned(),
     }
+}
+
+/// By how much other fits are off, as a number that nobody takes for an end of an interval: "±0.31 or more".
+pub(crate) fn or_more(off: f64) -> String {
+    format!("±{} or more", digits(off, 2))
 }
 
 /// The ends of the interval of a quantity that the record determines.

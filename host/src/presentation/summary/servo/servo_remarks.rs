@@ -88,8 +88,8 @@ const AS_RECORDED: &str = "Intervals are of the servo as it was recorded: where 
     many, may lie outside.";
 
 /// What stands in the place of intervals where none hold.
-const OTHER_FITS: &str = "Other fits, to parts of the recording and with other terms, come to figures that far apart. That is no interval: what the model lacks is \
-    in all of them, and the truth may lie outside. Play in the gears passes for a dead band and for friction, and the time that it takes to be crossed is in the delay.";
+const OTHER_FITS: &str = "\"±… or more\" is how far other fits, to parts of the recording and with other terms, are from the figure. That is no interval: what the model lacks is \
+    in all of them, and the figure may be off by several times as much. Play in the gears passes for a dead band and for friction, and the time that it takes to be crossed is in the delay.";
 
 /// What the resting error is where friction at rest is open.
 fn where_strokes_end(model: &ServoModel) -> Option<String> {

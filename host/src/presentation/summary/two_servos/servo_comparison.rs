@@ -4,7 +4,7 @@ use crate::data::units::Units;
 use crate::presentation::summary::response::metrics::TableRow;
 use crate::presentation::summary::servo::clauses::LOOKS_LIKE_A_LOAD;
 use crate::presentation::summary::servo::measured_limits::limits_of_strokes_in_words;
-use crate::presentation::summary::servo::quantity_table::{scale_and_unit, under_load};
+use crate::presentation::summary::servo::quantity_table::{or_more, scale_and_unit, under_load};
 use crate::presentation::summary::servo::servo_remarks::stops_in_words;
 use crate::presentation::summary::wording::layout::wrapped;
 use crate::presentation::summary::wording::numbers::{digits, digits_beside, four_digits, percent};
@@ -259,8 +259,8 @@ pub fn of_servo_models(names: [&str; 2], found: &ServoModelComparison, units: Un
 pub(crate) fn what_is_below(found: &ServoModelComparison) -> String {
     match found.bounds.valid() {
         Some(bounds) => format!("{} % intervals below", percent(bounds.level)),
-        None if has_interval_of_one(found) => "intervals (..) or other fits below".to_owned(),
-        None => "no intervals; other fits below".to_owned(),
+        None if has_interval_of_one(found) => "intervals (..), or by how much other fits are off, below".to_owned(),
+        None => "no intervals; below, how far other fits are off".to_owned(),
     }
 }
 
@@ -290,7 +290,7 @@ pub(crate) fn how_servo_models_are_compared(found: &ServoModelComparison) -> Str
              recordings would need."
         }
         Bounds::Withdrawn(_) => {
-            "Without intervals on both sides nothing is said about the difference. Other fits are no intervals: what a model lacks is in all of them, and the truth may lie outside. \
+            "Without intervals on both sides nothing is said about the difference. \"±… or more\" is how far other fits are from the figure, and no interval: what a model lacks is in all of them, and it may be off by several times as much. \
              A delay has the time in it that play in the gears takes to be crossed, a dead band or friction of the model stands for play, too, and the bandwidth is that of the loop \
              without them."
         }
@@ -363,9 +363,8 @@ pub(crate) fn servo_model_rows(found: &ServoModelComparison, units: Units<'_>) -
             Some(_) if value.is_none() => "not determined".to_owned(),
             _ => String::new(),
         };
-        let other_fits = |of: Option<Spread>| {
-            let [least, most] = [of?.least, of?.most].map(|end| shown(Some(end), None));
-            Some(format!("{least} to {most}"))
+        let other_fits = |of: Option<Spread>, value: Option<f64>| {
+            Some(or_more(scale * of?.farthest_from(value?)))
         };
         let sure = bounds.and_then(|bounds| bounds.differences.get(index));
         let [of_a, of_b, apart] = match sure {
@@ -375,7 +374,7 @@ pub(crate) fn servo_model_rows(found: &ServoModelComparison, units: Units<'_>) -
         let below = |of: Option<Interval>, value, fits, kinds: &[QuantityKind]| {
             let ends = match bounds.is_some() || of.is_some() {
                 true => ends(of, value),
-                false => other_fits(fits).unwrap_or_default(),
+                false => other_fits(fits, value).unwrap_or_default(),
             };
             let load = under_load(pair.kind(), kinds.iter().copied()).filter(|_| value.is_some());
             let parts = [Some(ends), load.map(str::to_owned)].into_iter().flatten();
