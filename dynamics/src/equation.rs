@@ -8,7 +8,7 @@
 //! e     = r - θ beyond a dead band of ±w, and counts from its edge
 //! drive = k e - (c - B) ω, between -A- and A+            acceleration; k and c - B are A-/A+ times as large where it is negative
 //! ω'    = drive - B ω - friction - load(θ)            0 where ω is at its limit, V+ or -V-, and this would take it beyond
-//! θ'    = ω,     y = gain θ + offset
+//! θ'    = ω,     y = gain φ + offset                     φ = θ; behind play of the width b it stays where it is while |θ - φ| < b/2
 //! ```
 //!
 //! At small signals this is a second-order system with the stiffness k (1/s²) and the damping c (1/s), of which the
@@ -27,7 +27,7 @@
 use crate::dual::Scalar;
 
 /// Numbers that a servo has at the most.
-pub const PARAMETERS: usize = 16;
+pub const PARAMETERS: usize = 17;
 
 /// Derivatives by the parameters, in the order of [`ServoParameters::in_order`].
 pub type Slopes = [f64; PARAMETERS];
@@ -46,7 +46,7 @@ pub enum Load<S> {
         /// θ + `from` is the angle from the vertical \[units of the command\].
         from: S,
         /// Radians for each unit of the command.
-        radians: f64,
+        radians: S,
     },
     /// A spring, or the hinge moment of a surface in the air at small angles: `constant` + `rate` θ.
     Spring {
@@ -74,7 +74,11 @@ impl<S: Scalar> Load<S> {
         match *self {
             Self::None => [none; 3],
             Self::Constant(constant) => [constant, none, none],
-            Self::Pendulum { gravity, from, .. } => [gravity, from, none],
+            Self::Pendulum {
+                gravity,
+                from,
+                radians,
+            } => [gravity, from, radians],
             Self::Spring { constant, rate } => [constant, rate, none],
             Self::Air {
                 constant,
@@ -139,7 +143,8 @@ impl Load<f64> {
             } => {
                 let (sin, cos) = ((angle + from) * radians).sin_cos();
                 let by_angle = gravity * radians * cos;
-                (by_angle, [sin, by_angle, 0.0])
+                let by_radians = gravity * (angle + from) * cos;
+                (by_angle, [sin, by_angle, by_radians])
             }
             Self::Spring { rate, .. } => (rate, [1.0, angle, 0.0]),
             Self::Air {
@@ -333,6 +338,8 @@ pub struct ServoParameters<S = f64> {
     pub friction: Option<Friction<S>>,
     /// The load.
     pub load: Load<S>,
+    /// b, the whole width of the play between the shaft that the controller knows and the output \[units of the command\].
+    pub play: Option<S>,
     /// The stops.
     pub stops: Stops,
 }
@@ -353,6 +360,7 @@ impl ServoParameters<f64> {
             dead_band: None,
             friction: None,
             load: Load::None,
+            play: None,
             stops: Stops::default(),
         }
     }
@@ -425,6 +433,7 @@ pub(crate) mod place {
     pub(crate) const SPEED_AT_REST: usize = 12;
     /// The first of three.
     pub(crate) const LOAD: usize = 13;
+    pub(crate) const PLAY: usize = 16;
     /// A speed limit is at the places of what does not count beside it.
     pub(crate) const SPEED_UP: usize = MOTOR_DAMPING;
     pub(crate) const SPEED_DOWN_TO_UP: usize = DOWN_TO_UP;
@@ -492,7 +501,10 @@ impl<S: Scalar> ServoParameters<S> {
                 all[place::SPEED_AT_REST] = at_rest.speed;
             }
         }
-        all[place::LOAD..].copy_from_slice(&self.load.in_order());
+        all[place::LOAD..place::PLAY].copy_from_slice(&self.load.in_order());
+        if let Some(width) = self.play {
+            all[place::PLAY] = width;
+        }
         all
     }
 
@@ -535,7 +547,7 @@ impl<S: Scalar> ServoParameters<S> {
                 } => Load::Pendulum {
                     gravity: load(0, gravity),
                     from: load(1, from),
-                    radians,
+                    radians: load(2, radians),
                 },
                 Load::Spring { constant, rate } => Load::Spring {
                     constant: load(0, constant),
@@ -551,11 +563,19 @@ impl<S: Scalar> ServoParameters<S> {
                     from: load(2, from),
                 },
             },
+            play: self.play.map(|width| number(place::PLAY, width)),
             stops: self.stops,
         }
     }
 
-    /// The least and the largest θ that the stops leave; infinite where there is none.
+    /// Half the width of the play.
+    #[inline(always)]
+    #[must_use]
+    pub fn half_play(&self) -> S {
+        self.play.map_or(S::constant(0.0), |width| width * 0.5)
+    }
+
+    /// The least and the largest θ that the stops leave; infinite where there is none. A stop holds the shaft, and the output is half the play behind it.
     #[must_use]
     pub fn range(&self) -> [S; 2] {
         let ends = [self.stops.lower, self.stops.upper];
@@ -564,10 +584,13 @@ impl<S: Scalar> ServoParameters<S> {
             true => [high, low],
             false => [low, high],
         };
-        let open = |end: f64| move || S::constant(end);
+        let half_play = self.half_play();
+        let end = |of: Option<S>, half_play: S, open: f64| {
+            of.map_or(S::constant(open), |angle| angle + half_play)
+        };
         [
-            first.unwrap_or_else(open(f64::NEG_INFINITY)),
-            last.unwrap_or_else(open(f64::INFINITY)),
+            end(first, -half_play, f64::NEG_INFINITY),
+            end(last, half_play, f64::INFINITY),
         ]
     }
 }

@@ -24,6 +24,7 @@ mod equation;
 mod rest;
 mod simulation;
 mod sloped_stepper;
+mod start;
 mod stepper;
 
 pub use dual::{Dual, Scalar};
@@ -31,5 +32,6 @@ pub use equation::{
     AtRest, DriveLimit, Friction, Load, PARAMETERS, PulseEnd, ServoParameters, Slopes, SpeedLimit,
     Stops,
 };
-pub use simulation::{Grid, Start, simulate, simulate_with_slopes};
+pub use simulation::{Grid, simulate, simulate_with_slopes};
+pub use start::Start;
 pub use stepper::{State, Stepper};

@@ -205,7 +205,7 @@ impl<S: Scalar> Friction<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::equation::{AtRest, DriveLimit, Load, Stops};
+    use crate::equation::{AtRest, DriveLimit, Load, PARAMETERS, Stops};
     use crate::{State, Stepper};
 
     /// 50 rad/s, with full drive beyond 3 units upwards.
@@ -259,7 +259,7 @@ mod tests {
     /// The angle after four seconds under `command`, from `angle` on.
     fn left_alone(servo: &ServoParameters, command: f64, angle: f64) -> f64 {
         let stepper = Stepper::new(servo, 1e-4);
-        let mut state = State { angle, speed: 0.0 };
+        let mut state = State::at_rest(angle);
         for _ in 0..40_000 {
             stepper.advance(&mut state, command);
         }
@@ -427,7 +427,7 @@ mod tests {
     #[test]
     fn derivatives_of_the_rest_are_those_of_differences() {
         for (n, servo) in servos().iter().enumerate() {
-            let lifted = servo.map(|place, value| Dual::<16>::variable(value, place));
+            let lifted = servo.map(|place, value| Dual::<PARAMETERS>::variable(value, place));
             let slopes = lifted.resting_output(Dual::constant(7.0)).slope;
             for (place, value) in servo.in_order().iter().enumerate() {
                 let at = |sign: f64| {

@@ -3,7 +3,8 @@
 use crate::dual::Scalar;
 use crate::equation::{PulseEnd, ServoParameters, Slopes};
 use crate::sloped_stepper::{SlopedCommand, SlopedState, SlopedStepper};
-use crate::stepper::{Advance, State, Stepper};
+use crate::start::Start;
+use crate::stepper::{Advance, Stepper};
 
 /// When the output is sampled, and how finely the motion between samples is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,28 +61,6 @@ impl Grid {
     }
 }
 
-/// The state of the servo at its first sample.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Start<S> {
-    /// The output.
-    pub output: S,
-    /// Its rate of change (1/s).
-    pub rate: S,
-    /// The command before the first sample; `None` for the one that holds the servo where it is.
-    pub command_before: Option<S>,
-}
-
-impl Start<f64> {
-    /// At rest at `output`, under the command `command_before`.
-    pub fn at_rest(output: f64, command_before: Option<f64>) -> Self {
-        Self {
-            output,
-            rate: 0.0,
-            command_before,
-        }
-    }
-}
-
 /// Simulates the output under `input`, and hands each of its samples to `each`.
 ///
 /// The input is held between samples. A step of the integration ends where the delayed input changes, so the output
@@ -110,14 +89,10 @@ pub fn simulate<S: Scalar>(
         whole: Stepper::new(physics, whole_s),
         edges: Edges::new(physics.pulse_end, edge_of),
     };
-    let per_output = S::constant(1.0) / physics.gain;
-    let state = State {
-        angle: (start.output - physics.offset) * per_output,
-        speed: start.rate * per_output,
-    };
+    let state = physics.state_at(start);
     let before = (start.command_before).unwrap_or_else(|| physics.holding_command(state.angle));
     period.repeat(state, before, input, |k, state| {
-        each(k, state.angle * physics.gain + physics.offset);
+        each(k, state.output(physics));
     });
 }
 
@@ -149,7 +124,7 @@ pub fn simulate_with_slopes(
         whole: SlopedStepper::new(physics, whole_s, 0.0),
         edges: Edges::new(physics.pulse_end, edge_of),
     };
-    let state = SlopedState::new(physics, start.output, start.rate);
+    let state = SlopedState::new(physics, start);
     let held = state.holding_command(physics);
     let before = match start.command_before {
         Some(command) => SlopedStepper::command(command),

@@ -6,6 +6,7 @@
 
 use crate::dual::Dual;
 use crate::equation::{AtRest, PARAMETERS, ServoParameters, Slopes, place};
+use crate::start::Start;
 use crate::stepper::{Advance, Driven, State, Stepper, TooFast, braked, cuts};
 
 /// Angle and speed of the shaft, with their derivatives by the parameters.
@@ -13,40 +14,56 @@ pub(crate) struct SlopedState {
     plain: State<f64>,
     angle: Slopes,
     speed: Slopes,
+    shown: Slopes,
     /// Its derivatives by the zero of the sensor: those by the offset, but that stops stay where they are.
     by_zero: State<f64>,
 }
 
 impl SlopedState {
-    /// Where the output is `output`, and changes by `rate` in a second.
-    pub(crate) fn new(physics: &ServoParameters<f64>, output: f64, rate: f64) -> Self {
-        let per_output = 1.0 / physics.gain;
-        let angle = (output - physics.offset) * per_output;
-        Self::at(physics, angle, rate * per_output, -per_output)
-    }
-
-    /// At rest at a stop, whose output is known, at the angle `end`.
-    fn stopped(physics: &ServoParameters<f64>, end: f64) -> Self {
-        Self::at(physics, end, 0.0, 0.0)
-    }
-
-    /// At an angle and a speed that follow from an output and its rate.
-    fn at(physics: &ServoParameters<f64>, angle: f64, speed: f64, angle_by_zero: f64) -> Self {
-        let per_output = 1.0 / physics.gain;
-        let plain = State { angle, speed };
-        let (mut angle, mut speed) = (Slopes::default(), Slopes::default());
-        angle[place::OFFSET] = -per_output;
-        angle[place::GAIN] = -plain.angle * per_output;
-        speed[place::GAIN] = -plain.speed * per_output;
+    /// The state in which a simulation begins.
+    pub(crate) fn new(physics: &ServoParameters<f64>, start: &Start<f64>) -> Self {
+        let plain = physics.state_at(start);
+        let shown = of_output(physics, plain.shown);
+        let (mut angle, mut speed) = (shown, Slopes::default());
+        angle[place::PLAY] = physics.play.map_or(0.0, |_| 0.5 * start.in_play);
+        speed[place::GAIN] = -plain.speed / physics.gain;
         Self {
             plain,
             angle,
             speed,
+            shown,
             by_zero: State {
-                angle: angle_by_zero,
                 speed: 0.0,
+                ..State::at_rest(-1.0 / physics.gain)
             },
         }
+    }
+
+    /// Takes all speed at a stop, whose output is known, at the angle `end`.
+    fn stop(&mut self, physics: &ServoParameters<f64>, end: f64) {
+        let side = match end > self.plain.angle {
+            true => -0.5,
+            false => 0.5,
+        };
+        (self.plain.angle, self.plain.speed) = (end, 0.0);
+        self.angle = of_output(physics, end - 2.0 * side * physics.half_play());
+        self.angle[place::PLAY] = physics.play.map_or(0.0, |_| side);
+        self.speed = Slopes::default();
+        (self.by_zero.angle, self.by_zero.speed) = (0.0, 0.0);
+    }
+
+    /// φ where the shaft takes it along, with its derivatives.
+    #[inline(always)]
+    fn take_along(&mut self, half_play: f64) {
+        let ahead = self.plain.angle - self.plain.shown;
+        if ahead.abs() <= half_play {
+            return;
+        }
+        let side = ahead.signum();
+        self.plain.shown = self.plain.angle - side * half_play;
+        self.shown = self.angle;
+        self.shown[place::PLAY] -= 0.5 * side;
+        self.by_zero.shown = self.by_zero.angle;
     }
 
     /// The command that holds the shaft where it is.
@@ -63,16 +80,25 @@ impl SlopedState {
     /// The measured output, with its derivatives by the parameters and by the zero of the sensor.
     #[inline(always)]
     pub(crate) fn output(&self, physics: &ServoParameters<f64>) -> (f64, Slopes, f64) {
-        let mut slopes = self.angle.map(|slope| slope * physics.gain);
-        slopes[place::GAIN] += self.plain.angle;
+        let (angle, by_parameters, by_zero) = match physics.play {
+            None => (self.plain.angle, &self.angle, self.by_zero.angle),
+            Some(_) => (self.plain.shown, &self.shown, self.by_zero.shown),
+        };
+        let mut slopes = by_parameters.map(|slope| slope * physics.gain);
+        slopes[place::GAIN] += angle;
         slopes[place::OFFSET] += 1.0;
-        let by_zero = self.by_zero.angle * physics.gain + 1.0;
-        (
-            self.plain.angle * physics.gain + physics.offset,
-            slopes,
-            by_zero,
-        )
+        let output = angle * physics.gain + physics.offset;
+        (output, slopes, by_zero * physics.gain + 1.0)
     }
+}
+
+/// The derivatives of an angle that follows from an output.
+fn of_output(physics: &ServoParameters<f64>, angle: f64) -> Slopes {
+    let per_output = 1.0 / physics.gain;
+    let mut slopes = Slopes::default();
+    slopes[place::OFFSET] = -per_output;
+    slopes[place::GAIN] = -angle * per_output;
+    slopes
 }
 
 /// A command, with derivatives where it follows from the parameters.
@@ -334,7 +360,8 @@ impl SlopedStepper<'_> {
         slopes[place::COULOMB] = by_friction * step_s;
         slopes[place::OF_GEARS] = by_friction * through_gears.abs();
         [slopes[place::EXCESS_AT_REST], slopes[place::SPEED_AT_REST]] = braked.at_rest;
-        for (slope, own) in slopes[place::LOAD..].iter_mut().zip(load_by_own) {
+        let of_load = &mut slopes[place::LOAD..place::PLAY];
+        for (slope, own) in of_load.iter_mut().zip(load_by_own) {
             *slope = by_load * step_s * own;
         }
         if self.by_delay != 0.0 {
@@ -366,7 +393,7 @@ impl<'a> Advance for SlopedStepper<'a> {
     #[inline(never)]
     fn advance(&self, state: &mut SlopedState, command: SlopedCommand<'a>) {
         let half_s = self.plain.step_s * 0.5;
-        let State { angle, speed } = state.plain;
+        let State { angle, speed, .. } = state.plain;
         let middle = angle + speed * half_s;
         let (free, by) = self.free_speed_after(speed, middle, command.value);
         let by = by.unwrap_or_default();
@@ -391,10 +418,8 @@ impl<'a> Advance for SlopedStepper<'a> {
         }
         state.angle[place::DELAY] += (speed + after) * 0.5 * self.by_delay;
         state.speed = slopes;
-        state.plain = State {
-            angle: middle + after * half_s,
-            speed: after,
-        };
+        state.plain.angle = middle + after * half_s;
+        state.plain.speed = after;
         if let Some((moved, (slopes, by_zero))) = further {
             state.plain.angle += moved;
             state.by_zero.angle += by_zero;
@@ -403,7 +428,10 @@ impl<'a> Advance for SlopedStepper<'a> {
             }
         }
         if let Some(end) = self.plain.stop_before(state.plain.angle) {
-            *state = SlopedState::stopped(self.physics, end);
+            state.stop(self.physics, end);
+        }
+        if let Some(half_play) = self.plain.half_play {
+            state.take_along(half_play);
         }
     }
 

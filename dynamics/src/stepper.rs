@@ -27,6 +27,44 @@ pub struct State<S> {
     pub angle: S,
     /// ω \[the same for each second\].
     pub speed: S,
+    /// φ, the angle that the output shows: θ, or up to half the play beside it.
+    pub shown: S,
+}
+
+impl<S: Scalar> State<S> {
+    /// At rest at `angle`, in the middle of the play.
+    #[must_use]
+    pub fn at_rest(angle: S) -> Self {
+        Self {
+            angle,
+            speed: S::constant(0.0),
+            shown: angle,
+        }
+    }
+
+    /// φ where the shaft has taken it along, half the play behind.
+    #[inline(always)]
+    fn taken_along(&self, half_play: S) -> S {
+        let ahead = self.angle - self.shown;
+        if ahead.value() > half_play.value() {
+            self.angle - half_play
+        } else if ahead.value() < -half_play.value() {
+            self.angle + half_play
+        } else {
+            self.shown
+        }
+    }
+
+    /// The output of the servo `physics`.
+    #[inline(always)]
+    #[must_use]
+    pub fn output(&self, physics: &ServoParameters<S>) -> S {
+        let shown = match physics.play {
+            None => self.angle,
+            Some(width) => self.taken_along(width * 0.5),
+        };
+        shown * physics.gain + physics.offset
+    }
 }
 
 /// One side of the drive: what a step of the integration needs of it.
@@ -88,6 +126,8 @@ pub struct Stepper<S> {
     pub(crate) dead_band: Option<S>,
     pub(crate) friction: Option<Friction<S>>,
     pub(crate) load: Load<S>,
+    /// Half the play.
+    pub(crate) half_play: Option<S>,
     /// The least and the largest angle, infinite without stops.
     pub(crate) range: [S; 2],
     /// The largest speeds towards larger and smaller angles, infinite without a limit.
@@ -126,6 +166,7 @@ impl<S: Scalar> Stepper<S> {
             dead_band: physics.dead_band,
             friction: physics.friction,
             load: physics.load,
+            half_play: physics.play.map(|width| width * 0.5),
             range: physics.range(),
             fastest: match physics.speed_limit {
                 None => [S::constant(f64::INFINITY); 2],
@@ -169,6 +210,9 @@ impl<S: Scalar> Stepper<S> {
     /// The same where `motor` gives the speed at the end of the step, without friction, from that which the equation gives, and from that under the load alone.
     #[inline(always)]
     pub fn advance_by(&self, state: &mut State<S>, command: S, motor: impl FnOnce(S, S) -> S) {
+        if let Some(half_play) = self.half_play {
+            state.shown = state.taken_along(half_play);
+        }
         let half_s = self.step_s * 0.5;
         let middle = state.angle + state.speed * half_s;
         let error = self.beyond_dead_band(command - middle);
@@ -206,10 +250,7 @@ impl<S: Scalar> Stepper<S> {
             state.angle = state.angle + missed * half_s;
         }
         if let Some(end) = self.stop_before(state.angle.value()) {
-            *state = State {
-                angle: end,
-                speed: S::constant(0.0),
-            };
+            (state.angle, state.speed) = (end, S::constant(0.0));
         }
     }
 

@@ -25,6 +25,7 @@ _POSSIBLE = {
     "delay": (0.0, np.inf),
     "motor_share": (1e-5, 1.0),
     "dead_band": (0.0, np.inf),
+    "play": (0.0, np.inf),
     "friction": (0.0, np.inf),
     "friction_at_rest": (0.0, np.inf),
     "friction_of_gears": (0.0, 0.9),
@@ -326,7 +327,7 @@ class ServoModel:
         Returns
         -------
         ServoResponse
-            The position, ``value``, and a band about it, at each sample by itself. At first the servo is in the middle of where friction or a dead band may
+            The position, ``value``, and a band about it, at each sample by itself. At first the servo is in the middle of where friction, a dead band or play may
             hold it, and the band has all of that. The band is withdrawn where the command runs further ahead of the servo than in the recording.
 
         Raises

@@ -93,7 +93,7 @@ def test_draws_have_the_range_of_the_intervals(model):
         assert inside.mean() > 0.985, name
         assert found.max() - found.min() > 0.9 * width, name
     for v in values:
-        assert min(v[name] for name in ("delay", "dead_band", "friction", "friction_at_rest") if name in v) >= 0.0
+        assert min(v[name] for name in ("delay", "dead_band", "play", "friction", "friction_at_rest") if name in v) >= 0.0
 
 
 def test_a_drawn_servo_is_exported_and_simulated_with_its_own_constants(model):

@@ -66,10 +66,7 @@ impl MachineServo {
             commands: DelayLine::new(delay + clock_phase),
             whole_step: Stepper::new(servo, STEP.as_secs_f64()),
             command,
-            state: State {
-                angle: servo.resting_angle(command),
-                speed: 0.0,
-            },
+            state: State::at_rest(servo.resting_angle(command)),
             since: Duration::ZERO,
             latest: Duration::ZERO,
             parameters,
@@ -134,7 +131,7 @@ impl Servo for MachineServo {
         self.latest = self.latest.max(at);
         self.advance(self.latest);
         let servo = &self.parameters.servo;
-        let output = self.state_at(self.latest).angle * servo.gain + servo.offset;
+        let output = self.state_at(self.latest).output(servo);
         output * self.parameters.degrees_per_output
     }
 }

@@ -38,10 +38,10 @@ fn variables(servo: &ServoParameters<f64>) -> ServoParameters<Number> {
         load: match servo.load {
             Load::None => Load::None,
             Load::Constant(_) => Load::Constant(number(13)),
-            Load::Pendulum { radians, .. } => Load::Pendulum {
+            Load::Pendulum { .. } => Load::Pendulum {
                 gravity: number(13),
                 from: number(14),
-                radians,
+                radians: number(15),
             },
             Load::Spring { .. } => Load::Spring {
                 constant: number(13),
@@ -53,6 +53,7 @@ fn variables(servo: &ServoParameters<f64>) -> ServoParameters<Number> {
                 from: number(15),
             },
         },
+        play: servo.play.map(|_| number(16)),
         stops: servo.stops,
     }
 }
@@ -117,6 +118,8 @@ fn servos() -> Vec<ServoParameters<f64>> {
                             at_rest: at_rest.map(|(excess, speed)| AtRest { excess, speed }),
                         }),
                         load,
+                        // Play with every third.
+                        play: (n % 3 == 1).then_some(0.4),
                         stops: Stops { lower, upper: None },
                         ..ServoParameters::linear(1600.0, 55.0)
                     });
@@ -125,6 +128,40 @@ fn servos() -> Vec<ServoParameters<f64>> {
         }
     }
     servos
+}
+
+/// After a turn the output stays where it is until the shaft has crossed the play, and rests half of it before the command, on the side from which it comes.
+#[test]
+fn play_is_crossed_after_each_turn() {
+    let tight = ServoParameters {
+        gain: 2.0,
+        ..ServoParameters::linear(2500.0, 110.0)
+    };
+    let loose = ServoParameters {
+        play: Some(0.6),
+        ..tight
+    };
+    let input: Vec<f64> = [0.0, 5.0, 8.0, 7.9, 3.0, 4.0]
+        .into_iter()
+        .flat_map(|level| [level; 200])
+        .collect();
+    let outputs = |servo: &ServoParameters| {
+        let mut outputs = Vec::new();
+        let grid = Grid::new(0.002, 0.0, 1e-3);
+        let start = Start::at_rest(0.0, Some(0.0));
+        simulate(servo, &grid, &start, &input, |_, y| outputs.push(y));
+        outputs
+    };
+    let mut shown = 0.0;
+    for (angle, y) in outputs(&tight).into_iter().zip(outputs(&loose)) {
+        shown = f64::clamp(shown, angle - 0.6, angle + 0.6);
+        // What a shaft without overshoot turns beyond its samples is below the error of the integration.
+        assert!((y - shown).abs() < 1e-6, "{y} {shown}");
+    }
+    let rests: Vec<f64> = outputs(&loose).into_iter().skip(199).step_by(200).collect();
+    for (y, at) in rests.into_iter().zip([0.0, 9.4, 15.4, 15.4, 6.6, 7.4]) {
+        assert!((y - at).abs() < 1e-3, "{y} {at}");
+    }
 }
 
 /// A staircase, and then an input that changes with every sample.
@@ -284,6 +321,7 @@ fn slopes_are_those_of_dual_numbers() {
                 output: 1.0,
                 rate: 4.0,
                 command_before: before,
+                in_play: 0.7,
             };
             let (mut slow, mut fast) = (Vec::new(), Vec::new());
             simulate(
@@ -293,6 +331,7 @@ fn slopes_are_those_of_dual_numbers() {
                     output: Number::constant(start.output),
                     rate: Number::constant(start.rate),
                     command_before: before.map(Number::constant),
+                    in_play: start.in_play,
                 },
                 &input,
                 |_, y| {
@@ -472,6 +511,7 @@ fn slopes_are_those_of_dual_numbers_where_pulses_end_later() {
             output: at(1.0),
             rate: at(4.0),
             command_before: Some(at(3.0)),
+            in_play: 0.7,
         };
         simulate(&variables(&servo), &grid, &start, &input, |_, y| {
             slow.push(y.slope[0])
@@ -480,6 +520,7 @@ fn slopes_are_those_of_dual_numbers_where_pulses_end_later() {
             output: 1.0,
             rate: 4.0,
             command_before: Some(3.0),
+            in_play: 0.7,
         };
         simulate_with_slopes(&servo, &grid, &start, &input, |_, _, slopes, _| {
             fast.push(slopes[0])

@@ -18,7 +18,7 @@ use servoid_protocol::timing::SAMPLES_PER_FRAME;
 use servoid_simulator::{SERVO_SCALE, ServoKind, SimulationOptions};
 
 /// Samples that are identified: some seconds of computing.
-const MOST_SAMPLES: usize = 8_000;
+const MOST_SAMPLES: usize = 30_000;
 
 /// Runs that are tried.
 const RUNS: u64 = 3;

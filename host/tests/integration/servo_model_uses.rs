@@ -373,7 +373,7 @@ fn servos_that_no_step_response_compares_are_compared_as_machines_and_that_is_sa
     let columns = ["--input", "u_deg", "--output", "y_deg", "--period", "0.01"];
     let text = run(&[&["compare", arg(&quick), arg(&slow)], &columns[..]].concat());
     assert!(
-        text.replace('\n', " ").contains("  As machines A and B differ in these recordings, each quantity by itself at 99 % and however little: top speed 300.0 deg/s in A, 250."),
+        text.replace('\n', " ").contains("  As machines A and B differ in these recordings, each quantity by itself at 99 % and however little: top speed 300.0 deg/s (0.200 s/60°) in A, 250."),
         "{text}"
     );
     // What a record leaves open has no ends that nobody reads.

@@ -161,7 +161,7 @@ fn large_strokes_have_their_top_speed_and_a_true_reason_for_what_is_left_out() {
     .concat());
     let text = run(&["identify", "-q", "--servo-model", arg(&stairs)]);
     assert!(
-        text.starts_with("This servo is not shown at its top speed of 73")
+        text.starts_with("This servo is not shown at its top speed of 74")
             && text.contains("does not show the top speed: strokes may have been too small"),
         "{text}"
     );

@@ -258,6 +258,11 @@ impl<'a> Response<'a> {
             describe::explanation(task, fitted, &responses, &allowances, (&model, runs));
         if let Some(found) = in_band {
             found.carry_into(&mut model, &mut explanation);
+            // By the noise that the band has: few frequencies have another one.
+            let runs = task
+                .record
+                .map(|record| task.disturbances.with_offsets(record));
+            explanation.runs = runs.and_then(|runs| RunComparison::of(&model, &runs));
         }
         model.advice = gather_advice(&Evidence {
             model: &model,

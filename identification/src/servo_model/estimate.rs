@@ -15,7 +15,7 @@ use crate::error::Error;
 use crate::nonlinear::SpeedLimits;
 use crate::results::{Bounds, Noise, Reason, fit_percent, pointwise_critical};
 use crate::servo_model::descent::chosen_terms::Descent;
-use crate::servo_model::descent::coordinates::{LoadKind, Point, Terms};
+use crate::servo_model::descent::coordinates::{ArmTurn, LoadKind, Point, Terms};
 use crate::servo_model::descent::starting_values::Shown;
 use crate::servo_model::motion::reached_speeds::ReachedSpeeds;
 use crate::servo_model::motion::simulated_motion::{largest_drive, largest_error};
@@ -51,6 +51,8 @@ pub struct ServoModelOptions {
     pub level: f64,
     /// Radians for each unit of the command; `None` to take them for degrees or radians by their size.
     pub radians_per_command: Option<f64>,
+    /// Radians for each unit of the output, where that is an angle: an arm turns with it, whatever the commands are.
+    pub radians_per_output: Option<f64>,
     /// What is known to speak against bounds of any model of the record; see [`Reason::is_of_the_record`].
     pub against: Option<Reason>,
     /// Where commands are pulse widths or stand for them: how much longer the pulse is for each unit of the command, and the neutral one. Whether the servo knows
@@ -66,6 +68,7 @@ impl Default for ServoModelOptions {
             controllers: Vec::new(),
             level: 0.99,
             radians_per_command: None,
+            radians_per_output: None,
             against: None,
             pulses: None,
             stops_at: Vec::new(),
@@ -302,7 +305,10 @@ impl Search<'_> {
             clip: CLIP * self.shown.output_sd,
             longest_delay_s: longest_delay_s(period_s),
             controllers: controllers(self.options),
-            radians: (self.options.radians_per_command).unwrap_or_else(|| radians(self.record)),
+            arm: ArmTurn::of(
+                (self.options.radians_per_command).unwrap_or_else(|| radians(self.record)),
+                self.options.radians_per_output,
+            ),
             run_offsets,
             watch: self.watch,
             tried: Vec::new(),
@@ -333,12 +339,13 @@ impl Search<'_> {
         }
     }
 
-    /// The servo with the dead band and the friction of which errors are noise, where prediction misses neither; else the one that was `found`. Both rest alike, and
-    /// a fit takes one for the two.
+    /// The servo with the dead band, the friction and the play of which errors are noise, where prediction misses none; else the one that was `found`. All rest alike, and
+    /// a fit takes one for another.
     fn with_noise_alone(&self, found: Found) -> Found {
         let tried = &found.climbed.tried;
         let beside = |rung: usize| Terms {
             dead_band: false,
+            play: false,
             friction: false,
             ..tried[rung].terms
         };
@@ -459,7 +466,8 @@ fn describe(record: &Record, options: &ServoModelOptions, servo: &Found) -> Serv
         sample_phase_s: record.sample_phase_s(),
         terms: point.terms,
         controllers: controllers(options),
-        radians_per_command: point.radians,
+        radians_per_command: point.arm.radians(point.physics(0, |_, value| value).gain),
+        radians_per_output: options.radians_per_output,
         covariance: level.as_ref().map(|level| Covariance {
             level: *level,
             rows: rows(&possible[0].covariance),

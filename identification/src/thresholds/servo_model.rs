@@ -33,8 +33,8 @@ pub const RUN_OFFSETS_LEAVE: f64 = 0.25;
 
 /// Share of the squared errors beside noise that servos of the single runs leave at the most on the mean, for the servo to have changed between them.
 ///
-/// Protects: servos that have something the model lacks, such as a little play, which the shorter runs by themselves do not show, from being said to have changed. Evidence:
-/// the test of a servo that changed, and of one that did not and has play.
+/// Protects: servos that have something the model lacks, such as a linkage that is not linear, which the shorter runs by themselves do not show, from being said to have changed. Evidence:
+/// the test of a servo that changed, and of one that did not and is behind such a linkage.
 pub const RUNS_ALONE_LEAVE: f64 = 0.25;
 
 /// Advantage of the linear model over the servo model in the fit of parts that neither has seen, from which on the linear one is
@@ -67,7 +67,7 @@ pub const MOTION_NOISE_RATIO: f64 = 1.25;
 /// Protects: right servo models from being refused. Evidence: as for [`MOTION_NOISE_RATIO`].
 pub const MOTION_NOISE_CHANCE: f64 = 4.0;
 
-/// Probability below which errors of a servo model follow the command, or are those of play or of another part that the equation lacks: seven tests, of which
+/// Probability below which errors of a servo model follow the command, or are those of a part that the equation lacks: seven tests, of which
 /// one in a hundred right models fails any. So unlikely is also another servo beside which its errors are larger by chance.
 ///
 /// Protects: the intervals of servos outside of the model's class. Evidence: table "Measured coverage" of docs/servo-model.md. At 0.01 for each test,

@@ -92,7 +92,7 @@ fn a_linear_servo_that_rings_is_not_said_to_stop() {
 fn two_commands_beyond_a_stop_are_counted() {
     for stop in [3.5, 2.5] {
         let (travel_end, _) = stopped(stop, 0.2);
-        let said = "commands from 4 to 6 all end there (2 of them)";
+        let said = "commands from 4 to 6 all end about there (2 of them)";
         assert!(travel_end.contains(said), "{travel_end}");
     }
 }

@@ -64,6 +64,7 @@ pub const ROOMS: [(&str, &[&str]); 11] = [
             "dual",
             "equation",
             "stepper",
+            "start",
             "rest",
             "sloped_stepper",
             "simulation",

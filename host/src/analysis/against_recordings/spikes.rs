@@ -1,7 +1,7 @@
 //! Single rows of a recording that stand apart from their neighbours, as spikes of a sensor or of its line do.
 //!
 //! A motor cannot leave its course for one row: what a model misses goes on from row to row, and a spike does not. So the error of each row is held
-//! against the median of the six around it, two of which may be spikes too.
+//! against the median of the six around it, two of which may be spikes too. The reading itself stands apart there as well, at least by half of that: else it is the model that jumps.
 
 use servoid_identification::Run;
 use servoid_identification::column::median;
@@ -40,16 +40,27 @@ impl Spikes {
             .copied()
             .filter(|apart| !apart.is_nan());
         let usual = median(known.collect())?;
-        let is_spike = |apart: f64| apart > APART * usual;
-        let first = |run: &Vec<f64>| run.iter().position(|apart| is_spike(*apart));
+        let readings: Vec<Vec<f64>> = runs
+            .iter()
+            .map(|run| beside_neighbours(run.output()))
+            .collect();
+        let is_spike =
+            |(apart, reading): (f64, f64)| apart > APART * usual && reading > 0.5 * apart;
+        let apart: Vec<Vec<bool>> = (apart.iter().zip(&readings))
+            .map(|(run, readings)| {
+                let both = run.iter().copied().zip(readings.iter().copied());
+                both.map(is_spike).collect()
+            })
+            .collect();
+        let first = |run: &Vec<bool>| run.iter().position(|is_spike| *is_spike);
         let first = apart.iter().find_map(first)?;
         let rows = || apart.iter().flatten().zip(errors.iter().flatten());
-        let others = rows().filter(|(apart, error)| !error.is_nan() && !is_spike(**apart));
+        let others = rows().filter(|(is_spike, error)| !error.is_nan() && !**is_spike);
         let (count, squares) = others.fold((0.0, 0.0), |(count, squares), (_, error)| {
             (count + 1.0, squares + error * error)
         });
         Some(Self {
-            count: rows().filter(|(apart, _)| is_spike(**apart)).count(),
+            count: rows().filter(|(is_spike, _)| **is_spike).count(),
             first_s: first as f64 * period_s,
             left: (squares / count).sqrt(),
         })

@@ -165,7 +165,8 @@ fn fit(
     search: &dyn Watch,
 ) -> Result<ServoModelDocument, String> {
     let names = data.controllers.names();
-    let radians = match data.about.units().input {
+    let units = data.about.units();
+    let radians = |unit: Option<&str>| match unit {
         Some("deg") => Some(1f64.to_radians()),
         Some("rad") => Some(1.0),
         _ => None,
@@ -176,7 +177,8 @@ fn fit(
             .among(&names)
             .map_err(|error| error.to_string())?,
         level,
-        radians_per_command: radians,
+        radians_per_command: radians(units.input),
+        radians_per_output: radians(units.output),
         against: (linear.model().level().withdrawn()).filter(|reason| reason.is_of_the_record()),
         pulses: pulses(
             data.about.units(),

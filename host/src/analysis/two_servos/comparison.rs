@@ -61,6 +61,12 @@ pub fn compared(
     }
     found.advice.extend(a.about.other_calibration(&b.about));
     found.advice.extend(advice_on_sensors(sides, &options));
+    let runs = [a, b].map(|side| side.record.runs().len());
+    if found.verdict == Verdict::Different {
+        let lag_s = found.delay_shift_s.unwrap_or_default();
+        let waits = delay_errors::advice_on_waits(sides, runs[0].min(runs[1]), lag_s);
+        found.advice.splice(0..0, waits);
+    }
     Ok(found)
 }
 

@@ -86,5 +86,27 @@ pub(crate) fn advice(sides: [&ModelMetadata; 2]) -> Option<Advice> {
     ))
 }
 
+/// Runs from which on bounds contain what differs from run to run, such waits among them.
+const RUNS_WITH_WAITS: usize = 3;
+
+/// Of files of another program with few runs: that all times of each may have a wait for pulses in them that is its own.
+pub(super) fn advice_on_waits(
+    sides: [&ModelMetadata; 2],
+    fewest_runs: usize,
+    lag_s: f64,
+) -> Option<Advice> {
+    let are_of_rows = sides.iter().all(|side| side.pulse_frame_s.is_none());
+    (are_of_rows && fewest_runs < RUNS_WITH_WAITS).then(|| {
+        Advice::new(
+            Check::CommandEdges,
+            "Where pulses come on a clock of their own, commands wait for them, and under holds of whole frames each recording has one wait of its own in all of its times, of up to a \
+             frame: a difference in time of up to that, 20 ms as a rule, may be of these waits, and none of the servos.",
+            lag_s,
+            0.0,
+            "Change each command with the pulse, and write it in the row of that moment; or record three runs a side, whose bounds contain the waits.",
+        )
+    })
+}
+
 const ONE_SENSOR: &str =
     "Record both sides with one sensor and board, whose error is the same in both.";

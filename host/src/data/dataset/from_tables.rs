@@ -92,6 +92,9 @@ pub(super) fn from_table(
     about
         .remarks
         .extend(unit_in_doubt(names[0], &u).map(|remark| format!("{file}: {remark}")));
+    about
+        .remarks
+        .extend(grad_in_doubt(names[1]).map(|remark| format!("{file}: {remark}")));
     for (name, column) in [(input, &u), (output, &y)] {
         note_sentinel_value(&mut about, &file.to_string(), name, column);
     }
@@ -183,6 +186,14 @@ fn unit_in_doubt(name: &str, column: &[f64]) -> Option<String> {
     let doubt = pulse_widths::doubt(unit_of(name), least, largest)?;
     Some(format!(
         "column {name:?} {doubt}: if they are, put us into its name, as in command_us, since files for simulators follow the unit"
+    ))
+}
+
+/// That "grad" is a degree in German and 0.9 degrees elsewhere.
+fn grad_in_doubt(name: &str) -> Option<String> {
+    let unit = unit_of(name).filter(|unit| unit.eq_ignore_ascii_case("grad"))?;
+    Some(format!(
+        "column {name:?}: {unit} may be degrees or 0.9 degrees; put deg into its name where it is degrees, and speeds are said in s/60°, too"
     ))
 }
 

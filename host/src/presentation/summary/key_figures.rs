@@ -54,25 +54,18 @@ const OF_A_DIFFERENCE: [&str; KEY_FIGURES - 2] = [
 ];
 
 /// Of a servo as a machine: those that it has, in this order.
-const OF_A_MACHINE: [QuantityKind; 10] = [
+const OF_A_MACHINE: [QuantityKind; 11] = [
     QuantityKind::TopSpeedUpwards,
     QuantityKind::TopSpeedDownwards,
     QuantityKind::Delay,
     QuantityKind::Bandwidth,
+    QuantityKind::Play,
     QuantityKind::DampingRatio,
     QuantityKind::RestingError,
     QuantityKind::DeadBand,
     QuantityKind::Gain,
     QuantityKind::ErrorOfFullDrive,
     QuantityKind::Offset,
-];
-
-/// Those in which play of the gears shows, which no model has.
-const CHANGED_BY_PLAY: [QuantityKind; 4] = [
-    QuantityKind::Delay,
-    QuantityKind::Bandwidth,
-    QuantityKind::RestingError,
-    QuantityKind::DeadBand,
 ];
 
 /// What else two of them may differ in.
@@ -385,11 +378,11 @@ pub(crate) fn of_both(models: [&Model; 2], gain: &str) -> Vec<KeyFigure> {
 /// Share from which on two numbers without intervals are shown as different.
 const VISIBLY: f64 = 0.01;
 
-/// Whether it is one of the two that stand for each other at rest.
-fn is_dead_band_or_friction(pair: &QuantityPair) -> bool {
+/// Whether it is one of those that stand for each other at rest.
+fn is_of_rest(pair: &QuantityPair) -> bool {
     matches!(
         pair.kind(),
-        Some(QuantityKind::DeadBand | QuantityKind::RestingError)
+        Some(QuantityKind::DeadBand | QuantityKind::RestingError | QuantityKind::Play)
     )
 }
 
@@ -450,15 +443,9 @@ pub(crate) fn of_both_machines(
             value: with_unit(value, &unit),
             below: match (below, pair.a.and(pair.b)) {
                 (Some(below), _) => below + &loads(pair),
-                (None, Some(_)) => {
-                    let play = pair
-                        .kind()
-                        .is_some_and(|kind| CHANGED_BY_PLAY.contains(&kind));
-                    let play = if play { "; play changes it, too" } else { "" };
-                    format!("no interval{play}{}", loads(pair))
-                }
-                (None, None) if is_dead_band_or_friction(pair) => {
-                    "of one side only; dead band and friction rest alike".to_owned()
+                (None, Some(_)) => format!("no interval{}", loads(pair)),
+                (None, None) if is_of_rest(pair) => {
+                    "of one side only; dead band, friction and play rest alike".to_owned()
                 }
                 (None, None) => "of one side only".to_owned(),
             },
@@ -514,6 +501,7 @@ fn is_of_a_term(kind: QuantityKind) -> bool {
     matches!(
         kind,
         QuantityKind::DeadBand
+            | QuantityKind::Play
             | QuantityKind::RestingError
             | QuantityKind::LoadAtMiddle
             | QuantityKind::SpringOfLoad

@@ -118,6 +118,7 @@ fn the_coordinates_are_in_the_equation_as_the_page_says() {
             ("gain", of("gain") / of_loop),
             ("offset", of("offset")),
             ("dead_band", of("dead_band")),
+            ("play", of("play")),
             ("friction", of("friction") * k),
             ("friction_at_rest", of("friction_at_rest")),
             ("friction_of_gears", of("friction_of_gears")),

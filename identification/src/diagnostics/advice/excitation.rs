@@ -46,22 +46,27 @@ pub(super) fn excitation(evidence: &Evidence<'_>) -> Option<Advice> {
         return Some(excited_by_errors(evidence, errors, unexcited));
     }
     if let Some([from, to]) = evidence.model.band_hz() {
+        let (what, remedy) = match smooth_runs(evidence) {
+            Some(runs) if runs > 2 => ("these runs determine their mean", MORE_RUNS),
+            _ => ("the reference determines the response", ""),
+        };
         return Some(Advice::new(
             Check::Excitation,
             format!(
-                "No bounds of the step response can be given, because the reference determines the response from {from:.2} to {to:.1} Hz alone, and much of \
+                "No bounds of the step response can be given, because {what} from {from:.2} to {to:.1} Hz alone, and much of \
                  the detail of a step is above. What is shown of a step is a picture, made from the {} lowest frequencies.",
                 evidence.model.structure.frequencies
             ),
             to,
             highest,
-            sharper(highest),
+            format!("{remedy}{}", sharper(highest)),
         ));
     }
     let (frequencies, remedy) = lacking(unexcited, highest);
-    let (of_runs, each_run) = match is_smooth_in_two_runs(evidence) {
-        true => (TWO_RUNS, EACH_RUN),
-        false => ("", ""),
+    let (of_runs, each_run) = match smooth_runs(evidence) {
+        Some(2) => (TWO_RUNS, EACH_RUN),
+        Some(3..) => (SEVERAL_RUNS, MORE_RUNS),
+        _ => ("", ""),
     };
     Some(Advice::new(
         Check::Excitation,
@@ -82,11 +87,19 @@ const TWO_RUNS: &str = " Where two runs of such a reference differ by more than 
 const EACH_RUN: &str =
     "Record a third run; or identify each by itself, and look at how far the answers lie apart. ";
 
-/// Whether the record has two runs of a smooth reference.
-fn is_smooth_in_two_runs(evidence: &Evidence<'_>) -> bool {
+/// Said of more runs, none of which by itself is said to lack power.
+const SEVERAL_RUNS: &str = " Bounds of several runs are those of their mean, and contain how the servo differs from run to run: few runs show that by several times as much as it is.";
+
+/// What to do about it.
+const MORE_RUNS: &str = "Bounds of few runs are wide where these differ, by a few percent of gain or parts of a millisecond: record more of them, or identify one run by itself, whose bounds are those of that run alone, \
+                         and may reach several times as far up. ";
+
+/// How many runs of a smooth reference the record has; `None` of another one.
+fn smooth_runs(evidence: &Evidence<'_>) -> Option<usize> {
     let excitation = evidence.explanation.excitation.as_ref();
-    let runs = evidence.recorded.map_or(0, |record| record.runs().len());
-    excitation.is_some_and(Excitation::is_smooth) && runs == 2
+    let is_smooth = excitation.is_some_and(Excitation::is_smooth);
+    let runs = evidence.recorded.map(|record| record.runs().len());
+    runs.filter(|_| is_smooth)
 }
 
 /// That commands with such `errors` may have been without, and then excite nothing of what these do.

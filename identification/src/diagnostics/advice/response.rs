@@ -216,7 +216,7 @@ pub(super) fn travel_end(evidence: &Evidence<'_>, which: usize) -> Option<Advice
         ));
     }
     let commands = format!(
-        "commands from {first} to {last} all end there ({} of them)",
+        "commands from {first} to {last} all end about there ({} of them)",
         found.count
     );
     Some(Advice::new(

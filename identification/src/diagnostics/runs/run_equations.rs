@@ -4,7 +4,6 @@ use faer::Mat;
 
 use crate::data::Run;
 use crate::estimation::noise_filter;
-use crate::results::Model;
 
 /// Fewer rows do not characterise a run.
 const FEWEST_ROWS: usize = 30;
@@ -15,19 +14,23 @@ pub(super) struct RunEquations {
     pub(super) normal: Mat<f64>,
     /// Products of each column with the errors.
     pub(super) right: Vec<f64>,
+    /// Sum of the squared errors.
+    pub(super) square: f64,
+    /// How many rows.
+    pub(super) rows: usize,
 }
 
 impl RunEquations {
-    /// Of columns with a value for each sample of `run`, whose output the model `simulated`. Rows with a NaN are left out; `None` for a run
+    /// Of columns with a value for each sample of `run`, whose output the model `simulated`, with the noise filter `ar`. Rows with a NaN are left out; `None` for a run
     /// that has too few others.
     pub(super) fn of(
-        model: &Model,
+        ar: &[f64],
         run: &Run,
         simulated: &[f64],
         columns: &[Vec<f64>],
     ) -> Option<Self> {
-        let order = model.noise.ar.len();
-        let d = noise_filter(&model.noise.ar);
+        let order = ar.len();
+        let d = noise_filter(ar);
         let filtered = |k: usize, value: &dyn Fn(usize) -> f64| -> f64 {
             d.iter().enumerate().map(|(i, d)| d * value(k - i)).sum()
         };
@@ -35,7 +38,7 @@ impl RunEquations {
         let size = columns.len() + 1;
         let mut normal = Mat::<f64>::zeros(size, size);
         let mut right = vec![0.0; size];
-        let mut rows = 0;
+        let (mut rows, mut square) = (0, 0.0);
         let mut row = vec![gain; size];
         for k in order..run.len() {
             for (x, column) in row.iter_mut().zip(columns) {
@@ -46,6 +49,7 @@ impl RunEquations {
                 continue;
             }
             rows += 1;
+            square += error * error;
             for i in 0..size {
                 right[i] += row[i] * error;
                 for j in 0..size {
@@ -53,7 +57,12 @@ impl RunEquations {
                 }
             }
         }
-        (rows >= FEWEST_ROWS).then_some(Self { normal, right })
+        (rows >= FEWEST_ROWS).then_some(Self {
+            normal,
+            right,
+            square,
+            rows,
+        })
     }
 
     /// The same where the constant was eliminated: whatever offset the run has.
@@ -67,6 +76,7 @@ impl RunEquations {
             right: (0..last)
                 .map(|i| self.right[i] - share(i) * self.right[last])
                 .collect(),
+            ..*self
         }
     }
 }

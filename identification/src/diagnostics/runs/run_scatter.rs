@@ -184,7 +184,10 @@ impl Estimated {
             false => f64::NAN,
         };
         let columns = [moved, (0..run.len()).map(slope).collect()];
-        let RunEquations { normal, right } = RunEquations::of(model, run, &simulated, &columns)?;
+        let band = model.band_estimate.as_ref();
+        let ar = band.map_or(&model.noise.ar, |estimate| &estimate.ar);
+        let equations = RunEquations::of(ar, run, &simulated, &columns)?;
+        let RunEquations { normal, right, .. } = &equations;
         let scale: Vec<f64> = (0..QUANTITIES)
             .map(|i| normal[(i, i)].sqrt().recip())
             .collect();
@@ -195,12 +198,20 @@ impl Estimated {
         let right: Vec<f64> = right.iter().zip(&scale).map(|(r, s)| r * s).collect();
         let x = backward_solve(&lower, &forward_solve(&lower, &right));
         let inverse = inverse_of_lower(&lower);
+        // The few frequencies of a model of a band are a picture, whose errors are no noise of the servo: they count as the run leaves them.
+        let explained = dot(&x, &right);
+        let sigma = match band {
+            None => model.noise.sigma,
+            Some(_) => {
+                ((equations.square - explained) / (equations.rows - QUANTITIES) as f64).sqrt()
+            }
+        };
         let units = [100.0, model.sample_period_s, 1.0];
         Some(Self {
             run: number,
             quantities: std::array::from_fn(|i| RunQuantity {
                 value: units[i] * x[i] * scale[i],
-                sd: units[i] * model.noise.sigma * scale[i] * inverse.col(i).norm_l2(),
+                sd: units[i] * sigma * scale[i] * inverse.col(i).norm_l2(),
             }),
         })
     }

@@ -97,7 +97,7 @@ fn equations(
         let impulse = fit.coordinates.impulse(change);
         causal_filter(&impulse, run.input(), run.input_at_rest())
     });
-    let found = RunEquations::of(model, run, &model.simulate(run), &columns)?;
+    let found = RunEquations::of(&model.noise.ar, run, &model.simulate(run), &columns)?;
     Some(found.without_constant())
 }
 

@@ -70,18 +70,17 @@ fn a_long_stroke_reaches_the_top_speed_of_the_equation() {
 }
 
 #[test]
-fn backlash_lies_between_rests_from_below_and_above() {
+fn play_lies_between_rests_from_below_and_above() {
     let overdamped = |truth: &Truth| {
         let p = physics(truth);
         p.damping > 2.1 * p.stiffness.sqrt() && p.dead_band.is_none() && p.friction.is_none()
     };
-    let mut drawn = (0..).map(|seed| servo(Kind::Backlash, seed));
+    let mut drawn = (0..).map(|seed| servo(Kind::Play, seed));
     let truth = drawn.find(overdamped).expect("endless");
-    let Beyond::Backlash { width } = truth.beyond else {
-        unreachable!("kind")
-    };
-    // Small strokes, so that no limit of the drive lets the shaft overshoot.
-    let found = rests(&truth, &[-0.3, 0.0, 0.3, 0.0]);
+    let width = physics(&truth).play.unwrap();
+    // Small strokes, so that no limit of the drive lets the shaft overshoot, and larger ones than the play.
+    let end = 0.3 + width;
+    let found = rests(&truth, &[-end, 0.0, end, 0.0]);
     // What is left of the stroke after 0.8 s at 25 rad/s or more.
     assert!(
         (found[3] - found[1] - width).abs() < 1e-4,

@@ -2,7 +2,7 @@
 
 use super::truth::{Beyond, Truth};
 use crate::servo_model::descent::coordinates::{
-    Coordinate, FRICTION_SPEED_SHARE, LoadKind, Point, Terms,
+    ArmTurn, Coordinate, FRICTION_SPEED_SHARE, LoadKind, Point, Terms,
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -32,8 +32,9 @@ pub(super) enum Kind {
     FrictionOfGears,
     /// Within the class too: friction at rest is half gone at another speed than the fit begins with.
     FrictionAtLowSpeed,
+    /// Within the class too: play between the shaft and the output.
+    Play,
     Stiction,
-    Backlash,
     CurrentLimit,
     DriveLag,
     QuantisedDrive,
@@ -51,8 +52,8 @@ impl Kind {
         Self::UnequalLimits,
         Self::FrictionOfGears,
         Self::FrictionAtLowSpeed,
+        Self::Play,
         Self::Stiction,
-        Self::Backlash,
         Self::CurrentLimit,
         Self::DriveLag,
         Self::QuantisedDrive,
@@ -70,13 +71,11 @@ impl Kind {
             | Self::DeadBandAndFriction
             | Self::UnequalLimits
             | Self::FrictionOfGears
-            | Self::FrictionAtLowSpeed => Beyond::Nothing,
+            | Self::FrictionAtLowSpeed
+            | Self::Play => Beyond::Nothing,
             Self::Stiction => Beyond::Stiction {
                 excess: between(0.5, 2.0),
                 until: top_speed * between(0.002, 0.02),
-            },
-            Self::Backlash => Beyond::Backlash {
-                width: STROKE * between(0.005, 0.02),
             },
             Self::CurrentLimit => Beyond::CurrentLimit {
                 share: between(0.4, 0.8),
@@ -105,8 +104,8 @@ impl fmt::Display for Kind {
             Self::UnequalLimits => "unequal limits",
             Self::FrictionOfGears => "friction of the gears",
             Self::FrictionAtLowSpeed => "friction at low speed",
+            Self::Play => "play",
             Self::Stiction => "stiction",
-            Self::Backlash => "backlash",
             Self::CurrentLimit => "current limit",
             Self::DriveLag => "drive lag",
             Self::QuantisedDrive => "quantised drive",
@@ -161,6 +160,7 @@ pub(super) fn servo(kind: Kind, seed: u64) -> Truth {
         Coordinate::MotorShare => share,
         Coordinate::LnDownToUp => between(-0.4, 0.4),
         Coordinate::DeadBand => between(0.1, 0.4),
+        Coordinate::Play => STROKE * between(0.005f64.ln(), 0.1f64.ln()).exp(),
         Coordinate::Friction => between(0.05, 0.3),
         Coordinate::FrictionAtRest => between(0.0, 1.0),
         Coordinate::FrictionOfGears => between(0.05, 0.35),
@@ -173,7 +173,7 @@ pub(super) fn servo(kind: Kind, seed: u64) -> Truth {
         terms,
         values: coordinates.iter().map(&mut value).collect(),
         coordinates,
-        radians: 1f64.to_radians(),
+        arm: ArmTurn::OfCommand(1f64.to_radians()),
         friction_speed_share,
         run_offsets: Vec::new(),
         stops: Stops::default(),
@@ -194,6 +194,7 @@ fn terms(kind: Kind, seed: u64) -> Terms {
         one_stiffness: kind == Kind::UnequalLimits,
         speed_limit: kind == Kind::CutOffSpeed,
         dead_band: seed % 3 == 1 || has_both,
+        play: kind == Kind::Play,
         friction: seed % 3 == 2
             || matches!(
                 kind,

@@ -24,11 +24,6 @@ pub(super) enum Beyond {
         /// Speed \[units of the command for each second\].
         until: f64,
     },
-    /// Play between the shaft, which the controller senses, and what is measured.
-    Backlash {
-        /// From one end of it to the other \[units of the command\].
-        width: f64,
-    },
     /// The motor's torque is limited, so that the acceleration at low speed is less than full drive gives.
     CurrentLimit {
         /// The largest torque, as a share of full drive at standstill.
@@ -264,9 +259,7 @@ impl Machine {
 
     /// The measured angle: carried along by the ends of the play.
     fn measured(&self, angle: f64, before: f64) -> f64 {
-        match self.beyond {
-            Beyond::Backlash { width } => before.clamp(angle - 0.5 * width, angle + 0.5 * width),
-            _ => angle,
-        }
+        let half_play = self.p.half_play();
+        before.clamp(angle - half_play, angle + half_play)
     }
 }

@@ -46,7 +46,7 @@ impl<'w> Descent<'w> {
             find_starts(parts, &point, &self.grid);
             self.problem(parts).descend(&mut point, STEPS);
         }
-        if point.terms.friction || point.terms.dead_band {
+        if point.terms.friction || point.terms.dead_band || point.terms.play {
             self.problem(parts).descend_around(&mut point, STEPS);
         }
         point

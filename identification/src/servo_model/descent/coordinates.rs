@@ -36,6 +36,8 @@ pub enum Coordinate {
     LnAcceleration,
     /// w \[units of the command\].
     DeadBand,
+    /// b, the whole width \[units of the command\].
+    Play,
     /// C/k \[units of the command\].
     Friction,
     /// s: friction at rest is 1 + s times that at speed.
@@ -62,7 +64,7 @@ pub enum Coordinate {
 use Coordinate::{
     AirFrom, AirStiffening, ConstantLoad, DeadBand, Delay, FrictionAtRest, FrictionOfGears, Gain,
     Gravity, GravityFrom, LnAcceleration, LnDamping, LnDownToUp, LnOwnStiffness, LnSpeedLimit,
-    LnStiffness, LnTopSpeed, MotorShare, Offset, Spring,
+    LnStiffness, LnTopSpeed, MotorShare, Offset, Play, Spring,
 };
 
 /// ωs B/A+, the speed at which half of the excess of friction at rest is gone, as a share of the top speed. Records hardly show
@@ -107,7 +109,7 @@ impl Coordinate {
             FrictionOfGears => (0.0, 0.9),
             Spring => (-4.0, 0.9),
             LnDownToUp | LnOwnStiffness(_) => (-4.0, 4.0),
-            DeadBand | Coordinate::Friction | FrictionAtRest => (0.0, f64::INFINITY),
+            DeadBand | Play | Coordinate::Friction | FrictionAtRest => (0.0, f64::INFINITY),
             Gain | Offset | ConstantLoad | Gravity | GravityFrom | AirStiffening | AirFrom => {
                 (f64::NEG_INFINITY, f64::INFINITY)
             }
@@ -130,6 +132,9 @@ pub struct Terms {
     pub speed_limit: bool,
     /// The controller has a dead band.
     pub dead_band: bool,
+    /// The output has play.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub play: bool,
     /// There is friction.
     pub friction: bool,
     /// It grows with the torque through the gears. Only with friction.
@@ -200,6 +205,7 @@ impl Terms {
         with(self.limit && !self.speed_limit, &[LnTopSpeed, MotorShare]);
         with(self.two_speeds, &[LnDownToUp]);
         with(self.dead_band, &[DeadBand]);
+        with(self.play, &[Play]);
         with(self.friction, &[Coordinate::Friction, FrictionAtRest]);
         with(self.friction_of_gears, &[FrictionOfGears]);
         match self.load {
@@ -215,14 +221,38 @@ impl Terms {
     }
 }
 
+/// How far an arm on the shaft turns.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum ArmTurn {
+    /// Radians for each unit of the command.
+    OfCommand(f64),
+    /// Radians for each unit of the output, which is an angle: the gain makes those of the command of it.
+    OfOutput(f64),
+}
+
+impl ArmTurn {
+    /// By the output, where that is an angle.
+    pub(crate) fn of(per_command: f64, per_output: Option<f64>) -> Self {
+        per_output.map_or(Self::OfCommand(per_command), Self::OfOutput)
+    }
+
+    /// Radians for each unit of the command, of a servo with this gain.
+    pub(crate) fn radians<S: Scalar>(self, gain: S) -> S {
+        match self {
+            Self::OfCommand(radians) => S::constant(radians),
+            Self::OfOutput(radians) => gain.abs() * radians,
+        }
+    }
+}
+
 /// A point of the search: terms, their coordinates, and the values of these.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Point {
     pub(crate) terms: Terms,
     pub(crate) coordinates: Vec<Coordinate>,
     pub(crate) values: Vec<f64>,
-    /// Radians for each unit of the command.
-    pub(crate) radians: f64,
+    /// How far an arm on the shaft turns.
+    pub(crate) arm: ArmTurn,
     /// The speed at which half of the excess of friction at rest is gone, as a share of the top speed.
     pub(crate) friction_speed_share: f64,
     /// What the offset of each run is above the common one \[output\]; empty where all runs have the same.
@@ -260,7 +290,7 @@ impl Point {
             terms,
             values: coordinates.iter().map(value).collect(),
             coordinates,
-            radians: self.radians,
+            arm: self.arm,
             friction_speed_share: self.friction_speed_share,
             run_offsets: self.run_offsets.clone(),
             stops: self.stops,
@@ -335,6 +365,7 @@ impl Point {
             limit: of_motor.or_else(|| find(LnAcceleration).map(alike)),
             speed_limit,
             dead_band: find(DeadBand),
+            play: find(Play),
             friction: find(Coordinate::Friction).map(|width| Friction {
                 coulomb: width * shared,
                 of_gears: get(FrictionOfGears),
@@ -346,7 +377,7 @@ impl Point {
                 LoadKind::Pendulum | LoadKind::TiltedPendulum => Load::Pendulum {
                     gravity: get(Gravity) * shared,
                     from: get(GravityFrom),
-                    radians: self.radians,
+                    radians: self.arm.radians(get(Gain) / of_loop),
                 },
                 LoadKind::Spring => Load::Spring {
                     constant,

@@ -303,7 +303,9 @@ fn huber_weight(error: f64, clip: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::data::{Record, Run};
-    use crate::servo_model::descent::coordinates::{Coordinate, FRICTION_SPEED_SHARE, Terms};
+    use crate::servo_model::descent::coordinates::{
+        ArmTurn, Coordinate, FRICTION_SPEED_SHARE, Terms,
+    };
     use crate::servo_model::stretches::stretches;
     use servoid_dynamics::Stops;
 
@@ -334,7 +336,7 @@ mod tests {
             terms: Terms::default(),
             values: coordinates.iter().map(value).collect(),
             coordinates,
-            radians: 1.0,
+            arm: ArmTurn::OfCommand(1.0),
             friction_speed_share: FRICTION_SPEED_SHARE,
             run_offsets: vec![0.2, -0.2],
             stops: Stops {

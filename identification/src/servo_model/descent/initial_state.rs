@@ -28,8 +28,40 @@ pub(crate) fn find_starts(stretches: &mut [Stretch], point: &Point, grid: &Grid)
     for stretch in stretches {
         if stretch.at_rest.is_none() && in_motion(stretch, grid.period_s) {
             stretch.start = in_motion_start(stretch, point, grid);
+        } else if point.terms.play {
+            stretch.start.in_play = place_in_play(stretch, point, grid);
         }
     }
+}
+
+/// Places of the shaft in its play that are tried.
+const PLACES: [f64; 5] = [-1.0, -0.5, 0.0, 0.5, 1.0];
+
+/// Time after the first command of a stretch in which a shaft crosses its play \[s\].
+const CROSSED_S: f64 = 0.2;
+
+/// Where in its play the shaft is at the beginning of a stretch, as its answer to the first command shows it.
+fn place_in_play(stretch: &Stretch, point: &Point, grid: &Grid) -> f64 {
+    let physics = point.servo_of(stretch, |_, value| value);
+    let before = stretch.at_rest.unwrap_or(stretch.input[0]);
+    let held = (stretch.input.iter()).take_while(|u| **u == before).count();
+    let longest = ((physics.delay_s + CROSSED_S) / grid.period_s) as usize;
+    let window = (held + longest + 1).min(stretch.input.len());
+    let cost = |in_play: f64| {
+        let start = Start {
+            in_play,
+            ..stretch.start
+        };
+        let mut cost = 0.0;
+        simulate(&physics, grid, &start, &stretch.input[..window], |k, y| {
+            let error = stretch.output[k] - y;
+            cost += if error.is_nan() { 0.0 } else { error * error };
+        });
+        cost
+    };
+    let costs = PLACES.map(|place| (cost(place), place));
+    let lowest = costs.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+    lowest.map_or(0.0, |(_, place)| place)
 }
 
 /// Whether the first samples rise or fall by more than their noise.
@@ -112,10 +144,16 @@ fn in_motion_start(stretch: &Stretch, point: &Point, grid: &Grid) -> Start<f64> 
             output: best[0],
             rate: best[1],
             command_before: Some(best[2]),
+            in_play: in_play(best[1], physics.gain),
         }
     } else {
         Start::at_rest(stretch.output[0], None)
     }
+}
+
+/// Where a shaft is in its play that takes the output along at `rate`.
+fn in_play(rate: f64, gain: f64) -> f64 {
+    (rate * gain).signum()
 }
 
 /// Sum of squared errors over the window, and the step that lowers it.
@@ -132,6 +170,7 @@ fn gauss_newton(
         output,
         rate,
         command_before: Some(command),
+        in_play: in_play(rate.value, physics.gain.value),
     };
     let mut normal = Mat::<f64>::zeros(3, 3);
     let (mut gradient, mut cost) = (vec![0.0; 3], 0.0);

@@ -3,7 +3,7 @@
 //! The surface has poor minima, such as a long delay in place of a slow drive. From a few dozen points of a coarse grid,
 //! with a few steps each, the good valley is found.
 
-use super::coordinates::{Coordinate, FRICTION_SPEED_SHARE, Point, Terms};
+use super::coordinates::{ArmTurn, Coordinate, FRICTION_SPEED_SHARE, Point, Terms};
 use super::fit::Problem;
 use crate::servo_model::stretches::Stretch;
 use servoid_dynamics::{PulseEnd, Stops};
@@ -98,9 +98,10 @@ impl Shown {
     }
 
     /// A value for a coordinate that a servo did not have before.
-    pub(crate) fn fresh(&self, coordinate: Coordinate, radians: f64) -> f64 {
+    pub(crate) fn fresh(&self, coordinate: Coordinate, arm: ArmTurn) -> f64 {
         match coordinate {
             Coordinate::DeadBand => 0.005 * self.spread,
+            Coordinate::Play => 0.01 * self.spread,
             Coordinate::Friction => 0.01 * self.spread,
             Coordinate::FrictionAtRest => 0.3,
             Coordinate::FrictionOfGears => 0.1,
@@ -108,7 +109,10 @@ impl Shown {
             Coordinate::LnAcceleration => (self.top_speed / SPEED_AFTER_S).ln(),
             Coordinate::MotorShare => 0.5,
             Coordinate::Spring => 0.05,
-            Coordinate::Gravity => 0.01 * self.spread / (self.spread * radians).min(1.0).sin(),
+            Coordinate::Gravity => {
+                0.01 * self.spread / (self.spread * arm.radians(self.gain)).min(1.0).sin()
+            }
+            Coordinate::GravityFrom => -self.middle,
             Coordinate::AirStiffening => 0.01 / self.spread,
             Coordinate::AirFrom => self.middle - 0.5 * self.spread,
             _ => 0.0,
@@ -122,7 +126,7 @@ impl Shown {
         controllers: usize,
         bandwidth: f64,
         delay_s: f64,
-        (radians, run_offsets): (f64, &[f64]),
+        (arm, run_offsets): (ArmTurn, &[f64]),
     ) -> Point {
         let coordinates = terms.coordinates(controllers);
         let value = |at: &Coordinate| match at {
@@ -131,13 +135,13 @@ impl Shown {
             Coordinate::LnDamping => (1.5 * bandwidth).ln(),
             Coordinate::Gain => self.gain,
             Coordinate::Offset => self.offset,
-            other => self.fresh(*other, radians),
+            other => self.fresh(*other, arm),
         };
         Point {
             terms,
             values: coordinates.iter().map(value).collect(),
             coordinates,
-            radians,
+            arm,
             friction_speed_share: FRICTION_SPEED_SHARE,
             run_offsets: run_offsets.to_vec(),
             stops: self.stops,
@@ -168,14 +172,14 @@ fn strongest_slope(stretches: &[Stretch], mean_u: f64, mean_y: f64) -> f64 {
     best.1
 }
 
-/// The best servo with these terms that is found from the grid. `terms` has no more than a limit and two speeds; `own` are the radians
-/// for each unit of the command and the offsets of the runs.
+/// The best servo with these terms that is found from the grid. `terms` has no more than a limit and two speeds; `own` are how far
+/// an arm turns and the offsets of the runs.
 pub(crate) fn search(
     problem: &Problem<'_>,
     shown: &Shown,
     terms: Terms,
     controllers: usize,
-    own: (f64, &[f64]),
+    own: (ArmTurn, &[f64]),
 ) -> Point {
     let mut found: Vec<(f64, Point)> = grid(shown, terms, controllers, own)
         .into_iter()
@@ -209,14 +213,14 @@ pub(crate) fn other_starts(point: &Point, problem: &Problem<'_>, shown: &Shown) 
     }
     if point.terms.friction {
         let at_rest = Coordinate::FrictionAtRest;
-        starts.push(with(at_rest, shown.fresh(at_rest, point.radians)));
+        starts.push(with(at_rest, shown.fresh(at_rest, point.arm)));
     }
     starts
 }
 
 /// Bandwidths from slow to fast, short and long delays, and for a limited drive the top speed below and above the
 /// steepest stroke, with more or less of the damping in the motor, and far above it with hardly any: a motor that only its acceleration limits.
-fn grid(shown: &Shown, terms: Terms, controllers: usize, own: (f64, &[f64])) -> Vec<Point> {
+fn grid(shown: &Shown, terms: Terms, controllers: usize, own: (ArmTurn, &[f64])) -> Vec<Point> {
     let mut points = Vec::new();
     for bandwidth in [2.0, 6.0, 16.0, 40.0, 90.0] {
         for delay_s in [0.5 * shown.period_s, 0.03] {

@@ -8,19 +8,18 @@ use crate::servo_model::quantities::quantity_kind::QuantityKind;
 /// Friction that holds rests so many times as far apart as those of the record are is shown by nothing.
 const UNSHOWN: f64 = 2.0;
 
-/// Rests that are farther apart in the record than the model shows why, or than it is sure to show why: it has friction and a dead band, but no play of
-/// the gears.
+/// Rests that are farther apart in the record than friction, dead band and play of the model make them, or than these are sure to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UnexplainedHysteresis {
     /// Between rests under one command, the farthest in the record \[output\]; `None` where it shows only that they depend on the direction of approach.
     pub shown: Option<f64>,
-    /// What friction and dead band of the model make of it at the most \[output\]: those of the fit, whether or not the record determines each by
+    /// What friction, dead band and play of the model make of it at the most \[output\]: those of the fit, whether or not the record determines each by
     /// itself, because a file has them as well.
     pub explained: f64,
 }
 
 impl ServoModel {
-    /// The hysteresis of the record, where friction and dead band of the model do not make as much, or where errors that are not noise show that
+    /// The hysteresis of the record, where friction, dead band and play of the model do not make as much, or where errors that are not noise show that
     /// they are not all. Where the load stalls the drive, a servo stays where it came from, and that is in the model.
     #[must_use]
     pub fn unexplained_hysteresis(&self) -> Option<UnexplainedHysteresis> {
@@ -36,7 +35,7 @@ impl ServoModel {
         })
     }
 
-    /// How far off the middle friction and a dead band of the model hold the shaft under the commands of the record, where they do most \[units of the command\]. Friction of
+    /// How far off the middle friction, a dead band and play of the model hold the output under the commands of the record, where they do most \[units of the command\]. Friction of
     /// gears under load holds it farther than without. A command under which the load stalls the drive has no such rest. Of a file without its
     /// commands, under command 0.
     #[must_use]
@@ -63,7 +62,7 @@ impl ServoModel {
                 let [low, high] = servo.staying_angles(command);
                 0.5 * (high - low)
             });
-        held.fold(0.0, f64::max)
+        held.fold(0.0, f64::max) + servo.half_play()
     }
 
     /// How far apart that lets rests under one command be \[output\].
@@ -82,7 +81,7 @@ impl ServoModel {
             .then(|| halved(least, largest, |command| of_least * load(command) > 0.0))
     }
 
-    /// How far apart friction and dead band of the model may hold rests under one command \[output\], where nothing in the record shows as much: its rests are not half as far apart, and no interval holds
+    /// How far apart friction, dead band and play of the model may hold rests under one command \[output\], where nothing in the record shows as much: its rests are not half as far apart, and no interval holds
     /// what the model has. Strokes of less may leave the model where it is.
     #[must_use]
     pub fn held_without_evidence(&self) -> Option<f64> {

@@ -17,7 +17,9 @@ use crate::error::Error;
 use crate::nonlinear::{MissedRest, SpeedLimits};
 use crate::numerics::not_negative;
 use crate::results::{Bounds, Interval, Noise, Reason, Validation, pointwise_critical};
-use crate::servo_model::descent::coordinates::{Coordinate, FRICTION_SPEED_SHARE, Point, Terms};
+use crate::servo_model::descent::coordinates::{
+    ArmTurn, Coordinate, FRICTION_SPEED_SHARE, Point, Terms,
+};
 use crate::servo_model::descent::initial_state::find_starts;
 use crate::servo_model::descent::step::MOST;
 use crate::servo_model::motion::command_range::CommandRange;
@@ -47,6 +49,9 @@ pub struct ServoModel {
     pub controllers: usize,
     /// Radians for each unit of the command, which a load that turns with the shaft needs.
     pub radians_per_command: f64,
+    /// Radians for each unit of the output, where that is an angle: those of the command are its product with the gain, whatever that is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub radians_per_output: Option<f64>,
     /// The coordinates of the fit, in the order of `values` and of the covariance.
     pub coordinates: Vec<Coordinate>,
     /// Their values.
@@ -282,6 +287,7 @@ fn start_at_rest(servo: &ServoParameters<Dual<MOST>>, command: Dual<MOST>) -> St
         output: angle * servo.gain + servo.offset,
         rate: Dual::constant(0.0),
         command_before: Some(command),
+        in_play: 0.0,
     }
 }
 
@@ -299,7 +305,7 @@ impl ServoModel {
             terms,
             coordinates: coordinates.to_vec(),
             values: values.to_vec(),
-            radians: self.radians_per_command,
+            arm: ArmTurn::of(self.radians_per_command, self.radians_per_output),
             friction_speed_share: self.friction_speed_share,
             run_offsets: Vec::new(),
             stops: self.stops,
@@ -340,7 +346,7 @@ impl ServoModel {
     }
 
     /// The response of the servo with the controller number `controller` (from 0) to `input`, from rest at the first
-    /// command: in the middle of where it may rest. The band holds the responses of all servos that the record does not distinguish, from wherever friction or a dead band
+    /// command: in the middle of where it may rest. The band holds the responses of all servos that the record does not distinguish, from wherever friction, a dead band or play
     /// may hold them at first, at each point by itself. It is withdrawn where the command runs ahead of the servo by a quarter more than in the record: what happens there
     /// did not show. To each side it is no wider than the commands of the record go: linearised in a load that the motion hardly met, it would be.
     #[must_use]
@@ -378,21 +384,28 @@ impl ServoModel {
         }
     }
 
-    /// The responses from the two angles that are farthest apart among those at which the shaft stays under the first command; none where it has one rest.
+    /// The responses from the two rests that are farthest apart among those under the first command: the shaft at either end of the angles at which it stays, and the output
+    /// half the play beyond, as it is where the shaft came from there. None where it has one rest.
     fn responses_from_farthest_rests(&self, input: &[f64], controller: usize) -> Vec<Vec<f64>> {
         let (physics, Some(first)) = (self.parameters(controller), input.first()) else {
             return Vec::new();
         };
         let [low, high] = physics.staying_angles(*first);
-        let ends = [low, high].into_iter().filter(|_| low < high);
-        let from = |angle: f64| {
-            let start = Start::at_rest(angle * physics.gain + physics.offset, Some(*first));
+        let half_play = physics.half_play();
+        let has_rests = low < high || half_play > 0.0;
+        let ends = [(low, 1.0), (high, -1.0)].into_iter();
+        let from = |(angle, in_play): (f64, f64)| {
+            let shown = angle - in_play * half_play;
+            let start = Start {
+                in_play,
+                ..Start::at_rest(shown * physics.gain + physics.offset, Some(*first))
+            };
             let mut value = Vec::new();
             let grid = self.grid(self.timing());
             simulate(&physics, &grid, &start, input, |_, y| value.push(y));
             value
         };
-        ends.map(from).collect()
+        ends.filter(|_| has_rests).map(from).collect()
     }
 
     /// Sample period and phase.
@@ -539,6 +552,7 @@ impl ServoModel {
         self.sample_period_s > 0.0
             && (1..=MOST_CONTROLLERS).contains(&self.controllers)
             && self.radians_per_command.is_finite()
+            && self.radians_per_output.is_none_or(f64::is_finite)
             && self.stops.have_travel()
             && (self.pulse_end)
                 .is_none_or(|end| end.later_s(0.0).is_finite() && end.s_per_command.is_finite())

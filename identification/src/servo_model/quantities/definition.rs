@@ -126,6 +126,12 @@ pub(super) const DEFINITIONS: &[Definition] = &[
         |p, _| p.dead_band,
     ),
     define(
+        QuantityKind::Play,
+        Unit::Output,
+        Domain::NotNegative,
+        |p, _| p.play.map(|width| width * p.gain.abs()),
+    ),
+    define(
         QuantityKind::RestingError,
         Unit::Command,
         Domain::NotNegative,

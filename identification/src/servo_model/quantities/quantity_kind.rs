@@ -25,6 +25,8 @@ pub enum QuantityKind {
     ErrorOfFullDrive,
     /// To each side.
     DeadBand,
+    /// Of the gears, the whole width.
+    Play,
     /// What friction leaves of an error.
     RestingError,
     /// Relative to that in motion.
@@ -40,7 +42,7 @@ pub enum QuantityKind {
 }
 
 /// All of them.
-const ALL: [QuantityKind; 17] = [
+const ALL: [QuantityKind; 18] = [
     QuantityKind::Delay,
     QuantityKind::Gain,
     QuantityKind::Offset,
@@ -52,6 +54,7 @@ const ALL: [QuantityKind; 17] = [
     QuantityKind::AccelerationDownwards,
     QuantityKind::ErrorOfFullDrive,
     QuantityKind::DeadBand,
+    QuantityKind::Play,
     QuantityKind::RestingError,
     QuantityKind::FrictionAtRest,
     QuantityKind::FrictionOfGears,
@@ -76,6 +79,7 @@ impl QuantityKind {
     /// What shows where the servo rests. The friction at rest is no such quantity: how soon it is gone in motion no recording shows.
     pub const OF_REST: &[Self] = &[
         Self::DeadBand,
+        Self::Play,
         Self::RestingError,
         Self::FrictionOfGears,
         Self::LoadAtMiddle,
@@ -86,7 +90,12 @@ impl QuantityKind {
     ];
 
     /// What holds the servo off its command, whichever side it comes from, as far as a recording shows it.
-    pub const OF_FRICTION: &[Self] = &[Self::DeadBand, Self::RestingError, Self::FrictionOfGears];
+    pub const OF_FRICTION: &[Self] = &[
+        Self::DeadBand,
+        Self::Play,
+        Self::RestingError,
+        Self::FrictionOfGears,
+    ];
 
     /// What pulls to one side.
     pub const OF_LOAD: &[Self] = &[Self::LoadAtMiddle, Self::SpringOfLoad, Self::LoadOfLevelArm];
@@ -106,6 +115,7 @@ impl QuantityKind {
             Self::AccelerationDownwards => "acceleration downwards",
             Self::ErrorOfFullDrive => "error of full drive",
             Self::DeadBand => "dead band, to each side",
+            Self::Play => "play, whole width",
             Self::RestingError => "resting error by friction",
             Self::FrictionAtRest => "friction at rest to that in motion",
             Self::FrictionOfGears => "friction of the gears",

@@ -54,17 +54,35 @@ fn softer(servo: &Point, full_at: f64) -> Option<Point> {
     Some(soft)
 }
 
-/// The servo `plain`, which was made from another one, and the same with half of how far that rests off in each of dead band and friction, where it has both and the other one
-/// had not: a small one beside the whole of the other is in another valley.
+/// The servo `plain`, which was made from another one, and where it rests off its command by one term more than that, others that share alike how far the other one rests off:
+/// a small share beside the whole of the others is in another valley. One that gets play or loses it rests as far off by play alone, or without it, too.
 pub(super) fn with_shared_rest(from: &Point, plain: Point) -> Vec<Point> {
-    let both = |terms: Terms| terms.dead_band && terms.friction;
-    if both(from.terms) || !both(plain.terms) {
+    let held_by = |terms: Terms| {
+        let all = [
+            (terms.dead_band, Coordinate::DeadBand, 1.0),
+            (terms.friction, Coordinate::Friction, 1.0),
+            (terms.play, Coordinate::Play, 2.0),
+        ];
+        all.into_iter().filter(|(has, ..)| *has)
+    };
+    if held_by(from.terms).count() == 0 || held_by(from.terms).eq(held_by(plain.terms)) {
         return vec![plain];
     }
-    let rest = [Coordinate::DeadBand, Coordinate::Friction].map(|at| from.get(at));
-    let half = 0.5 * rest.into_iter().flatten().sum::<f64>();
-    let mut shared = plain.clone();
-    shared.set(Coordinate::DeadBand, half);
-    shared.set(Coordinate::Friction, half);
-    vec![plain, that_moves(from, shared)]
+    let rest: f64 = held_by(from.terms)
+        .map(|(_, at, width)| from.get(at).unwrap_or(0.0) / width)
+        .sum();
+    let shared = |share: &dyn Fn(Coordinate) -> f64| {
+        let mut shared = plain.clone();
+        for (_, at, width) in held_by(plain.terms) {
+            shared.set(at, share(at) * rest * width);
+        }
+        that_moves(from, shared)
+    };
+    let count = held_by(plain.terms).count();
+    let alike = shared(&|_| 1.0 / count as f64);
+    let mut all = vec![plain.clone(), alike];
+    if plain.terms.play && count > 1 {
+        all.push(shared(&|at| if at == Coordinate::Play { 0.9 } else { 0.1 }));
+    }
+    all
 }

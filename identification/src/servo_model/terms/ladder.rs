@@ -5,9 +5,9 @@
 //! term is taken out where its advantage is not larger than its scatter over the blocks.
 
 use super::begun_terms::{that_moves, with_shared_rest, with_softer_loop};
-use super::neighbouring_terms::{poorer, richer};
+use super::neighbouring_terms::{all_of_rest, poorer, richer};
 use crate::results::fit_percent;
-use crate::servo_model::descent::coordinates::{Coordinate, LoadKind, Point, Terms};
+use crate::servo_model::descent::coordinates::{ArmTurn, Coordinate, LoadKind, Point, Terms};
 use crate::servo_model::descent::fit::Problem;
 use crate::servo_model::descent::initial_state::find_starts;
 use crate::servo_model::descent::starting_values::{Shown, other_starts, search};
@@ -88,7 +88,7 @@ pub(crate) struct Ladder<'a> {
     pub(crate) clip: f64,
     pub(crate) longest_delay_s: f64,
     pub(crate) controllers: usize,
-    pub(crate) radians: f64,
+    pub(crate) arm: ArmTurn,
     /// Where runs have offsets of their own, what these begin with.
     pub(crate) run_offsets: &'a [f64],
     pub(crate) watch: &'a dyn Watch,
@@ -180,6 +180,10 @@ impl Ladder<'_> {
                 ..limited
             },
             Terms {
+                play: true,
+                ..limited
+            },
+            Terms {
                 load: LoadKind::Constant,
                 ..limited
             },
@@ -216,7 +220,8 @@ impl Ladder<'_> {
             < (1.0 - SERVO_MATERIAL_ADVANTAGE) * self.tried[linear].total();
         if needed && self.tried[best].beats(&self.tried[linear]) {
             // Those that prediction hardly distinguishes from it.
-            for terms in richer(self.tried[best].terms) {
+            let terms = self.tried[best].terms;
+            for terms in richer(terms).into_iter().chain(all_of_rest(terms)) {
                 self.extended(best, terms);
             }
             best
@@ -260,7 +265,7 @@ impl Ladder<'_> {
         for rung in 0..self.tried.len() {
             let terms = self.tried[rung].terms;
             let problem = self.problem(&all);
-            let fresh = |at: Coordinate| self.shown.fresh(at, self.radians);
+            let fresh = |at: Coordinate| self.shown.fresh(at, self.arm);
             let mut point = from.with_terms(terms, self.controllers, fresh);
             let mut cost = problem.descend(&mut point, SHORT);
             if cost < PROMISING * self.tried[rung].cost {
@@ -329,7 +334,7 @@ impl Ladder<'_> {
     pub(super) fn searched(&self, terms: Terms) -> Point {
         let all = |_: usize| true;
         let (problem, controllers) = (self.problem(&all), self.controllers);
-        let own = (self.radians, self.run_offsets);
+        let own = (self.arm, self.run_offsets);
         search(&problem, &self.shown, terms, controllers, own)
     }
 
@@ -406,7 +411,7 @@ impl Ladder<'_> {
 
     /// The servo `from` with other terms. Those with more than one valley are tried from more than one side.
     pub(super) fn variants(&self, from: &Point, terms: Terms) -> Vec<Point> {
-        let fresh = |at: Coordinate| self.shown.fresh(at, self.radians);
+        let fresh = |at: Coordinate| self.shown.fresh(at, self.arm);
         let plain = that_moves(from, from.with_terms(terms, self.controllers, fresh));
         let varied = |coordinate: Coordinate, value: f64| {
             let mut point = plain.clone();
@@ -428,7 +433,8 @@ impl Ladder<'_> {
                 vec![varied(Coordinate::ConstantLoad, before - of_spring)]
             }
             LoadKind::TiltedPendulum => {
-                let level = std::f64::consts::FRAC_PI_2 / self.radians;
+                let quarter = std::f64::consts::FRAC_PI_2 / self.arm.radians(self.shown.gain);
+                let level = fresh(Coordinate::GravityFrom) + quarter;
                 vec![varied(Coordinate::GravityFrom, level), plain]
             }
             LoadKind::Air => {

@@ -29,6 +29,13 @@ pub(super) fn richer(terms: Terms) -> Vec<Terms> {
             },
         ),
         (
+            !terms.play,
+            Terms {
+                play: true,
+                ..terms
+            },
+        ),
+        (
             !terms.friction,
             Terms {
                 friction: true,
@@ -46,6 +53,17 @@ pub(super) fn richer(terms: Terms) -> Vec<Terms> {
     ];
     let loads = LoadKind::BY_COORDINATES.into_iter().filter(more_load);
     with_loads(with, loads, terms)
+}
+
+/// The same terms with all that holds a servo off its command, where they have some of it: dead band, friction and play rest alike, so that one of them stands for the three.
+pub(super) fn all_of_rest(terms: Terms) -> Option<Terms> {
+    let has_some = terms.dead_band || terms.friction || terms.play;
+    has_some.then_some(Terms {
+        dead_band: true,
+        play: true,
+        friction: true,
+        ..terms
+    })
 }
 
 /// The same terms and one fewer, or a simpler load.
@@ -73,6 +91,13 @@ pub(super) fn poorer(terms: Terms) -> Vec<Terms> {
             },
         ),
         (
+            terms.play,
+            Terms {
+                play: false,
+                ..terms
+            },
+        ),
+        (
             terms.friction,
             Terms {
                 friction: false,
@@ -93,7 +118,7 @@ pub(super) fn poorer(terms: Terms) -> Vec<Terms> {
 
 /// The terms that are possible, and `terms` with each of the loads.
 fn with_loads(
-    terms_if_possible: [(bool, Terms); 5],
+    terms_if_possible: [(bool, Terms); 6],
     loads: impl Iterator<Item = LoadKind>,
     terms: Terms,
 ) -> Vec<Terms> {

@@ -87,7 +87,7 @@ impl Ladder<'_> {
 /// stands for stiction that the equation does not have, with up to 22 % of the squared errors and 10 times the scatter. Of servos without
 /// these that have no such speed, it came to 2.4 times the scatter at the most, in 85 comparisons.
 fn needed_advantage(terms: Terms) -> f64 {
-    match terms.friction || terms.dead_band {
+    match terms.friction || terms.dead_band || terms.play {
         true => SERVO_LARGE_ADVANTAGE,
         false => 0.0,
     }

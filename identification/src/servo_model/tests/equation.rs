@@ -4,6 +4,7 @@ use servoid_dynamics::{Dual, Grid, Scalar, Start, simulate};
 
 use super::{PERIOD_S, point, response, strokes, value};
 use crate::servo_model::descent::coordinates::{LoadKind, Terms};
+use crate::servo_model::descent::step::MOST;
 
 fn largest(a: &[f64], b: &[f64]) -> f64 {
     a.iter()
@@ -52,12 +53,13 @@ fn derivatives_of_the_motion_are_those_of_differences() {
             one_stiffness: false,
             speed_limit: false,
             dead_band: true,
+            play: true,
             friction: true,
             friction_of_gears: true,
             load,
         };
         let (servo, input) = (point(terms, value), strokes(600));
-        let physics = servo.physics(0, |i, value| Dual::<16>::variable(value, i));
+        let physics = servo.physics(0, |i, value| Dual::<MOST>::variable(value, i));
         let grid = Grid::new(PERIOD_S, 0.0, 1e-3);
         let mut slopes = Vec::new();
         let start = Start::at_rest(0.3, Some(0.0));
@@ -65,6 +67,7 @@ fn derivatives_of_the_motion_are_those_of_differences() {
             output: Dual::constant(start.output),
             rate: Dual::constant(start.rate),
             command_before: start.command_before.map(Dual::constant),
+            in_play: start.in_play,
         };
         simulate(&physics, &grid, &constants, &input, |_, y| {
             slopes.push(y.slope)
@@ -84,7 +87,7 @@ fn derivatives_of_the_motion_are_those_of_differences() {
             let scale = slopes
                 .iter()
                 .fold(1e-9, |most: f64, s| most.max(s[i].abs()));
-            let close = |(k, slope): (usize, &[f64; 16])| {
+            let close = |(k, slope): (usize, &[f64; MOST])| {
                 ((above[k] - below[k]) / (2.0 * step) - slope[i]).abs() < 1e-3 * scale
             };
             let right = slopes

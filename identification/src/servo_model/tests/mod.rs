@@ -1,10 +1,12 @@
 //! The equation against exact answers, and the fit against servos that are known.
 
+mod arm;
 mod changed_servo;
 mod directions;
 mod equation;
 mod no_intervals;
 mod offsets;
+mod play;
 mod poor_recordings;
 mod pulse_end;
 mod recovery;
@@ -19,7 +21,9 @@ use servoid_dynamics::{Grid, Start, Stops, simulate};
 
 use super::{ServoModel, ServoModelOptions, fit, quantities};
 use crate::data::Record;
-use crate::servo_model::descent::coordinates::{Coordinate, FRICTION_SPEED_SHARE, Point, Terms};
+use crate::servo_model::descent::coordinates::{
+    ArmTurn, Coordinate, FRICTION_SPEED_SHARE, Point, Terms,
+};
 
 const PERIOD_S: f64 = 0.002;
 
@@ -29,7 +33,7 @@ fn point(terms: Terms, value: impl Fn(Coordinate) -> f64) -> Point {
         terms,
         values: coordinates.iter().map(|at| value(*at)).collect(),
         coordinates,
-        radians: 1f64.to_radians(),
+        arm: ArmTurn::OfCommand(1f64.to_radians()),
         friction_speed_share: FRICTION_SPEED_SHARE,
         run_offsets: Vec::new(),
         stops: Stops::default(),
@@ -51,6 +55,7 @@ fn value(at: Coordinate) -> f64 {
         Coordinate::LnSpeedLimit => 150f64.ln(),
         Coordinate::LnAcceleration => 5000f64.ln(),
         Coordinate::DeadBand => 0.11,
+        Coordinate::Play => 0.17,
         Coordinate::Friction => 0.13,
         Coordinate::FrictionAtRest => 0.7,
         Coordinate::FrictionOfGears => 0.1,

@@ -50,9 +50,16 @@ pub(super) fn hidden_parts(
         errors.part(unequal_sides::limit_shortfalls, Occurrence::InSome),
         errors.part(unequal_sides::motor_shortfalls, Occurrence::InSome),
     ];
-    let of_play = play::shortfalls(simulated);
-    let count = point.values.len();
-    let of_play = part(&of_play, count, (rows, noise), Occurrence::InAll);
+    let of_play = || {
+        let shapes = play::shortfalls(simulated);
+        part(
+            &shapes,
+            point.values.len(),
+            (rows, noise),
+            Occurrence::InAll,
+        )
+    };
+    let of_play = (!point.terms.play).then(of_play).flatten();
     parts.into_iter().chain([of_play]).flatten().collect()
 }
 

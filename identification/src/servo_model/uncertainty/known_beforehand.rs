@@ -87,7 +87,7 @@ fn no_wider(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::servo_model::descent::coordinates::{FRICTION_SPEED_SHARE, Terms};
+    use crate::servo_model::descent::coordinates::{ArmTurn, FRICTION_SPEED_SHARE, Terms};
     use servoid_dynamics::Stops;
 
     fn point(width: f64, friction: f64) -> (Point, usize, usize) {
@@ -105,7 +105,7 @@ mod tests {
             terms,
             coordinates,
             values,
-            radians: 1.0,
+            arm: ArmTurn::OfCommand(1.0),
             friction_speed_share: FRICTION_SPEED_SHARE,
             run_offsets: Vec::new(),
             stops: Stops::default(),
@@ -170,7 +170,7 @@ mod tests {
             terms,
             coordinates,
             values,
-            radians: 1.0,
+            arm: ArmTurn::OfCommand(1.0),
             friction_speed_share: FRICTION_SPEED_SHARE,
             run_offsets: Vec::new(),
             stops: Stops::default(),

@@ -17,15 +17,12 @@ pub(crate) fn stepped_outputs(
 ) -> Vec<f64> {
     let start = &stretch.start;
     let delay = (servo.delay_s / step_s(grid)).round() as usize;
-    let mut state = State {
-        angle: (start.output - servo.offset) / servo.gain,
-        speed: start.rate / servo.gain,
-    };
+    let mut state = servo.state_at(start);
     let before = (start.command_before).unwrap_or_else(|| servo.holding_command(state.angle));
     let mut outputs = Vec::with_capacity(stretch.input.len());
     for step in 0..stretch.input.len() * grid.steps {
         if step % grid.steps == 0 {
-            outputs.push(state.angle * servo.gain + servo.offset);
+            outputs.push(state.output(servo));
         }
         let command = match step.checked_sub(delay) {
             None => before,

@@ -36,12 +36,13 @@ const HIGHEST_CUTOFF: f64 = 0.45;
 const LIMIT_THE_COMMAND: &str = "limit the command to the stops, by the limits of its channel (SERVOn_MIN, SERVOn_MAX) or before it";
 
 /// What SITL has not.
-const LEFT_OUT: [Term; 14] = [
+const LEFT_OUT: [Term; 15] = [
     Term::FullDrive,
     Term::SpeedInLoop,
     Term::TwoSpeeds,
     Term::DampingRatio,
     Term::DeadBand,
+    Term::Play,
     Term::Friction,
     Term::FrictionOfGears,
     Term::FrictionAtRest,
@@ -202,6 +203,7 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
                 .map(|top| top * each.abs() / command.full),
         ),
         behind_in_larger_strokes(share),
+        export.without_play(),
         limit_the_command(export),
     ];
     Ok(ExportedServo::new(text, difference)?

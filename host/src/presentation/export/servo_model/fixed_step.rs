@@ -89,13 +89,10 @@ pub(super) fn respond(export: &ServoExport<'_>, step_s: f64, command: &[f64]) ->
         stepper(1.0 - delay.fraction),
     );
     let first = command.first().copied().unwrap_or(0.0);
-    let mut state = State {
-        angle: (servo.resting_output(first) - servo.offset) / servo.gain,
-        speed: 0.0,
-    };
+    let mut state = State::at_rest(servo.resting_angle(first));
     let mut position = Vec::with_capacity(command.len());
     for k in 0..command.len() {
-        position.push(servo.gain * state.angle + servo.offset);
+        position.push(state.output(servo));
         let (older, newer) = delay.late(command, k);
         if older == newer {
             whole.advance(&mut state, newer);

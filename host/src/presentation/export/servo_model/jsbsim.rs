@@ -60,6 +60,8 @@ struct Actuator {
     /// Towards larger and smaller theta \[1/s\].
     rates: Option<(f64, f64)>,
     hysteresis_width: f64,
+    /// Of the play behind all of that.
+    play: f64,
     /// What the constant load moves the rest by.
     bias: f64,
     stiffness: f64,
@@ -94,6 +96,7 @@ impl Actuator {
             delay_s: p.delay_s.max(0.0),
             rates: export.top_speeds(),
             hysteresis_width,
+            play: p.play.unwrap_or(0.0),
             bias,
             stiffness: p.stiffness,
             damping: p.damping,
@@ -161,13 +164,16 @@ impl Actuator {
             played = played.clamp(limited - half, limited + half);
             late.pass(played)
         };
+        let mut shown = self.centre;
+        let half_play = self.play / 2.0;
         let position = |command: &f64| {
             let command = command.max(least).min(most);
             let moved = match self.filter {
                 Filter::Before => act(filter.pass(command)),
                 Filter::Behind => filter.pass(act(command)),
             };
-            self.position(moved)
+            shown = shown.clamp(moved - half_play, moved + half_play);
+            self.position(shown)
         };
         command.iter().map(position).collect()
     }
@@ -208,11 +214,23 @@ impl Actuator {
             include_str!("../templates/oscillator.xml"),
             &values(to_filter),
         )];
-        let parts = match self.filter {
+        let mut parts = match self.filter {
             Filter::Before => [&filter[..], &actuator].concat(),
             Filter::Behind => [&actuator[..], &filter].concat(),
         };
-        (parts.join("\n"), last.clone())
+        if self.play == 0.0 {
+            return (parts.join("\n"), last.clone());
+        }
+        let values = [
+            ("id", id.to_owned()),
+            ("input", last.clone()),
+            ("width", number(self.play)),
+        ];
+        parts.push(fill(
+            include_str!("../templates/servo_model/played.xml"),
+            &values,
+        ));
+        (parts.join("\n"), format!("fcs/{id}-played"))
     }
 
     /// What its elements are of the servo.
@@ -225,6 +243,9 @@ impl Actuator {
             format!("In JSBSim: the filter, {place} the actuator, is the servo at small signals");
         if self.hysteresis_width > 0.0 {
             said += "; hysteresis_width is the distance between the rests from above and from below, by friction at rest and dead band: a shaft that is moved slowly from either side stays so far apart, and here it is as far behind in motion";
+        }
+        if self.play > 0.0 {
+            said += "; the hysteresis_width of the last actuator is the play";
         }
         if self.bias != 0.0 {
             said += "; the constant load, which moves the rest, is in the last bias";

@@ -196,6 +196,7 @@ impl ServoExport<'_> {
                 "omega is cut off there; 1e30: no limit",
             ),
             ("dead_band", p.dead_band.unwrap_or(0.0), "w"),
+            ("play", p.play.unwrap_or(0.0), "b"),
             ("friction", friction.map_or(0.0, |f| f.coulomb), "C"),
             (
                 "friction_of_gears",
@@ -204,8 +205,8 @@ impl ServoExport<'_> {
             ),
             ("friction_at_rest", at_rest.map_or(0.0, |a| a.excess), "s"),
             ("friction_speed", at_rest.map_or(1.0, |a| a.speed), "ws"),
-            ("gain", p.gain, "position for each unit of theta"),
-            ("offset", p.offset, "position at theta = 0"),
+            ("gain", p.gain, "position for each unit of phi"),
+            ("offset", p.offset, "position at phi = 0"),
             (
                 "lowest_angle",
                 self.stops()[0],

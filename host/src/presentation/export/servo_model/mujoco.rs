@@ -37,10 +37,11 @@ const NO_RATIO: f64 = 1e-6;
 const TURNS: f64 = 1e3;
 
 /// What position actuator and joint have not.
-const LEFT_OUT: [Term; 7] = [
+const LEFT_OUT: [Term; 8] = [
     Term::SpeedLimit,
     Term::WeakerLoopDownwards,
     Term::DeadBand,
+    Term::Play,
     Term::FrictionOfGears,
     Term::FrictionAtRest,
     Term::ChangeOfLoadOfAir,
@@ -297,6 +298,7 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         .with(
             [remark]
                 .into_iter()
+                .chain(export.without_play())
                 .chain(rounded_delay(export, joint.late_s(), step_s)),
         ))
 }

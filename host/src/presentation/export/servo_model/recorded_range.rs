@@ -39,9 +39,11 @@ fn amplitude_without_recording(parameters: &ServoParameters) -> f64 {
 /// So many times as large as what does not move the servo the amplitude is at least.
 pub(super) const MOVING: f64 = 3.0;
 
-/// The error that moves nothing: that which friction at rest holds, and the dead band.
+/// The error that moves nothing: that which friction at rest holds, the dead band, and half the play.
 pub(super) fn held_back(parameters: &ServoParameters) -> f64 {
-    parameters.resting_error().unwrap_or(0.0) + parameters.dead_band.unwrap_or(0.0)
+    parameters.resting_error().unwrap_or(0.0)
+        + parameters.dead_band.unwrap_or(0.0)
+        + parameters.half_play()
 }
 
 #[cfg(test)]

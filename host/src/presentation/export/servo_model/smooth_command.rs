@@ -25,6 +25,9 @@ const LONGEST_S: f64 = 2.0;
 /// The small sine beside it, as a share of its amplitude.
 const SMALL: f64 = 0.1;
 
+/// A sine of more than this share of the other one is no small one.
+const LARGEST_SMALL: f64 = 0.5;
+
 /// Periods, of which the first is not compared.
 const PERIODS: usize = 3;
 
@@ -141,12 +144,11 @@ impl SmoothCommand {
         f64::atan2(behind, in_phase).clamp(-PI, PI)
     }
 
-    /// A sine of which a limit of the rate spreads no step.
-    fn small(&self) -> Self {
-        Self {
-            amplitude: SMALL * self.amplitude,
-            ..*self
-        }
+    /// A sine of a tenth, of which a limit of the rate spreads no step, or of as much more as moves a servo that friction, a dead band or play holds so far back; `None` where that is most of the
+    /// sine itself.
+    fn small(&self, held_back: f64) -> Option<Self> {
+        let amplitude = (SMALL * self.amplitude).max(MOVING * held_back);
+        (amplitude < LARGEST_SMALL * self.amplitude).then_some(Self { amplitude, ..*self })
     }
 
     /// How late and how far off in the mean an export is that has these `positions` under a smooth command, a sentence; of a small sine, too, where that moves the servo.
@@ -169,12 +171,17 @@ impl SmoothCommand {
                 false => late,
             }
         };
-        let small = self.small();
-        let moves = small.amplitude > MOVING * held_back(&export.parameters);
-        let of_small = match moves {
-            true => format!("; under one of a tenth of that {}", apart(&small)),
-            false => String::new(),
-        };
+        let small = self.small(held_back(&export.parameters));
+        let of_small = small.map_or_else(String::new, |small| {
+            let size = match small.amplitude == SMALL * self.amplitude {
+                true => "a tenth of that".to_owned(),
+                false => {
+                    let amplitude = recorded::beside(small.amplitude, self.amplitude);
+                    format!("+- {amplitude} {}", export.command_unit())
+                }
+            };
+            format!("; under one of {size} {}", apart(&small))
+        });
         let beside = |value| recorded::beside(value, self.amplitude);
         let held = match self.frame_s > 0.0 {
             true => " and is held for each pulse frame",

@@ -97,11 +97,11 @@ impl ServoExport<'_> {
         let explained = four_digits(found.explained);
         Some(match found.shown {
             Some(shown) => format!(
-                "rests under one command are as much as {} {unit} apart in the recording, of which this servo model explains {explained} {unit}: play in the gears, which it has not, makes strokes of that size quite different",
+                "rests under one command are as much as {} {unit} apart in the recording, of which this servo model explains {explained} {unit}: what makes the rest of it makes strokes of that size quite different",
                 four_digits(shown)
             ),
             None => format!(
-                "rests under one command depend on the direction of approach, how far at the most the recording does not show; friction and dead band of this servo model make up to {explained} {unit}, and play in the gears it has not"
+                "rests under one command depend on the direction of approach, how far at the most the recording does not show; friction, dead band and play of this servo model make up to {explained} {unit}"
             ),
         })
     }
@@ -111,7 +111,7 @@ impl ServoExport<'_> {
         let held = four_digits(self.model.held_without_evidence()?);
         let unit = self.output_unit();
         Some(format!(
-            "friction and dead band of this servo model may hold the shaft against strokes of up to {held} {unit}, and nothing in the recording shows that: its rests are closer together than half of it; record strokes as small as that"
+            "friction, dead band and play of this servo model may hold the shaft against strokes of up to {held} {unit}, and nothing in the recording shows that: its rests are closer together than half of it; record strokes as small as that"
         ))
     }
 
@@ -249,7 +249,7 @@ impl ServoExport<'_> {
             false => "larger theta",
         };
         format!(
-            "Units and signs: {}, theta is in units of the command, times are in seconds. Upwards is where the position grows, towards {theta}. A positive load turns towards smaller theta. The offset that was identified is the position at rest under command 0, with load and dead band, and in the middle of what friction holds; that of the parameters is the position at theta = 0. Of what was identified, offset, speeds and accelerations are of the position; dead band, resting error, error of full drive and loads are of the command.",
+            "Units and signs: {}, theta is in units of the command, times are in seconds. Upwards is where the position grows, towards {theta}. A positive load turns towards smaller theta. The offset that was identified is the position at rest under command 0, with load and dead band, and in the middle of what friction holds; that of the parameters is the position at phi = 0. Of what was identified, offset, speeds and accelerations are of the position; dead band, resting error, error of full drive and loads are of the command.",
             units_in_words(self.metadata.units()),
         )
     }
@@ -608,6 +608,6 @@ fn difference_text(difference: f64) -> String {
     }
 }
 
-const EQUATION: &str = "Equation: r(t) = u(t - d) is the command, late by d. The error e is r - theta beyond a dead band of w to each side, counted from its edge. The drive is k e - (c - B) omega, between -A- and A+, which is towards larger theta; where it is negative, k and c - B are A-/A+ times as large, but for a draw of limits that differ at one stiffness. omega' = drive - B omega - friction - load(theta), theta' = omega, position = gain theta + offset. Friction is (C + mu |drive + load|) (1 + s / (1 + (omega/ws)^2)) against the motion, and holds the shaft at rest while less acts on it.";
+const EQUATION: &str = "Equation: r(t) = u(t - d) is the command, late by d. The error e is r - theta beyond a dead band of w to each side, counted from its edge. The drive is k e - (c - B) omega, between -A- and A+, which is towards larger theta; where it is negative, k and c - B are A-/A+ times as large, but for a draw of limits that differ at one stiffness. omega' = drive - B omega - friction - load(theta), theta' = omega, position = gain phi + offset. phi is theta, or behind play stays where it is while theta is within b/2 of it. Friction is (C + mu |drive + load|) (1 + s / (1 + (omega/ws)^2)) against the motion, and holds the shaft at rest while less acts on it.";
 
 const PER_INERTIA: &str = "Inertia: all accelerations are torques per unit of inertia. No torque, mass or current follows from the recording; with a known inertia, multiply by it.";

@@ -217,6 +217,7 @@ impl<'a> ServoExport<'a> {
                 ..friction
             }),
             load: Load::Constant(self.constant_load() / share),
+            play: p.play.map(|width| width / share),
             ..p
         };
         Self {
@@ -275,6 +276,7 @@ fn possible_numbers(model: &ServoModel) -> Result<(), ExportError> {
                 "0 to 10 s",
             ),
             Coordinate::DeadBand => ("dead_band", *value >= 0.0, "0 or more"),
+            Coordinate::Play => ("play", *value >= 0.0, "0 or more"),
             Coordinate::Friction => ("friction", *value >= 0.0, "0 or more"),
             Coordinate::FrictionAtRest => ("friction_at_rest", *value >= 0.0, "0 or more"),
             Coordinate::FrictionOfGears => (
@@ -319,6 +321,7 @@ fn is_possible(servo: &ServoParameters) -> bool {
         && positive(servo.gain.abs())
         && (servo.offset / servo.gain).is_finite()
         && not_negative(servo.dead_band.unwrap_or(0.0))
+        && not_negative(servo.play.unwrap_or(0.0))
         && servo.stops.have_travel()
         && limit
         && speed_limit

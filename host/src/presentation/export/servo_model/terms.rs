@@ -20,6 +20,7 @@ pub(super) enum Term {
     /// The ratio of damping to stiffness is free.
     DampingRatio,
     DeadBand,
+    Play,
     Friction,
     FrictionOfGears,
     FrictionAtRest,
@@ -49,6 +50,7 @@ impl Term {
             Self::WeakerLoopDownwards => "the weaker loop to one side",
             Self::DampingRatio => "the damping ratio",
             Self::DeadBand => "the dead band",
+            Self::Play => "the play",
             Self::Friction => "the friction",
             Self::FrictionOfGears => "the friction of the gears",
             Self::FrictionAtRest => "the excess of friction at rest",
@@ -80,6 +82,15 @@ impl ServoExport<'_> {
         }
     }
 
+    /// That a file goes without the play, which counts in small motion, however small it is beside the largest stroke.
+    pub(super) fn without_play(&self) -> Option<String> {
+        let width = four_digits(self.parameters.play? * self.parameters.gain.abs());
+        let unit = self.output_unit();
+        Some(format!(
+            "the play of {width} {unit} is left out: after each turn the servo stands still until that is crossed, and the file does not"
+        ))
+    }
+
     /// "the full drive, the friction and the stops", of those of `terms` that this servo has.
     pub(super) fn names_of(&self, terms: &[Term]) -> String {
         let names = terms
@@ -108,6 +119,9 @@ impl ServoExport<'_> {
             Term::DeadBand => p
                 .dead_band
                 .map(|width| format!("dead band, {} {command} to each side", four_digits(width))),
+            Term::Play => p
+                .play
+                .map(|width| format!("play, {} {command} from one end to the other", four_digits(width))),
             Term::Friction => p
                 .friction
                 .map(|friction| format!("friction, {}", self.acceleration(friction.coulomb))),
@@ -153,19 +167,17 @@ impl ServoExport<'_> {
     fn stop_positions(&self) -> Option<String> {
         let stops = self.parameters.stops;
         let (command, output) = (self.command_unit(), self.output_unit());
-        let at = |position: f64| {
-            let theta = (position - self.parameters.offset) / self.parameters.gain;
+        let at = |(position, theta): (f64, f64)| {
             format!(
                 "{} {output} of the position (theta = {} {command})",
                 four_digits(position),
                 four_digits(theta)
             )
         };
-        let ends: Vec<String> = [stops.lower, stops.upper]
-            .into_iter()
-            .flatten()
-            .map(at)
-            .collect();
+        let [lower, upper] = self.parameters.upwards_first(self.parameters.range());
+        let [lower, upper] = [(stops.lower, upper), (stops.upper, lower)]
+            .map(|(position, theta)| Some((position?, theta)));
+        let ends: Vec<String> = [lower, upper].into_iter().flatten().map(at).collect();
         match ends.as_slice() {
             [] => None,
             [one] => Some(format!("the stop at {one}")),

@@ -238,7 +238,7 @@ pub fn sine_of_linear_model(
 fn outside_of_band(model: &Model) -> String {
     match model.band_hz() {
         Some([from, to]) => format!(
-            "the response is known to a tenth from {from:.2} to {to:.1} Hz; less noise, a rest after the motion, and more of the commands beyond show more"
+            "the response is known to a tenth from {from:.2} to {to:.1} Hz; less noise, a rest after the motion, more of the commands beyond, and more runs where several differ show more"
         ),
         None => "outside of the frequencies of the commands".to_owned(),
     }
@@ -304,12 +304,19 @@ fn lines(found: &GainAndPhase, of: &ModelMetadata, hertz: f64, at_rest: Option<f
     format!("  {gain}{share}\n  {phase}{late}\n")
 }
 
+/// An upper end so many times as large as the value says nothing.
+const SENSELESS: f64 = 1000.0;
+
 fn line(name: &str, interval: &Interval, unit: &str, digits: usize) -> String {
     let number = |value: f64| fixed(value, digits);
     let value = interval.value.map_or_else(|| "-".to_owned(), number);
+    let size = interval.value.unwrap_or_default().abs();
     let bounds = interval.lower.zip(interval.upper);
     let bounds = bounds.map_or_else(String::new, |(lower, upper)| {
-        format!("{} .. {}", number(lower), number(upper))
+        match upper > SENSELESS * size {
+            true if size > 0.0 => "not determined".to_owned(),
+            _ => format!("{} .. {}", number(lower), number(upper)),
+        }
     });
     format!("{name:22} {value:>10} {unit:5} {bounds}")
         .trim_end()

@@ -128,28 +128,44 @@ pub(super) fn stalled(model: &ServoModel, units: Units<'_>) -> Option<String> {
 /// The upper end of an interval over its value, from which a rest is not said in a sentence.
 const MOST_OF_REST: f64 = 4.0;
 
-/// How far friction and a dead band leave it off its command, together: what friction leaves begins at the edge of the band.
+/// Its play, where an interval shows that it has some.
+pub(super) fn play(model: &ServoModel, units: Units<'_>) -> Option<String> {
+    let found = determined(model, QuantityKind::Play).filter(|found| is_one_sided(found))?;
+    let width = ends(found).map(|[lower, upper]| upper - lower);
+    let width = digits_beside(found.value, 3, width);
+    Some(format!("has play of {width}{}", with_space(units.output)))
+}
+
+/// How far friction, a dead band and play leave it off its command, together: what friction leaves begins at the edge of the band, and the output is half the play behind.
 pub(super) fn resting_error(model: &ServoModel, units: Units<'_>) -> Option<String> {
     let by_friction = determined(model, QuantityKind::RestingError)?;
-    let all = [Some(by_friction), determined(model, QuantityKind::DeadBand)];
+    let half_of_play = 0.5 / model.parameters(0).gain.abs();
+    let of = |kind, factor: f64| {
+        let found = determined(model, kind)?;
+        Some((
+            factor * found.value,
+            ends(found).map(|of| of.map(|end| factor * end)),
+        ))
+    };
+    let all = [
+        of(QuantityKind::RestingError, 1.0),
+        of(QuantityKind::DeadBand, 1.0),
+        of(QuantityKind::Play, half_of_play),
+    ];
     // Gears under load hold the shaft farther than these, which are those without.
     let gears = determined(model, QuantityKind::FrictionOfGears);
     let gears_are_loaded =
         model.terms.load != LoadKind::None && gears.is_some_and(|found| found.value > 0.0);
     let value: f64 = match gears_are_loaded {
         true => model.held_at_rest(),
-        false => all.iter().flatten().map(|found| found.value).sum(),
+        false => all.iter().flatten().map(|(value, _)| value).sum(),
     };
-    let ends = |found: &Quantity| {
-        let interval = found.interval.valid()?;
-        interval.lower.zip(interval.upper)
-    };
-    let bounds = all.into_iter().flatten().map(ends);
-    let bounds = bounds.reduce(|a, b| Some((a?.0 + b?.0, a?.1 + b?.1)));
+    let bounds = all.into_iter().flatten().map(|(_, ends)| ends);
+    let bounds = bounds.reduce(|a, b| Some([a?[0] + b?[0], a?[1] + b?[1]]));
     // Ends that are far apart say nothing of a servo, and alarm.
     let is_known = bounds
         .flatten()
-        .is_none_or(|(_, upper)| upper < MOST_OF_REST * value);
+        .is_none_or(|[_, upper]| upper < MOST_OF_REST * value);
     (by_friction.value > 0.0 && is_known).then(|| {
         let command = match units.input == units.output {
             true => format!("{} of the command", with_space(units.input)),
@@ -158,8 +174,8 @@ pub(super) fn resting_error(model: &ServoModel, units: Units<'_>) -> Option<Stri
         // A number that may be twice as large, or none, is not said without its interval.
         let wide = bounds
             .flatten()
-            .filter(|(lower, upper)| !gears_are_loaded && upper - lower > value);
-        let wide = wide.map_or_else(String::new, |(lower, upper)| {
+            .filter(|[lower, upper]| !gears_are_loaded && upper - lower > value);
+        let wide = wide.map_or_else(String::new, |[lower, upper]| {
             format!(" ({} to {})", digits(lower, 2), digits(upper, 2))
         });
         let from = match model.terms.load {
@@ -224,22 +240,24 @@ const LARGEST_LOAD: f64 = 1.0;
 
 /// Whether a quantity has one sign in its interval.
 fn is_one_sided(quantity: &Quantity) -> bool {
-    let interval = quantity.interval.valid();
-    let ends = interval.and_then(|interval| interval.lower.zip(interval.upper));
-    ends.is_some_and(|(lower, upper)| lower * upper > 0.0)
+    ends(quantity).is_some_and(|[lower, upper]| lower * upper > 0.0)
+}
+
+/// Both ends of its interval, where it has them.
+fn ends(quantity: &Quantity) -> Option<[f64; 2]> {
+    let interval = quantity.interval.valid()?;
+    Some([interval.lower?, interval.upper?])
 }
 
 pub(super) fn delay(model: &ServoModel) -> Option<String> {
     let found = determined(model, QuantityKind::Delay)?;
     let (delay, at_once) = (found.value, AT_ONCE * model.sample_period_s);
-    let interval = found.interval.valid();
-    let ends = interval.and_then(|interval| interval.lower.zip(interval.upper));
-    Some(match ends {
+    Some(match ends(found) {
         // An end that far off says nothing of the servo, and alarms.
-        Some((lower, upper)) if lower < at_once && upper > FAR_OFF * delay && upper > at_once => {
+        Some([lower, upper]) if lower < at_once && upper > FAR_OFF * delay && upper > at_once => {
             return None;
         }
-        Some((lower, upper)) if upper - lower > VAGUE * delay && upper > at_once => {
+        Some([lower, upper]) if upper - lower > VAGUE * delay && upper > at_once => {
             let upper = digits(1e3 * upper, 3);
             match lower < at_once {
                 true => format!("answers at most {upper} ms late"),
@@ -248,7 +266,7 @@ pub(super) fn delay(model: &ServoModel) -> Option<String> {
         }
         _ if delay < at_once => "answers at once".to_owned(),
         ends => {
-            let width = ends.map(|(lower, upper)| 1e3 * (upper - lower));
+            let width = ends.map(|[lower, upper]| 1e3 * (upper - lower));
             format!("answers {} ms late", digits_beside(1e3 * delay, 3, width))
         }
     })

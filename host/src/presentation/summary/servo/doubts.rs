@@ -64,19 +64,20 @@ pub(super) fn hysteresis(model: &ServoModel, units: Units<'_>) -> Option<String>
             format!(", by {mean}{unit} in the mean ({lower} .. {upper})")
         });
         return Some(format!(
-            " Where it rests under one command depends on from where it comes{mean}, and how far its rests are apart at the most this recording does not show: play in the gears, of \
-             which the model has none, does that, as do a dead band and friction."
+            " Where it rests under one command depends on from where it comes{mean}, and how far its rests are apart at the most this recording does not show: play in the gears, a dead band and friction do that."
         ));
     };
     let why = match found.explained {
         explained if explained >= shown => {
-            "friction or a dead band of the model does that, and play in the gears, which it has not, would do it as well".to_owned()
+            "friction, a dead band or play of the model does that, and it may be another of these"
+                .to_owned()
         }
         explained if explained > 0.0 => format!(
-            "friction or a dead band of the model makes {}{unit} of that; how much of it is play in the gears, which the model has not, is not known",
+            "friction, a dead band or play of the model makes {}{unit} of that, and what the rest of it is, is not known",
             digits(explained, 2)
         ),
-        _ => "play in the gears, of which the model has none, does that, as do a dead band and friction".to_owned(),
+        _ => "play in the gears, a dead band and friction do that, and the model has none of them"
+            .to_owned(),
     };
     Some(format!(
         " Rests under one command are as much as {}{unit} apart: {why}.",

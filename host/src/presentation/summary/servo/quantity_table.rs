@@ -117,7 +117,7 @@ fn quantity_row(quantity: &Quantity, units: Units<'_>) -> QuantityRow {
         false => "-".to_owned(),
     };
     let spread = quantity.other_fits.filter(|_| quantity.determined);
-    let spread = spread.map(|fits| or_more(scale * fits.farthest_from(quantity.value)));
+    let spread = spread.and_then(|fits| or_more(scale * fits.farthest_from(quantity.value)));
     QuantityRow {
         name: quantity.name.clone(),
         value,
@@ -135,9 +135,9 @@ fn quantity_row(quantity: &Quantity, units: Units<'_>) -> QuantityRow {
     }
 }
 
-/// By how much other fits are off, as a number that nobody takes for an end of an interval: "±0.31 or more".
-pub(crate) fn or_more(off: f64) -> String {
-    format!("±{} or more", digits(off, 2))
+/// By how much other fits are off, as a number that nobody takes for an end of an interval: "off by 0.31 or more". Nothing where there is no other fit.
+pub(crate) fn or_more(off: f64) -> Option<String> {
+    (off > 0.0).then(|| format!("off by {} or more", digits(off, 2)))
 }
 
 /// The ends of the interval of a quantity that the record determines.

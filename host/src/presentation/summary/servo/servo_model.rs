@@ -173,6 +173,7 @@ pub(crate) fn terms_in_words(terms: Terms) -> String {
         (terms.speed_limit, "limit of the speed"),
         (terms.two_speeds, "two speeds"),
         (terms.dead_band, "dead band"),
+        (terms.play, "play"),
         (terms.friction && !terms.friction_of_gears, "friction"),
         (terms.friction_of_gears, "friction of loaded gears"),
         (terms.load != LoadKind::None, load_in_words(terms.load)),

@@ -88,8 +88,8 @@ const AS_RECORDED: &str = "Intervals are of the servo as it was recorded: where 
     many, may lie outside.";
 
 /// What stands in the place of intervals where none hold.
-const OTHER_FITS: &str = "\"±… or more\" is how far other fits, to parts of the recording and with other terms, are from the figure. That is no interval: what the model lacks is \
-    in all of them, and the figure may be off by several times as much. Play in the gears passes for a dead band and for friction, and the time that it takes to be crossed is in the delay.";
+const OTHER_FITS: &str = "\"Off by … or more\" is how far other fits, to parts of the recording and with other terms, are from the figure. That is no interval: what the model lacks is \
+    in all of them, and the figure may be off by several times as much.";
 
 /// What the resting error is where friction at rest is open.
 fn where_strokes_end(model: &ServoModel) -> Option<String> {
@@ -135,7 +135,7 @@ fn at_the_middle(model: &ServoModel, units: Units<'_>) -> Option<String> {
         units.output,
     );
     Some(format!(
-        "Speeds and accelerations under load, and the load, are those under a command of {command} (position {position}), the middle of the recorded ones."
+        "Speeds and accelerations under load, and the load, are those of the shaft at {position}, where it would be under {command}, the middle of the recorded commands, without the load."
     ))
 }
 
@@ -221,7 +221,7 @@ pub(crate) fn stall_in_words(model: &ServoModel, units: Units<'_>) -> Option<Str
     let stalls: Vec<String> = stalls.collect();
     (!stalls.is_empty()).then(|| {
         format!(
-            "the load stalls the drive {}: the servo gets no farther",
+            "the load stalls the drive {}: it drives the servo no farther, where what its speed carries it beyond comes back or is held by friction",
             stalls.join(", and ")
         )
     })

@@ -1,7 +1,8 @@
 //! The servo as a machine, in a sentence or two.
 
 use super::clauses::{
-    agreed, below_any_limit, delay, limited_to, load, moved_at, resting_error, stalled, stopped,
+    agreed, below_any_limit, delay, limited_to, load, moved_at, play, resting_error, stalled,
+    stopped,
 };
 use super::doubts::{
     better_linear, changing_speed, hidden_by_noise, hysteresis, unlikely_speed, without_intervals,
@@ -82,6 +83,7 @@ fn what_is_known(
         ),
         never_reached.and_then(|_| moved_at(model, units)),
         below_any_limit(model, units),
+        play(model, units),
         resting_error(model, units),
         stalled(model, units),
         load(model),

@@ -44,8 +44,8 @@ fn beside_what_the_model_lacks(document: &ServoModelDocument) -> Vec<&'static st
         shows_no_speed.then_some(SPEED_IS_OPEN),
         (comes_to_rest && holds_alike(model)).then_some(STAIRS_DO_NOT_SEPARATE),
         Some(match document.is_of_rows {
-            true => PLAY_OR_PULSES,
-            false => PLAY,
+            true => WHAT_A_LOGGER_MAY_LACK,
+            false => WHAT_MAY_BE_LACKING,
         }),
         Some(WITHOUT_INTERVALS),
     ];
@@ -83,15 +83,15 @@ const SPEED_IS_OPEN: &str = "The top speed is open, at least in one direction: r
 /// Said of a servo that a dead band or friction holds, where the record does not show which.
 const STAIRS_DO_NOT_SEPARATE: &str = "Dead band and friction rest alike, and stairs hardly distinguish them: a large slow motion that goes on does, such as \
     sines of 0.1 to 3 Hz that add up to 30 degrees, for 20 s, with two seconds of rest before and after them (in servoid: --reference multisine --amplitude 30 \
-    --frequencies 0.1:3 --length 20). Identify it together with this recording, in rows of one period, for the servo model alone: the linear model of two kinds of motion is of neither. A recording that has both shows no more, and none does where the gears have play, which passes for either.";
+    --frequencies 0.1:3 --length 20). Identify it together with this recording, in rows of one period, for the servo model alone: the linear model of two kinds of motion is of neither. A recording that has both shows no more.";
 
 /// What gives intervals in a file of another program, where more of the same does not.
-const PLAY_OR_PULSES: &str = "If a logger with a clock of its own wrote the file, say --polled: without it all times are half a row too early. Another recording of this kind may have intervals where the model has all of the servo: of such servos a few recordings in a hundred have none by chance. Where pulses come on a clock of their own, commands wait for them, which neither \
-    another reference nor shorter rows mend: change the command with the pulse, and write it in the row of that moment, as servoid's own board does. Where the gears have play, the output is behind a linkage that is not linear, the supply changes along a recording, or gusts load the shaft, \
-    which the model lacks, hardly any recording has them. Steps of a sensor that are larger than its noise may hide them, too. Runs between which the servo changed a little, as by its supply, may have them by themselves, and not together.";
+const WHAT_A_LOGGER_MAY_LACK: &str = "If a logger with a clock of its own wrote the file, say --polled: without it all times are half a row too early. Another recording of this kind may have intervals where the model has all of the servo: of such servos a few recordings in a hundred have none by chance. Where pulses come on a clock of their own, commands wait for them, which neither \
+    another reference nor shorter rows mend: change the command with the pulse, and write it in the row of that moment, as servoid's own board does. Where the output is behind a linkage that is not linear, the supply changes along a recording, friction at rest is gone at once, or gusts load the shaft, \
+    which the model lacks, fewer recordings have them, or hardly any. Steps of a sensor that are larger than its noise may hide them, too. Runs between which the servo changed a little, as by its supply, may have them by themselves, and not together.";
 
 /// The same of a recording of servoid, whose commands change with the pulse.
-const PLAY: &str = "Another recording may have intervals where the model has all of the servo, of which a few recordings in a hundred have none by chance, and hardly any has where the gears have play, the supply changes along a recording, or gusts load the shaft, which it lacks. Steps of a sensor that are larger than its noise may hide intervals, too.";
+const WHAT_MAY_BE_LACKING: &str = "Another recording may have intervals where the model has all of the servo, of which a few recordings in a hundred have none by chance, and fewer have, or hardly any, where the supply changes along a recording, friction at rest is gone at once, or gusts load the shaft, which it lacks. Steps of a sensor that are larger than its noise may hide intervals, too.";
 
 /// Said of a servo that changed between runs, each of which has noise alone.
 const ONE_BY_ONE: &str = "Identify the runs one by one: each may have intervals, and the scatter of their figures is that of the servo, of which intervals of one run say nothing. Look for \
@@ -103,11 +103,11 @@ const WITHOUT_INTERVALS: &str = "What is known without intervals: the other fits
 
 /// Said last: whoever has followed the advice would be sent from one recording to the next otherwise.
 const WHERE_IT_ENDS: &str = "If this recording has what is asked for here, only a longer one or one with less noise may show more of it. A limit beyond the travel shows in \
-    none, and neither does what the model lacks, such as play.";
+    none, and neither does what the model lacks.";
 
 /// Said of a servo model without any term beyond a linear servo.
-const LINEAR_IS_SHARPER: &str = "This recording needs no more than a linear servo: where the linear model has intervals, they are \
-    narrower. Those here also hold for limits, friction and loads that the recording leaves open.";
+const LINEAR_IS_SHARPER: &str = "This recording needs no more than a linear servo: where the linear model has intervals, those of bandwidth and times are \
+    narrower as a rule. Those here also hold for limits, friction and loads that the recording leaves open.";
 
 /// Quantities that a recording may leave open, and what would show them: in a few words, and as advice.
 const WHAT_SHOWS: [(&[QuantityKind], &str, &str); 3] = [
@@ -124,7 +124,7 @@ const WHAT_SHOWS: [(&[QuantityKind], &str, &str); 3] = [
     (
         QuantityKind::OF_REST,
         "rests at many levels show it",
-        "Friction, dead band, load and gain show at rest: record stairs of at least four levels, each reached from both sides and held until the servo rests.",
+        "Friction, dead band, play, load and gain show at rest: record stairs of at least four levels, each reached from both sides and held until the servo rests.",
     ),
 ];
 
@@ -228,7 +228,7 @@ mod tests {
         let before_a_stop = document(model.clone(), true);
         assert!(advice_on_servo_model(&before_a_stop).contains(&WHERE_IT_ENDS));
         model.covariance = Bounds::Withdrawn(Reason::ErrorsNotNoise);
-        for (is_of_rows, why) in [(true, PLAY_OR_PULSES), (false, PLAY)] {
+        for (is_of_rows, why) in [(true, WHAT_A_LOGGER_MAY_LACK), (false, WHAT_MAY_BE_LACKING)] {
             let advice = advice_on_servo_model(&document(model.clone(), is_of_rows));
             assert_eq!(advice, [why, WITHOUT_INTERVALS]);
         }

@@ -8,7 +8,9 @@ use crate::presentation::summary::servo::quantity_table::{or_more, scale_and_uni
 use crate::presentation::summary::servo::servo_remarks::stops_in_words;
 use crate::presentation::summary::wording::layout::wrapped;
 use crate::presentation::summary::wording::numbers::{digits, digits_beside, four_digits, percent};
-use crate::presentation::summary::wording::sixty_degrees::{both_ways, whole_ms};
+use crate::presentation::summary::wording::sixty_degrees::{
+    both_ways, seconds_per_60_degrees, whole_ms,
+};
 use servoid_identification::comparison::{
     QuantityPair, RestsApart, ServoModelComparison, Sides, SpeedLimitsOfBoth,
 };
@@ -29,12 +31,16 @@ pub fn sentence_on_servo_models(
 ) -> String {
     let differences = differences(a, b, found, units);
     let known = found.rests_apart.difference.is_some();
-    let play = (!found.rests_apart.differ() && (known || differences.is_empty()))
+    let by_models = play_of_models(a, b, found, units);
+    let may_be_open = !found.rests_apart.differ() && by_models.is_none();
+    let play = (may_be_open && (known || differences.is_empty()))
         .then(|| (found.rests_apart).nothing_sure_in_words([a, b], units.output.unwrap_or("")));
-    let worn = found.rests_apart.what_it_leaves_open().map(str::to_owned);
+    let by_rests = || found.rests_apart.what_it_leaves_open().map(str::to_owned);
+    let worn = more_play(a, b, found, units).or_else(by_rests);
     let sentences = [
         Some(what_is_sure(a, b, found, differences)),
         worn,
+        by_models,
         play,
         load_of_one(a, b, found, units),
         speeds_of_both([a, b], found, units),
@@ -42,6 +48,67 @@ pub fn sentence_on_servo_models(
     ];
     let sentences: Vec<String> = sentences.into_iter().flatten().collect();
     sentences.join(" ")
+}
+
+/// Which servo has more play for sure, or some where the model of the other one has none: that is wear.
+fn more_play(a: &str, b: &str, found: &ServoModelComparison, units: Units<'_>) -> Option<String> {
+    let is_play = |pair: &QuantityPair| pair.kind() == Some(QuantityKind::Play);
+    let (pair, difference) = (found.quantities.iter())
+        .zip(&found.bounds.valid()?.differences)
+        .find(|(pair, _)| is_play(pair))?;
+    let sure = |interval: Option<Interval>| interval?.lower.filter(|lower| *lower > 0.0);
+    let (worn, other, of_worn, of_other) = match (pair.a, pair.b) {
+        (Some(of_a), Some(of_b)) if difference.is_sure() && of_b > of_a => (b, a, of_b, Some(of_a)),
+        (Some(of_a), Some(of_b)) if difference.is_sure() => (a, b, of_a, Some(of_b)),
+        (None, Some(of_b)) => sure(difference.b).map(|_| (b, a, of_b, None))?,
+        (Some(of_a), None) => sure(difference.a).map(|_| (a, b, of_a, None))?,
+        _ => return None,
+    };
+    let shown = |play: f64| with_unit(four_digits(play), units.output.unwrap_or_default());
+    let beside = match of_other {
+        Some(play) => format!("{} in {other}", shown(play)),
+        None => format!("none that shows in {other}"),
+    };
+    Some(format!(
+        "{worn} has more play, {} beside {beside}: its gears, or what is between them and the sensor, are more worn. Replace it where that is more than its use allows.",
+        shown(of_worn)
+    ))
+}
+
+/// The play of both models, where one of them has no intervals.
+fn play_of_models(
+    a: &str,
+    b: &str,
+    found: &ServoModelComparison,
+    units: Units<'_>,
+) -> Option<String> {
+    found.bounds.withdrawn()?;
+    let is_play = |pair: &&QuantityPair| pair.kind() == Some(QuantityKind::Play);
+    let pair = found.quantities.iter().find(is_play)?;
+    let unit = units.output.unwrap_or_default();
+    let shown = |value: f64, interval: Option<Interval>| {
+        let ends = interval.and_then(|interval| Some([interval.lower?, interval.upper?]));
+        let value_in_unit = |digits: String| with_unit(digits, unit);
+        match ends {
+            Some([lower, upper]) => {
+                let digits = |number| digits_beside(number, 3, Some(upper - lower));
+                format!(
+                    "{} ({} .. {})",
+                    value_in_unit(digits(value)),
+                    digits(lower),
+                    digits(upper)
+                )
+            }
+            None => format!("{}, without an interval,", value_in_unit(digits(value, 2))),
+        }
+    };
+    let [of_a, of_b] = [
+        shown(pair.a?, pair.interval_of_one.a),
+        shown(pair.b?, pair.interval_of_one.b),
+    ];
+    Some(format!(
+        "By the models play is {of_a} in {a} and {of_b} in {b}. More play is wear."
+    ))
 }
 
 /// How fast the larger strokes are, as they were measured, which needs no model.
@@ -172,7 +239,7 @@ fn what_is_sure(
         Bounds::Withdrawn(reason) => {
             let of_sides = found.without_bounds.in_words([a, b]);
             let because = format!(
-                "because {}; the values stand without intervals, and play in those of dead band, friction and delay",
+                "because {}; the values stand without intervals",
                 of_sides.unwrap_or_else(|| reason.because().to_owned())
             );
             match count {
@@ -200,9 +267,21 @@ fn what_is_sure(
 /// "10.3 ms in A, 12.1 ms in B"
 fn in_words(a: &str, b: &str, pair: &QuantityPair, units: Units<'_>) -> Option<String> {
     let (scale, unit) = scale_and_unit(pair.unit, units);
-    let shown = |value: f64| with_unit(four_digits(scale * value), &unit);
+    let shown = |value: f64| {
+        let turn = (pair.unit == Unit::OutputPerSecond)
+            .then(|| seconds_per_60_degrees(value, units))
+            .flatten();
+        let turn = turn.map_or_else(String::new, |turn| format!(" ({turn})"));
+        with_unit(four_digits(scale * value), &unit) + &turn
+    };
     let (of_a, of_b) = (shown(pair.a?), shown(pair.b?));
-    Some(format!("{of_a} in {a}, {of_b} in {b}"))
+    let wait = match pair.kind() {
+        Some(QuantityKind::Delay) => {
+            " (where pulses have a clock of their own, each recording has its own wait for them in that, of up to a frame)"
+        }
+        _ => "",
+    };
+    Some(format!("{of_a} in {a}, {of_b} in {b}{wait}"))
 }
 
 /// "a stop at 6 deg", "no stop"
@@ -259,7 +338,9 @@ pub fn of_servo_models(names: [&str; 2], found: &ServoModelComparison, units: Un
 pub(crate) fn what_is_below(found: &ServoModelComparison) -> String {
     match found.bounds.valid() {
         Some(bounds) => format!("{} % intervals below", percent(bounds.level)),
-        None if has_interval_of_one(found) => "intervals (..), or by how much other fits are off, below".to_owned(),
+        None if has_interval_of_one(found) => {
+            "intervals (..), or by how much other fits are off, below".to_owned()
+        }
         None => "no intervals; below, how far other fits are off".to_owned(),
     }
 }
@@ -290,9 +371,7 @@ pub(crate) fn how_servo_models_are_compared(found: &ServoModelComparison) -> Str
              recordings would need."
         }
         Bounds::Withdrawn(_) => {
-            "Without intervals on both sides nothing is said about the difference. \"±… or more\" is how far other fits are from the figure, and no interval: what a model lacks is in all of them, and it may be off by several times as much. \
-             A delay has the time in it that play in the gears takes to be crossed, a dead band or friction of the model stands for play, too, and the bandwidth is that of the loop \
-             without them."
+            "Without intervals on both sides nothing is said about the difference. \"Off by … or more\" is how far other fits are from the figure, and no interval: what a model lacks is in all of them, and it may be off by several times as much."
         }
     };
     let stroke = match found
@@ -363,9 +442,8 @@ pub(crate) fn servo_model_rows(found: &ServoModelComparison, units: Units<'_>) -
             Some(_) if value.is_none() => "not determined".to_owned(),
             _ => String::new(),
         };
-        let other_fits = |of: Option<Spread>, value: Option<f64>| {
-            Some(or_more(scale * of?.farthest_from(value?)))
-        };
+        let other_fits =
+            |of: Option<Spread>, value: Option<f64>| or_more(scale * of?.farthest_from(value?));
         let sure = bounds.and_then(|bounds| bounds.differences.get(index));
         let [of_a, of_b, apart] = match sure {
             Some(found) => [found.a, found.b, found.difference],

@@ -47,7 +47,14 @@ pub struct Servo {
     pub controller: Option<f64>,
 }
 
-const ALL_TERMS: &[&str] = &["limit", "two_speeds", "dead_band", "friction", "gears"];
+const ALL_TERMS: &[&str] = &[
+    "limit",
+    "two_speeds",
+    "dead_band",
+    "play",
+    "friction",
+    "gears",
+];
 
 /// One with each term and each load, one without any, one that runs into its stops, and those whose speed is cut off.
 pub const SERVOS: [Servo; 15] = [
@@ -69,7 +76,7 @@ pub const SERVOS: [Servo; 15] = [
     servo("weightless", &["limit"], "none"),
     // The load pushes it through the dead band.
     servo("pushed", &["limit", "two_speeds", "dead_band"], "constant"),
-    servo("stopped", &["limit", "friction"], "constant"),
+    servo("stopped", &["limit", "play", "friction"], "constant"),
     servo("clipped", &["speed_limit"], "none"),
     servo(
         "profiled",
@@ -347,6 +354,7 @@ impl Servo {
         );
         with(has("two_speeds"), &[("ln_down_to_up", 0.7f64.ln())]);
         with(has("dead_band"), &[("dead_band", 0.15)]);
+        with(has("play"), &[("play", 0.25)]);
         with(
             has("friction"),
             &[("friction", 0.2), ("friction_at_rest", 0.6)],
@@ -381,6 +389,7 @@ impl Servo {
             "one_stiffness": has("one_stiffness"),
             "speed_limit": has("speed_limit"),
             "dead_band": has("dead_band"),
+            "play": has("play"),
             "friction": has("friction"),
             "friction_of_gears": has("gears"),
             "load": self.load,

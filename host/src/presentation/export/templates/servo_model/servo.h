@@ -34,6 +34,7 @@ static const double {{id}}_step_s = {{ID}}_STEP_S;
 typedef struct {
     {{id}}_real angle; /* theta */
     {{id}}_real speed;
+    {{id}}_real shown; /* phi, the angle that the position shows */
     {{id}}_real late[{{ID}}_LATE]; /* a ring */
     unsigned newest;
 } {{id}}_state;
@@ -94,7 +95,7 @@ static inline {{id}}_real {{id}}_unlimited_drive(
 /* The position now. */
 static inline {{id}}_real {{id}}_position(const {{id}}_state *servo)
 {
-    return {{id}}_gain * servo->angle + {{id}}_offset;
+    return {{id}}_gain * servo->shown + {{id}}_offset;
 }
 
 /* Rest: the shaft stays at all angles at which the drive differs from the load by no more than friction
@@ -180,6 +181,7 @@ static inline void {{id}}_reset({{id}}_state *servo, {{id}}_real command)
     {{id}}_real upper = {{id}}_end(command, -1), lower = {{id}}_end(command, 1);
     servo->angle = ({{id}}_between_stops(upper) + {{id}}_between_stops(lower)) / 2;
     servo->speed = 0;
+    servo->shown = servo->angle; /* in the middle of the play */
     for (unsigned i = 0; i < {{ID}}_LATE; i++) {
         servo->late[i] = command;
     }
@@ -256,6 +258,10 @@ static inline void {{id}}_advance({{id}}_state *servo, {{id}}_real h, {{id}}_rea
     if (free < servo->angle || free > servo->angle) {
         servo->speed = 0;
     }
+    /* Behind its play the position is taken along. */
+    {{id}}_real least = servo->angle - {{id}}_play / 2, most = servo->angle + {{id}}_play / 2;
+    {{id}}_real above = servo->shown < least ? least : servo->shown;
+    servo->shown = above > most ? most : above;
 }
 
 /* Call once in {{ID}}_STEP_S with the command that is held from now on; returns the position at the end

@@ -107,6 +107,7 @@ end
 mutable struct Servo
     angle::Float64
     speed::Float64
+    shown::Float64 # phi, the angle that the position shows
     late::Vector{Float64} # a ring
     newest::Int # from 0
 end
@@ -115,11 +116,11 @@ end
 function Servo(command::Real=0.0)
     ends = end_of_rest(Float64(command), -1.0), end_of_rest(Float64(command), 1.0)
     angle = 0.5 * (between_stops(ends[1]) + between_stops(ends[2]))
-    return Servo(angle, 0.0, fill(Float64(command), DELAY_STEPS + 2), 0)
+    return Servo(angle, 0.0, angle, fill(Float64(command), DELAY_STEPS + 2), 0)
 end
 
 "The position now."
-position(servo::Servo) = GAIN * servo.angle + OFFSET
+position(servo::Servo) = GAIN * servo.shown + OFFSET
 
 "The position after STEP_S in which `command` was held. One that is no number, or beyond 1e30, counts as the last one that is."
 function step!(servo::Servo, command)
@@ -169,6 +170,8 @@ function advance!(servo::Servo, h, command)
     if servo.angle != between_stops(servo.angle)
         servo.angle, servo.speed = between_stops(servo.angle), 0.0
     end
+    # Behind its play the position is taken along.
+    servo.shown = clamp(servo.shown, servo.angle - 0.5 * PLAY, servo.angle + 0.5 * PLAY)
     return servo
 end
 

@@ -12,7 +12,7 @@ end
 position = zeros(size(command));
 for k = 1:numel(command)
     servo = step(servo, command(k), p);
-    position(k) = p.gain * servo.angle + p.offset;
+    position(k) = p.gain * servo.shown + p.offset;
 end
 end
 
@@ -28,7 +28,8 @@ function servo = at_rest(command, p)
 lower = between_stops(end_of_rest(command, 1.0, p), p);
 upper = between_stops(end_of_rest(command, -1.0, p), p);
 angle = 0.5 * (lower + upper);
-servo = struct('angle', angle, 'speed', 0.0, 'late', command * ones(1, p.delay_steps + 2), 'newest', 0);
+% shown is phi, the angle that the position shows: in the middle of the play.
+servo = struct('angle', angle, 'speed', 0.0, 'shown', angle, 'late', command * ones(1, p.delay_steps + 2), 'newest', 0);
 end
 
 % Rest: the shaft stays at all angles at which the drive differs from the load by no more than friction
@@ -157,6 +158,8 @@ if servo.angle ~= between_stops(servo.angle, p)
     servo.angle = between_stops(servo.angle, p);
     servo.speed = 0.0;
 end
+% Behind its play the position is taken along.
+servo.shown = max(servo.angle - 0.5 * p.play, min(servo.angle + 0.5 * p.play, servo.shown));
 end
 
 function held = friction_at(speed, held, p)

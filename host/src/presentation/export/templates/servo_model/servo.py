@@ -157,12 +157,13 @@ class Servo:
         ends = end_of_rest(command, -1.0), end_of_rest(command, 1.0)
         self.angle = 0.5 * (between_stops(ends[0]) + between_stops(ends[1]))
         self.speed = 0.0
+        self.shown = self.angle  # phi, the angle that the position shows: in the middle of the play
         self.late = [command] * (DELAY_STEPS + 2)  # a ring
         self.newest = 0
 
     def position(self):
         """The position now."""
-        return GAIN * self.angle + OFFSET
+        return GAIN * self.shown + OFFSET
 
     def step(self, command):
         """The position after STEP_S in which `command` was held.
@@ -209,6 +210,8 @@ class Servo:
         # A stop takes all speed.
         if self.angle != between_stops(self.angle):
             self.angle, self.speed = between_stops(self.angle), 0.0
+        # Behind its play the position is taken along.
+        self.shown = max(self.angle - 0.5 * PLAY, min(self.angle + 0.5 * PLAY, self.shown))
 
 
 def simulate(command):
