@@ -348,12 +348,26 @@ fn servo_models_are_compared_where_both_have_one() {
 
 /// Steps under a servo whose speed alone is limited, at 100 samples a second. The sine of a square stands for random numbers.
 fn rate_limited(dir: &Path, name: &str, first: usize, top_speed: f64) -> PathBuf {
-    let random = |k: usize| (0.7 * (k * k) as f64).sin();
+    let levels = |k: usize| 30.0 * random(first + k);
+    rate_limited_under(dir, (name, first), levels, top_speed)
+}
+
+fn random(k: usize) -> f64 {
+    (0.7 * (k * k) as f64).sin()
+}
+
+/// The same under levels of a choice, by the row in which each begins.
+fn rate_limited_under(
+    dir: &Path,
+    (name, first): (&str, usize),
+    levels: impl Fn(usize) -> f64,
+    top_speed: f64,
+) -> PathBuf {
     let mut rows = "u_deg,y_deg\n".to_owned();
     let (mut at, mut level) = (0.0, 0.0);
     for k in 0..1200 {
         if k % 40 == 30 {
-            level = 30.0 * random(first + k);
+            level = levels(k);
         }
         rows += &format!("{level:.3},{:.4}\n", at + 0.04 * random(first + 7 * k));
         for _ in 0..100 {
@@ -363,6 +377,28 @@ fn rate_limited(dir: &Path, name: &str, first: usize, top_speed: f64) -> PathBuf
     let file = dir.join(name);
     std::fs::write(&file, rows).unwrap();
     file
+}
+
+/// One servo under stairs that are the same on both sides, and random levels that are not: each answers its own sizes of strokes.
+#[test]
+fn sides_of_several_references_are_compared_reference_by_reference() {
+    let dir = tempfile::tempdir().unwrap();
+    let stairs = |k: usize| [-30.0, -15.0, 0.0, 15.0, 30.0, 15.0, 0.0, -15.0][k / 40 % 8];
+    let of_side = |side: &str, first: usize, size: f64| {
+        let names = [format!("{side}-stairs.csv"), format!("{side}-random.csv")];
+        let small = |k: usize| size * random(first + k);
+        [
+            rate_limited_under(dir.path(), (&names[0], first), stairs, 200.0),
+            rate_limited_under(dir.path(), (&names[1], first + 1), small, 200.0),
+        ]
+    };
+    let (a, b) = (of_side("a", 1, 30.0), of_side("b", 5, 6.0));
+    let columns = ["--input", "u_deg", "--output", "y_deg", "--period", "0.01"];
+    let sides = ["--a", arg(&a[0]), arg(&a[1]), "--b", arg(&b[0]), arg(&b[1])];
+    let text = run(&[&["compare", "--no-servo-model"], &sides[..], &columns[..]].concat());
+    let text = text.replace('\n', " ");
+    assert!(text.contains("references differ in their strokes"), "{text}");
+    assert!(!text.contains("recordings are different"), "{text}");
 }
 
 #[test]

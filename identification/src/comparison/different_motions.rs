@@ -10,9 +10,10 @@ use crate::results::Bounds;
 use crate::thresholds::{EQUALLY_LARGE, SIZES_COMPARED};
 
 /// What the two sides were asked to do.
-#[derive(Clone, Copy)]
 pub(super) struct Asked {
     pub(super) motions: Sides<Motion>,
+    /// The motion of each run.
+    runs: Sides<Vec<Motion>>,
     strokes: Sides<StrokeSizes>,
     /// Whether both servos look linear under it.
     pub(super) linear: bool,
@@ -24,6 +25,9 @@ impl Asked {
     pub(super) fn of(sides: [&Identified<'_>; 2]) -> Self {
         Self {
             motions: Sides::of(sides, |side| Motion::of(side.record)),
+            runs: Sides::of(sides, |side| {
+                side.record.each_run().map(|run| Motion::of(&run)).collect()
+            }),
             strokes: Sides::of(sides, |side| StrokeSizes::of(side.record)),
             linear: sides.iter().all(|side| side.alone.linear),
             symmetric: !sides.iter().any(|side| side.asymmetric()),
@@ -32,7 +36,43 @@ impl Asked {
 
     /// Whether the sides are compared as under one reference.
     pub(super) fn is_one_motion(&self) -> bool {
-        self.motions.a.is_like(&self.motions.b) || self.shows_one_response()
+        self.has_like_motions() || self.shows_one_response()
+    }
+
+    /// Whether both were asked for motions of one size and kind; where runs of a side are of several, for each of these.
+    fn has_like_motions(&self) -> bool {
+        let is_paired = |run: &Motion, others: &[Motion]| others.iter().any(|of| run.is_like(of));
+        self.motions.a.is_like(&self.motions.b) && (!self.is_mixed() || self.pairs_all(is_paired))
+    }
+
+    /// Whether levels are random, and were drawn anew for the other side.
+    fn is_another_draw(&self) -> bool {
+        let Sides { a, b } = &self.motions;
+        let is_drawn_again = |run: &Motion, others: &[Motion]| {
+            others
+                .iter()
+                .any(|of| run.is_like(of) && !run.is_another_draw(of))
+        };
+        a.is_another_draw(b)
+            || self.strokes.a.are_another_draw(&self.strokes.b)
+            || self.is_mixed() && !self.pairs_all(is_drawn_again)
+    }
+
+    /// Whether the runs of a side are of several references.
+    fn is_mixed(&self) -> bool {
+        let is_mixed = |runs: &[Motion]| {
+            let unlike = |pair: &[Motion]| !pair[0].is_like(&pair[1]);
+            runs.windows(2).any(unlike)
+        };
+        is_mixed(&self.runs.a) || is_mixed(&self.runs.b)
+    }
+
+    /// Whether each run of either side has a partner among those of the other.
+    fn pairs_all(&self, is_paired: impl Fn(&Motion, &[Motion]) -> bool) -> bool {
+        let Sides { a, b } = &self.runs;
+        let all =
+            |runs: &[Motion], others: &[Motion]| runs.iter().all(|run| is_paired(run, others));
+        all(a, b) && all(b, a)
     }
 
     /// Whether each servo answers strokes of several sizes alike, and the other was asked for about as large ones, held for about as long. Then each
@@ -56,12 +96,11 @@ impl Asked {
     pub(super) fn may_explain(&self, found: &Comparison) -> bool {
         let Sides { a, b } = &self.motions;
         let different = found.verdict == Verdict::Different;
+        let is_another_draw = self.is_another_draw();
         if self.shows_one_response() || (different && found.turns_the_other_way) {
             return false;
         }
-        let is_another_draw =
-            a.is_another_draw(b) || self.strokes.a.are_another_draw(&self.strokes.b);
-        match a.is_like(b) {
+        match self.has_like_motions() {
             false => different || !self.linear,
             true if is_another_draw && !self.linear => true,
             true if is_another_draw && !self.symmetric => different,
