@@ -397,7 +397,10 @@ fn sides_of_several_references_are_compared_reference_by_reference() {
     let sides = ["--a", arg(&a[0]), arg(&a[1]), "--b", arg(&b[0]), arg(&b[1])];
     let text = run(&[&["compare", "--no-servo-model"], &sides[..], &columns[..]].concat());
     let text = text.replace('\n', " ");
-    assert!(text.contains("references differ in their strokes"), "{text}");
+    assert!(
+        text.contains("references differ in their strokes"),
+        "{text}"
+    );
     assert!(!text.contains("recordings are different"), "{text}");
 }
 
