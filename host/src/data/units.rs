@@ -9,6 +9,15 @@ pub struct Units<'a> {
     pub output: Option<&'a str>,
 }
 
+/// Radians for each of a unit; `None` where that is no angle.
+pub(crate) fn radians_of(unit: Option<&str>) -> Option<f64> {
+    match unit? {
+        "deg" => Some(1f64.to_radians()),
+        "rad" => Some(1.0),
+        _ => None,
+    }
+}
+
 impl<'a> Units<'a> {
     /// One unit for both.
     pub fn common(self) -> Option<&'a str> {

@@ -1,6 +1,6 @@
 //! The servo as a machine: one nonlinear model that predicts servos which are not linear.
 //!
-//! A motor behind a position controller, with delay, limited drive, two speeds, dead band, friction and load, as far as
+//! A motor behind a position controller, with delay, limited drive, two speeds, dead band, play, friction and load, as far as
 //! prediction needs them. The [equation](ServoParameters) has one integrator. The fit is by simulation error:
 //! the record becomes stretches with a start each, a coarse search finds the valley, a ladder of terms is climbed by
 //! prediction of parts that the fit has not seen, and the covariance and the servos that predict as well give intervals and

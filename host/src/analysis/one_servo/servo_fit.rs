@@ -5,6 +5,7 @@ use crate::data::dataset::Dataset;
 use crate::data::held_out::{HeldOut, HeldOutPrediction};
 use crate::data::model_file::ServoModelDocument;
 use crate::data::pulse_end::pulses;
+use crate::data::units::radians_of;
 use crate::presentation::summary::sixty_degrees;
 use servoid_identification::comparison::{Comparison, Verdict};
 use servoid_identification::diagnostics::TakenOut;
@@ -166,19 +167,14 @@ fn fit(
 ) -> Result<ServoModelDocument, String> {
     let names = data.controllers.names();
     let units = data.about.units();
-    let radians = |unit: Option<&str>| match unit {
-        Some("deg") => Some(1f64.to_radians()),
-        Some("rad") => Some(1.0),
-        _ => None,
-    };
     let options = ServoModelOptions {
         controllers: data
             .controllers
             .among(&names)
             .map_err(|error| error.to_string())?,
         level,
-        radians_per_command: radians(units.input),
-        radians_per_output: radians(units.output),
+        radians_per_command: radians_of(units.input),
+        radians_per_output: radians_of(units.output),
         against: (linear.model().level().withdrawn()).filter(|reason| reason.is_of_the_record()),
         pulses: pulses(
             data.about.units(),

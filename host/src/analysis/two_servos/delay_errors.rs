@@ -4,6 +4,7 @@ use crate::data::dataset::{in_ms, own_part_s};
 use crate::data::model_metadata::ModelMetadata;
 use servoid_identification::comparison::{ComparisonOptions, DelayErrors};
 use servoid_identification::results::{Advice, Check, six_digits};
+use servoid_identification::thresholds::RUNS_FOR_MEAN;
 
 /// The options of a comparison that allows for what the files of both sides say of their delays.
 pub(crate) fn allowed_for(
@@ -86,17 +87,14 @@ pub(crate) fn advice(sides: [&ModelMetadata; 2]) -> Option<Advice> {
     ))
 }
 
-/// Runs from which on bounds contain what differs from run to run, such waits among them.
-const RUNS_WITH_WAITS: usize = 3;
-
-/// Of files of another program with few runs: that all times of each may have a wait for pulses in them that is its own.
+/// Of files of another program with fewer runs than those whose bounds contain what differs from run to run: that all times of each may have a wait for pulses in them that is its own.
 pub(super) fn advice_on_waits(
     sides: [&ModelMetadata; 2],
     fewest_runs: usize,
     lag_s: f64,
 ) -> Option<Advice> {
     let are_of_rows = sides.iter().all(|side| side.pulse_frame_s.is_none());
-    (are_of_rows && fewest_runs < RUNS_WITH_WAITS).then(|| {
+    (are_of_rows && fewest_runs < RUNS_FOR_MEAN).then(|| {
         Advice::new(
             Check::CommandEdges,
             "Where pulses come on a clock of their own, commands wait for them, and under holds of whole frames each recording has one wait of its own in all of its times, of up to a \

@@ -4,6 +4,7 @@ use super::recorded_range::recorded;
 use crate::data::model_file::ServoModelDocument;
 use crate::data::model_metadata::ModelMetadata;
 use crate::data::unitless_command::UnitlessCommand;
+use crate::data::units::radians_of;
 use crate::presentation::export::error::ExportError;
 use servoid_identification::results::Model;
 use servoid_identification::servo_model::{
@@ -118,11 +119,11 @@ impl<'a> ServoExport<'a> {
     /// Neither command nor position is an angle.
     pub(super) fn radians_per_position(&self) -> Result<f64, ExportError> {
         let units = self.metadata.units();
-        match units.output.or(units.input) {
-            Some("deg") => Ok(1f64.to_radians()),
-            Some("rad") => Ok(1.0),
-            None => Ok(self.model.radians_per_command),
-            Some(_) => Ok(self.radians_per_unit()? / self.parameters.gain.abs()),
+        let position = units.output.or(units.input);
+        match (radians_of(position), position) {
+            (Some(radians), _) => Ok(radians),
+            (None, None) => Ok(self.model.radians_per_command),
+            (None, Some(_)) => Ok(self.radians_per_unit()? / self.parameters.gain.abs()),
         }
     }
 
@@ -138,13 +139,11 @@ impl<'a> ServoExport<'a> {
     pub(super) fn radians_per_unit(&self) -> Result<f64, ExportError> {
         let units = self.metadata.units();
         let gain = self.parameters.gain.abs();
-        let radians = match (units.input, units.output) {
-            (Some("deg"), _) => 1f64.to_radians(),
-            (Some("rad"), _) => 1.0,
-            (_, Some("deg")) => gain.to_radians(),
-            (_, Some("rad")) => gain,
-            (None, _) => self.model.radians_per_command,
-            (Some(unit), _) => return Err(ExportError::NotAnAngle(unit.to_owned())),
+        let by_position = || radians_of(units.output).map(|radians| gain * radians);
+        let radians = match (radians_of(units.input).or_else(by_position), units.input) {
+            (Some(radians), _) => radians,
+            (None, None) => self.model.radians_per_command,
+            (None, Some(unit)) => return Err(ExportError::NotAnAngle(unit.to_owned())),
         };
         match radians.is_finite() && radians > 0.0 {
             true => Ok(radians),

@@ -1,7 +1,9 @@
 //! The response to sines of frequencies that somebody asks for: how much of one arrives, and how late.
 
 use crate::data::model_metadata::ModelMetadata;
-use crate::presentation::summary::wording::numbers::{decimals, digits, fixed, head_of_bounds};
+use crate::presentation::summary::wording::numbers::{
+    WORTH_PRINTING, decimals, digits, fixed, head_of_bounds,
+};
 use crate::presentation::summary::wording::strokes::{of_one_size, stroke_in_words};
 use servoid_identification::Error;
 use servoid_identification::results::{
@@ -304,16 +306,13 @@ fn lines(found: &GainAndPhase, of: &ModelMetadata, hertz: f64, at_rest: Option<f
     format!("  {gain}{share}\n  {phase}{late}\n")
 }
 
-/// An upper end so many times as large as the value says nothing.
-const SENSELESS: f64 = 1000.0;
-
 fn line(name: &str, interval: &Interval, unit: &str, digits: usize) -> String {
     let number = |value: f64| fixed(value, digits);
     let value = interval.value.map_or_else(|| "-".to_owned(), number);
     let size = interval.value.unwrap_or_default().abs();
     let bounds = interval.lower.zip(interval.upper);
     let bounds = bounds.map_or_else(String::new, |(lower, upper)| {
-        match upper > SENSELESS * size {
+        match upper > WORTH_PRINTING * size {
             true if size > 0.0 => "not determined".to_owned(),
             _ => format!("{} .. {}", number(lower), number(upper)),
         }

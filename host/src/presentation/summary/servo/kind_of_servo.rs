@@ -54,7 +54,10 @@ impl KindOfServo {
     }
 
     pub(super) fn is_linear(self) -> bool {
-        matches!(self, Self::Linear | Self::MuchLikeLinear)
+        matches!(
+            self,
+            Self::Linear | Self::MuchLikeLinear | Self::LinearAsMachine
+        )
     }
 
     /// What the servo does.

@@ -86,10 +86,7 @@ fn is_said_linear(model: &ServoModel, linear: &Model) -> bool {
     match top_speeds(model) {
         _ if is_limited || lacks_a_stop => false,
         Some(speeds) => is_never_reached(model, &speeds) && linear_is_as_good(model),
-        None => {
-            let kind = KindOfServo::of(model, linear);
-            kind.is_linear() || kind == KindOfServo::LinearAsMachine
-        }
+        None => KindOfServo::of(model, linear).is_linear(),
     }
 }
 

@@ -1,7 +1,9 @@
 //! The quantities of a servo model as the rows of a table.
 
 use crate::data::units::Units;
-use crate::presentation::summary::wording::numbers::{digits, digits_beside, head_of_bounds};
+use crate::presentation::summary::wording::numbers::{
+    WORTH_PRINTING, digits, digits_beside, head_of_bounds,
+};
 use crate::presentation::summary::wording::sixty_degrees::per_60_degrees;
 use servoid_identification::results::{Bounds, Interval, with_unit};
 use servoid_identification::servo_model::{Quantity, QuantityKind, Spread, Unit};
@@ -27,9 +29,6 @@ pub(crate) fn quantities(
 
 /// Said of a quantity that the record leaves open.
 const NOT_DETERMINED: &str = "not determined by this recording";
-
-/// An interval whose ends are so far apart says nothing.
-const WORTH_PRINTING: f64 = 1000.0;
 
 /// What is said of quantities that depend on a load, where there is one among the kinds `all`: speeds and accelerations are those under the load in the middle of the
 /// commands, and friction holds the shaft less far without the load where gears have a part of it.

@@ -50,9 +50,12 @@ pub fn sentence_on_servo_models(
     sentences.join(" ")
 }
 
+fn is_play(pair: &QuantityPair) -> bool {
+    pair.kind() == Some(QuantityKind::Play)
+}
+
 /// Which servo has more play for sure, or some where the model of the other one has none: that is wear.
 fn more_play(a: &str, b: &str, found: &ServoModelComparison, units: Units<'_>) -> Option<String> {
-    let is_play = |pair: &QuantityPair| pair.kind() == Some(QuantityKind::Play);
     let (pair, difference) = (found.quantities.iter())
         .zip(&found.bounds.valid()?.differences)
         .find(|(pair, _)| is_play(pair))?;
@@ -83,8 +86,7 @@ fn play_of_models(
     units: Units<'_>,
 ) -> Option<String> {
     found.bounds.withdrawn()?;
-    let is_play = |pair: &&QuantityPair| pair.kind() == Some(QuantityKind::Play);
-    let pair = found.quantities.iter().find(is_play)?;
+    let pair = found.quantities.iter().find(|pair| is_play(pair))?;
     let unit = units.output.unwrap_or_default();
     let shown = |value: f64, interval: Option<Interval>| {
         let ends = interval.and_then(|interval| Some([interval.lower?, interval.upper?]));

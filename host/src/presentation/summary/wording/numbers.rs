@@ -39,6 +39,9 @@ pub(crate) fn head_of_bounds(level: Bounds<f64>) -> String {
     }
 }
 
+/// An end of an interval that is so many times as large as the other one, or as the value, says nothing.
+pub(crate) const WORTH_PRINTING: f64 = 1000.0;
+
 /// "1.20 ms (1.10 .. 1.30)"; "-" without a value.
 pub(crate) fn with_bounds(
     interval: &Interval,
