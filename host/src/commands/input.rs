@@ -42,8 +42,8 @@ pub(super) struct TableArgs {
     /// and their intervals allow for the other half
     #[arg(long)]
     polled: bool,
-    /// The servo was sent the command as it is written, to its last digit: what noise its holds have moved the servo, too, and
-    /// nothing was rounded. servoid's own recordings are so in any case
+    /// The servo was sent the command as it is written, to its last digit and with its row: what noise its holds have moved the
+    /// servo, too, nothing was rounded, and no change waited for a pulse. servoid's own recordings are so in any case
     #[arg(long)]
     exact_command: bool,
     /// Use the rest at neutral before and after the reference of servoid's recordings too. Its strokes are half

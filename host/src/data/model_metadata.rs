@@ -52,6 +52,9 @@ pub struct ModelMetadata {
     /// Whether the command moves on between the rows of a file of another program: the uncertainty of the delay is then that of how it was sent.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub moving_command: bool,
+    /// By how much the wait for pulses on a clock of their own may differ from that of another recording in all times alike \[s\].
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub common_wait_s: f64,
     /// Degrees for one count of the sensor, where all recordings state one and agree.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub degrees_per_count: Option<f64>,
@@ -77,6 +80,7 @@ impl ModelMetadata {
             board_id: None,
             sensor_delay_uncertainty_s: 0.0,
             moving_command: false,
+            common_wait_s: 0.0,
             degrees_per_count: None,
             scale_sd_percent: 0.0,
             only_stroke: None,
@@ -111,6 +115,9 @@ impl ModelMetadata {
         Self {
             sensor_delay_s: found.sensor_delay_s.filter(of_sensor),
             sensor_delay_uncertainty_s: uncertainty_s.unwrap_or_default(),
+            common_wait_s: Some(found.common_wait_s)
+                .filter(|wait| PULSE_FRAMES_S.contains(wait))
+                .unwrap_or_default(),
             degrees_per_count: found.degrees_per_count.filter(|scale| scale.is_finite()),
             scale_sd_percent: Some(found.scale_sd_percent)
                 .filter(|sd| (0.0..=100.0).contains(sd))

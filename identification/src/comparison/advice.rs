@@ -145,8 +145,9 @@ fn few_runs(
     of_recordings: Option<f64>,
 ) -> Option<Advice> {
     let bounds = comparison.bounds.valid()?;
-    let undecided =
-        comparison.verdict == Verdict::Undecided && !comparison.descriptions_of_different_motions;
+    let undecided = comparison.verdict == Verdict::Undecided
+        && !comparison.descriptions_of_different_motions
+        && !comparison.may_be_waits;
     if comparison.of != Subject::Servos || !undecided {
         return None;
     }

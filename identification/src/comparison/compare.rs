@@ -11,12 +11,12 @@ use super::pair::{Identified, identified, same_period};
 use super::rests_apart::RestsApart;
 use super::run_means::RunMeans;
 use super::verdict::Verdict;
-use super::{advice, other_way, shift, words};
+use super::{advice, other_way, shift, shift_alone, words};
 use crate::data::Record;
 use crate::error::Error;
 use crate::nonlinear::rests_apart;
 use crate::results::{Bounds, Metrics, Model, Reason};
-use crate::thresholds::MARGIN;
+use crate::thresholds::{MARGIN, RUNS_FOR_MEAN};
 
 /// Compares two sides, each a record of one or more runs.
 ///
@@ -102,6 +102,11 @@ pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Co
         comparison.verdict = Verdict::Undecided;
         comparison.descriptions_of_different_motions = true;
     }
+    let waits_s = match comparison.of {
+        Subject::Servos => [0.0; 2],
+        Subject::Runs => options.waits_s,
+    };
+    say_waits(&mut comparison, waits_s);
     let linear = a.alone.linear && b.alone.linear;
     let turned = match comparison.turns_the_other_way && comparison.has_verdict() {
         true => Some(compare(a.record, &b.record.turned_round(), options)?),
@@ -146,10 +151,29 @@ pub fn compare_models(
         comparison.verdict = Verdict::Undecided;
         comparison.descriptions_of_different_motions = true;
     }
+    let has_bounds_of_runs = |model: &Model| model.run_offsets.len() >= RUNS_FOR_MEAN;
+    let contained = [a, b].map(has_bounds_of_runs);
+    let waits_s = [0, 1].map(|side| {
+        if contained[side] {
+            0.0
+        } else {
+            options.waits_s[side]
+        }
+    });
+    say_waits(&mut comparison, waits_s);
     comparison.summary = words::summary(&comparison, None, linear, options);
     comparison.advice = advice::gather(&comparison, [a, b], &[], &options.output_unit, None);
     comparison.advice.push(advice::one_response());
     Ok(comparison)
+}
+
+/// Leaves a difference undecided that waits may make which its bounds do not contain. Servos that turn the other way differ by more.
+fn say_waits(comparison: &mut Comparison, waits_s: [f64; 2]) {
+    let is_open = comparison.verdict == Verdict::Different && !comparison.turns_the_other_way;
+    if is_open && shift_alone::may_be_waits(comparison, waits_s) {
+        comparison.verdict = Verdict::Undecided;
+        comparison.may_be_waits = true;
+    }
 }
 
 /// The differences of the `curves`, of the servos where several `runs` show them; sensors may be `apart` by so many samples.
@@ -247,6 +271,7 @@ fn of_curves(
         one_structure: false,
         motions: None,
         descriptions_of_different_motions: false,
+        may_be_waits: false,
         turns_the_other_way: false,
         same_data: false,
         over_prediction: None,

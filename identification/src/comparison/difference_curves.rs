@@ -37,6 +37,13 @@ pub(super) fn difference_curves(
             }
         });
         let (delay_shift_s, remains) = shift_of(index..index + 1);
+        let at_least = half.valid().filter(|_| !remains.is_empty()).map(|half| {
+            let final_values = value.last().zip(half.last());
+            let final_values = final_values.map_or(0.0, |(value, half)| value.abs() - half);
+            let points = remains.iter().zip(*half);
+            let left = points.map(|(left, half)| left.surely() - half);
+            100.0 * left.fold(final_values.max(0.0), f64::max)
+        });
         let is_noise = half.valid().is_some_and(|half| {
             let mut points = remains.iter().zip(*half);
             !remains.is_empty() && points.all(|(left, half)| left.surely() <= *half)
@@ -49,6 +56,7 @@ pub(super) fn difference_curves(
             delay_shift_s,
             shift_leaves_percent: most(&remains, Remains::surely),
             shift_between_rows_percent: most(&remains, |left| left.by_interpolation),
+            shift_leaves_at_least_percent: at_least,
             shift_leaves_noise: is_noise,
         }
     };

@@ -38,6 +38,9 @@ pub struct ComparisonOptions {
     pub zero_sd: f64,
     /// By how much the output of either side may have been recorded earlier or later than its record says.
     pub delay_errors: DelayErrors,
+    /// By how much the times of either recording may be late alike, by a wait of its own that the record does not know \[s\]: what that may make of a difference is none of the servos. Bounds
+    /// that contain the scatter of three or more runs contain it.
+    pub waits_s: [f64; 2],
     /// Standard deviation of the ratio of the scales of both outputs, 0.05 for 5 %. Zero where one sensor recorded both sides, whose error is the same
     /// in both.
     pub scale_sd: f64,
@@ -81,6 +84,7 @@ impl Default for ComparisonOptions {
             wait_samples: None,
             zero_sd: 0.0,
             delay_errors: DelayErrors::Apart([0.0; 2]),
+            waits_s: [0.0; 2],
             scale_sd: 0.0,
             strokes_of_models: [None; 2],
             withheld: None,

@@ -67,6 +67,10 @@ pub struct DifferenceCurve {
     /// By how much more they may be, as nobody knows a response between its samples \[likewise\].
     #[serde(default)]
     pub shift_between_rows_percent: Option<f64>,
+    /// What that shift leaves, and the difference of the final values, at the least, less what the bounds of the difference allow for \[likewise\]; zero where that may be all of it, `None` without
+    /// bounds.
+    #[serde(default)]
+    pub shift_leaves_at_least_percent: Option<f64>,
     /// Whether what that shift leaves is nowhere more than the bounds of the difference allow for: noise, and scatter of the runs, may be all of it.
     #[serde(default)]
     pub shift_leaves_noise: bool,
@@ -209,6 +213,9 @@ pub struct Comparison {
     /// descriptions of two motions, and no finding about the servos.
     #[serde(default)]
     pub descriptions_of_different_motions: bool,
+    /// Whether waits of the two recordings, of the lengths that the options allow for, may be what makes the responses differ beyond the margin: then there is no verdict.
+    #[serde(default)]
+    pub may_be_waits: bool,
     /// Whether the second surely turns the other way under the same command: its gain has the other sign.
     #[serde(default)]
     pub turns_the_other_way: bool,

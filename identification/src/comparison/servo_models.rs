@@ -39,6 +39,9 @@ pub struct ServoModelComparison {
     /// Whether the difference of the delays is without the time by which the outputs of both may have been recorded earlier or later.
     #[serde(default)]
     pub shared_delay_error: bool,
+    /// The waits of the two recordings that the difference of the delays contains \[s\]; left out where it contains none.
+    #[serde(default, skip_serializing_if = "is_without_waits")]
+    pub waits_s: [f64; 2],
     /// Whether quantities of both depend on the angle, and are those at the middle of commands that differ: their differences then contain what that makes.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub at_other_angles: bool,
@@ -136,11 +139,20 @@ impl QuantityPair {
 }
 
 impl QuantityDifference {
+    /// As of a [`QuantityPair`].
+    fn kind(&self) -> Option<QuantityKind> {
+        QuantityKind::named(&self.name)
+    }
+
     /// Whether the two differ for sure.
     #[must_use]
     pub fn is_sure(&self) -> bool {
         self.difference.is_some_and(|found| !found.contains(0.0))
     }
+}
+
+fn is_without_waits(waits_s: &[f64; 2]) -> bool {
+    *waits_s == [0.0; 2]
 }
 
 /// A shift by other angles that is this part of the width of a difference is worth a word.
@@ -218,6 +230,7 @@ pub fn compare_servo_models(
             levels.into_valid().unwrap_or(Options::default().level),
         ),
         shared_delay_error: delays.is_some(),
+        waits_s: [0.0; 2],
         at_other_angles: pairs.iter().any(widens),
         without_bounds: Sides::of([a, b], |model| model.covariance.withdrawn()),
         bounds: levels.map(|level| QuantityDifferences {
@@ -242,15 +255,19 @@ impl ServoModelComparison {
         both.any(|found| has_ends(&found))
     }
 
-    /// Whether they say more than the step responses, `None` where these are not compared: what is sure comes first, and what step responses show
+    /// Whether they say more than the step responses, `None` where these are not compared. What is sure comes first, and of responses that differ what makes them so; what step responses show
     /// comes before machines that are not shown to differ.
     #[must_use]
     pub fn answer_before(&self, step_responses: Option<&Comparison>) -> bool {
-        let decided = step_responses.is_some_and(|found| found.verdict != Verdict::Undecided);
         let show = step_responses.is_some_and(Comparison::has_verdict);
-        let differ =
-            self.rests_apart.differ() || self.differences().iter().any(QuantityDifference::is_sure);
-        !decided && (differ || self.compares() && !show)
+        let quantities_differ = || self.differences().iter().any(QuantityDifference::is_sure);
+        match step_responses.map(|found| found.verdict) {
+            Some(Verdict::Same) => false,
+            Some(Verdict::Different) => quantities_differ(),
+            Some(Verdict::Undecided) | None => {
+                self.rests_apart.differ() || quantities_differ() || self.compares() && !show
+            }
+        }
     }
 
     /// The measured speeds of both sides in the place of the top speed `kind`, where both records show one and models have no intervals.
@@ -275,6 +292,25 @@ impl ServoModelComparison {
         let [a_s, b_s] = [a, b].map(of);
         Self {
             stroke: (a_s.or(b_s)).map(|_| StrokeTimes { size, a_s, b_s }),
+            ..self
+        }
+    }
+
+    /// With delays that contain waits of the two recordings, each of up to `waits_s`, which are not of the servos.
+    #[must_use]
+    pub fn with_waits(self, waits_s: [f64; 2]) -> Self {
+        let delay = QuantityKind::Delay;
+        let reach = |found: Interval| found.reaching(waits_s[1], waits_s[0]);
+        let bounds = self.bounds.map(|mut bounds| {
+            let mut differences = bounds.differences.iter_mut();
+            if let Some(found) = differences.find(|found| found.kind() == Some(delay)) {
+                found.difference = found.difference.map(reach);
+            }
+            bounds
+        });
+        Self {
+            bounds,
+            waits_s,
             ..self
         }
     }

@@ -57,6 +57,21 @@ fn is_surely_a_shift(shift: &Interval) -> bool {
     is_notable && shift.lower.is_some() && shift.upper.is_some() && !shift.contains(0.0)
 }
 
+/// Whether waits may make the responses differ beyond the margin, of which each side has one of its own, of up to `waits_s`: a shift within them is possible, and what it leaves is within the
+/// margin.
+pub(super) fn may_be_waits(found: &Comparison, waits_s: [f64; 2]) -> bool {
+    let [of_first, of_second] = waits_s;
+    let is_explained = |curve: &DifferenceCurve| {
+        let shift = &curve.delay_shift_s;
+        let ends = shift.lower.zip(shift.upper);
+        let is_possible =
+            ends.is_some_and(|(lower, upper)| lower <= of_second && upper >= -of_first);
+        let left = curve.shift_leaves_at_least_percent;
+        is_possible && left.is_some_and(|left| left <= found.margin_percent)
+    };
+    waits_s != [0.0; 2] && found.curves.iter().all(is_explained)
+}
+
 /// Metrics that a mere shift leaves as they are.
 const UNMOVED: [&str; 4] = [
     "dc_gain",

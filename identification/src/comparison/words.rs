@@ -133,6 +133,9 @@ fn answer(found: &Comparison, bounds: &ComparisonBounds) -> String {
                 "{subject} have the same step response within the margin of {margin} %: {apart}."
             )
         }
+        Verdict::Undecided if found.may_be_waits => format!(
+            "Not decided by the step responses: {apart}, and commands that wait for the next of pulses on a clock of their own may make that."
+        ),
         Verdict::Undecided => {
             format!(
                 "Not decided by the step responses: {apart}, and the margin of {margin} % lies between."

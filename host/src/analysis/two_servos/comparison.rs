@@ -61,13 +61,16 @@ pub fn compared(
     }
     found.advice.extend(a.about.other_calibration(&b.about));
     found.advice.extend(advice_on_sensors(sides, &options));
-    let runs = [a, b].map(|side| side.record.runs().len());
-    if found.verdict == Verdict::Different {
-        let lag_s = found.delay_shift_s.unwrap_or_default();
-        let waits = delay_errors::advice_on_waits(sides, runs[0].min(runs[1]), lag_s);
-        found.advice.splice(0..0, waits);
-    }
+    say_waits(&mut found, sides);
     Ok(found)
+}
+
+/// That waits for pulses may be a part of a difference, or all of it.
+fn say_waits(found: &mut Comparison, sides: [&ModelMetadata; 2]) {
+    let is_of_runs = found.of == Subject::Runs && found.verdict == Verdict::Different;
+    if is_of_runs || found.may_be_waits {
+        (found.advice).splice(0..0, delay_errors::advice_on_waits(sides));
+    }
 }
 
 /// That commands of a side change between the rows, or wait for pulses, by its model alone, which is linear beside that: the models of a comparison know no frames.
@@ -268,6 +271,7 @@ pub fn compared_models(
     let found = compare_models(models[0], models[1], &options).map_err(with_machines);
     let mut found = found.with_context(|| names.join(" against "))?;
     found.advice.extend(advice_on_sensors(metadata, &options));
+    say_waits(&mut found, metadata);
     Ok(found)
 }
 

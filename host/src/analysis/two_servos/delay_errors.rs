@@ -4,7 +4,6 @@ use crate::data::dataset::{in_ms, own_part_s};
 use crate::data::model_metadata::ModelMetadata;
 use servoid_identification::comparison::{ComparisonOptions, DelayErrors};
 use servoid_identification::results::{Advice, Check, six_digits};
-use servoid_identification::thresholds::RUNS_FOR_MEAN;
 
 /// The options of a comparison that allows for what the files of both sides say of their delays.
 pub(crate) fn allowed_for(
@@ -17,6 +16,7 @@ pub(crate) fn allowed_for(
             true => DelayErrors::Shared(a),
             false => DelayErrors::Apart([a, b]),
         },
+        waits_s: waits_s(sides),
         ..options
     }
 }
@@ -87,21 +87,26 @@ pub(crate) fn advice(sides: [&ModelMetadata; 2]) -> Option<Advice> {
     ))
 }
 
-/// Of files of another program with fewer runs than those whose bounds contain what differs from run to run: that all times of each may have a wait for pulses in them that is its own.
-pub(super) fn advice_on_waits(
-    sides: [&ModelMetadata; 2],
-    fewest_runs: usize,
-    lag_s: f64,
-) -> Option<Advice> {
-    let are_of_rows = sides.iter().all(|side| side.pulse_frame_s.is_none());
-    (are_of_rows && fewest_runs < RUNS_FOR_MEAN).then(|| {
+/// By how much the times of each side may be late alike, by a wait for pulses of its own \[s\].
+pub(super) fn waits_s(sides: [&ModelMetadata; 2]) -> [f64; 2] {
+    sides.map(|side| side.common_wait_s)
+}
+
+/// That each recording may have one wait for pulses in all of its times.
+pub(super) fn advice_on_waits(sides: [&ModelMetadata; 2]) -> Option<Advice> {
+    let [a, b] = waits_s(sides);
+    let longest_s = a.max(b);
+    (longest_s > 0.0).then(|| {
         Advice::new(
             Check::CommandEdges,
-            "Where pulses come on a clock of their own, commands wait for them, and under holds of whole frames each recording has one wait of its own in all of its times, of up to a \
-             frame: a difference in time of up to that, 20 ms as a rule, may be of these waits, and none of the servos.",
-            lag_s,
+            format!(
+                "Where pulses come on a clock of their own, commands wait for them, and under these holds each recording has its own wait in all of its times: up to {} ms of a difference in \
+                 time may be of that, with frames of 20 ms, and none of the servos.",
+                in_ms(longest_s)
+            ),
+            longest_s,
             0.0,
-            "Change each command with the pulse, and write it in the row of that moment; or record three runs a side, whose bounds contain the waits.",
+            "Record three runs a side, whose bounds contain the waits. Where each command was changed with its pulse, and written in the row of that moment, say --exact-command.",
         )
     })
 }

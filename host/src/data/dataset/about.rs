@@ -46,6 +46,8 @@ pub struct About {
     pub polled: bool,
     /// Whether the command moves on between the rows of a file of another program: whether the servo was held at each is not in it.
     pub moving_command: bool,
+    /// By how much the wait for pulses on a clock of their own may differ from that of another recording in all times alike (s); 0 where none does.
+    pub common_wait_s: f64,
     /// The delay that was taken out of the recordings (s), where all state one and agree.
     pub sensor_delay_s: Option<f64>,
     /// The number of the board that recorded them, where all state one and agree.
@@ -153,6 +155,7 @@ impl About {
         self.polled |= other.polled;
         self.moving_command |= other.moving_command;
         self.inexact_clock |= other.inexact_clock;
+        self.common_wait_s = self.common_wait_s.max(other.common_wait_s);
         let (mine, theirs) = (
             self.sensor_delay_uncertainty_s,
             other.sensor_delay_uncertainty_s,
@@ -213,6 +216,7 @@ impl From<&About> for ModelMetadata {
         metadata.board_id.clone_from(&about.board_id);
         metadata.sensor_delay_uncertainty_s = about.sensor_delay_uncertainty_s;
         metadata.moving_command = about.moving_command;
+        metadata.common_wait_s = about.common_wait_s;
         let scales = || about.calibrations.iter();
         let first = scales().next().map(|first| first.degrees_per_count);
         metadata.degrees_per_count =

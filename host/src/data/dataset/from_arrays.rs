@@ -5,6 +5,7 @@ use super::error::DatasetError;
 use super::from_tables::note_sentinel_value;
 use super::loaded::{Loaded, late_by_polling, run};
 use super::moving_command::unseen_within_rows;
+use super::pulse_waits::common_wait_s;
 use super::wrapped_angle;
 use std::borrow::Cow;
 
@@ -22,7 +23,7 @@ pub struct Arrays<'a> {
     /// Whether another clock polled the input, so that a change that is seen in a sample came up to one period before: half of that is added
     /// to the phase.
     pub polled: bool,
-    /// Whether the servo was sent the input to its last digit, so that steps and noise of it are meant.
+    /// Whether the servo was sent the input to its last digit and with its samples, so that steps and noise of it are meant, and no change waited for a pulse.
     pub exact_command: bool,
     /// The name or gain of the controller that drove each run, where several did; else empty.
     pub controllers: Vec<f64>,
@@ -94,6 +95,9 @@ impl<'a> Arrays<'a> {
             false => unseen_within_rows(&runs, self.period_s, &mut about, ""),
         };
         about.sensor_delay_uncertainty_s = late_s + unseen_s;
+        if !(self.exact_command || about.moving_command) {
+            about.common_wait_s = common_wait_s(&runs, self.period_s);
+        }
         Ok(Loaded {
             runs,
             controllers: self.controllers,

@@ -15,6 +15,7 @@ mod loaded;
 mod moving_command;
 mod named_columns;
 mod options;
+mod pulse_waits;
 mod run_labels;
 mod sensor_delay;
 mod sentinel_values;

@@ -93,11 +93,13 @@ fn verdict(page: &Page<'_>) -> String {
     if let Some(found) = machines {
         let units = first.subject.units;
         let sentence = summary::sentence_on_servo_models(names[0], names[1], found, units);
-        let word = page
-            .comparison
-            .map(|_| "<b>undecided by the step responses</b>. ")
-            .unwrap_or_default();
-        return paragraph("servo", word, &sentence);
+        let word = page.comparison.map_or_else(String::new, |found| {
+            format!(
+                "<b>{} by the step responses</b>. ",
+                summary::verdict(found.verdict)
+            )
+        });
+        return paragraph("servo", &word, &sentence);
     }
     match page.comparison {
         Some(found) => {

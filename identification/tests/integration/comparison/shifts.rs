@@ -1,7 +1,7 @@
 //! A shift in time is called all of a difference where it is, and nowhere else.
 
 use super::{options, plain, record, servo};
-use servoid_identification::comparison::compare;
+use servoid_identification::comparison::{ComparisonOptions, Verdict, compare};
 use servoid_test_support::servos::Linear;
 
 const ALL: &str = "Apart from that shift in time these recordings show no difference.";
@@ -78,4 +78,33 @@ fn three_runs_of_another_gain_are_no_shift() {
         let found = compare(&a, &b, &options()).unwrap();
         assert!(!found.summary.contains(ALL), "{}", found.summary);
     }
+}
+
+#[test]
+fn a_difference_that_waits_of_either_recording_may_make_is_left_open() {
+    let with_waits = |other: &Linear, waits_s: [f64; 2]| {
+        let options = ComparisonOptions {
+            waits_s,
+            ..options()
+        };
+        let found = compare(&plain(&servo(), 1), &plain(other, 51), &options).unwrap();
+        (found.verdict, found.may_be_waits)
+    };
+    let later = Linear::second_order(0.97, 0.0355, 0.5, 60.0);
+    let slower = Linear::second_order(0.97, 0.0255, 0.5, 48.0);
+    let weaker = Linear::second_order(0.85, 0.0355, 0.5, 60.0);
+    let (open, different) = ((Verdict::Undecided, true), (Verdict::Different, false));
+    // 10 ms: by the wait of the second one alone, as it is the later one.
+    assert_eq!(with_waits(&later, [0.0, 0.02]), open);
+    assert_eq!(with_waits(&later, [0.02, 0.0]), different);
+    assert_eq!(with_waits(&later, [0.0, 0.005]), different);
+    assert_eq!(with_waits(&later, [0.0; 2]), different);
+    // No wait makes a servo slower, or go less far.
+    assert_eq!(with_waits(&slower, [0.02; 2]), different);
+    assert_eq!(with_waits(&weaker, [0.02; 2]), different);
+    assert_eq!(
+        with_waits(&servo(), [0.02; 2]),
+        (Verdict::Same, false),
+        "alike"
+    );
 }

@@ -1,5 +1,6 @@
 //! Two servo models beside each other, as text.
 
+use super::play_of_both::{more_play, play_of_models};
 use crate::data::units::Units;
 use crate::presentation::summary::response::metrics::TableRow;
 use crate::presentation::summary::servo::clauses::LOOKS_LIKE_A_LOAD;
@@ -15,11 +16,14 @@ use servoid_identification::comparison::{
     QuantityPair, RestsApart, ServoModelComparison, Sides, SpeedLimitsOfBoth,
 };
 use servoid_identification::nonlinear::SpeedLimits;
-use servoid_identification::results::{Bounds, Interval, with_unit};
+use servoid_identification::results::{Bounds, Interval, six_digits, with_unit};
 use servoid_identification::servo_model::{QuantityKind, Spread, Stops, Unit};
 
 /// Quantities that a sentence names at the most; the table has them all.
 const NAMED: usize = 4;
+
+/// What rests that differ leave open where no play of the machines differs for sure.
+const RESTS_LEAVE_OPEN: &str = "Rests alone do not show which of the two is worn, as strokes of another size may turn their difference round, and no play of these models differs for sure; it can be felt at the horn of a servo that holds. The worn one is to be replaced where what differs here is more than its use allows.";
 
 /// A sentence on what differs for sure, and on a load that one model alone has; `a` and `b` are the names of the two.
 #[must_use]
@@ -35,7 +39,7 @@ pub fn sentence_on_servo_models(
     let may_be_open = !found.rests_apart.differ() && by_models.is_none();
     let play = (may_be_open && (known || differences.is_empty()))
         .then(|| (found.rests_apart).nothing_sure_in_words([a, b], units.output.unwrap_or("")));
-    let by_rests = || found.rests_apart.what_it_leaves_open().map(str::to_owned);
+    let by_rests = || (found.rests_apart.differ()).then(|| RESTS_LEAVE_OPEN.to_owned());
     let worn = more_play(a, b, found, units).or_else(by_rests);
     let sentences = [
         Some(what_is_sure(a, b, found, differences)),
@@ -48,69 +52,6 @@ pub fn sentence_on_servo_models(
     ];
     let sentences: Vec<String> = sentences.into_iter().flatten().collect();
     sentences.join(" ")
-}
-
-fn is_play(pair: &QuantityPair) -> bool {
-    pair.kind() == Some(QuantityKind::Play)
-}
-
-/// Which servo has more play for sure, or some where the model of the other one has none: that is wear.
-fn more_play(a: &str, b: &str, found: &ServoModelComparison, units: Units<'_>) -> Option<String> {
-    let (pair, difference) = (found.quantities.iter())
-        .zip(&found.bounds.valid()?.differences)
-        .find(|(pair, _)| is_play(pair))?;
-    let sure = |interval: Option<Interval>| interval?.lower.filter(|lower| *lower > 0.0);
-    let (worn, other, of_worn, of_other) = match (pair.a, pair.b) {
-        (Some(of_a), Some(of_b)) if difference.is_sure() && of_b > of_a => (b, a, of_b, Some(of_a)),
-        (Some(of_a), Some(of_b)) if difference.is_sure() => (a, b, of_a, Some(of_b)),
-        (None, Some(of_b)) => sure(difference.b).map(|_| (b, a, of_b, None))?,
-        (Some(of_a), None) => sure(difference.a).map(|_| (a, b, of_a, None))?,
-        _ => return None,
-    };
-    let shown = |play: f64| with_unit(four_digits(play), units.output.unwrap_or_default());
-    let beside = match of_other {
-        Some(play) => format!("{} in {other}", shown(play)),
-        None => format!("none that shows in {other}"),
-    };
-    Some(format!(
-        "{worn} has more play, {} beside {beside}: its gears, or what is between them and the sensor, are more worn. Replace it where that is more than its use allows.",
-        shown(of_worn)
-    ))
-}
-
-/// The play of both models, where one of them has no intervals.
-fn play_of_models(
-    a: &str,
-    b: &str,
-    found: &ServoModelComparison,
-    units: Units<'_>,
-) -> Option<String> {
-    found.bounds.withdrawn()?;
-    let pair = found.quantities.iter().find(|pair| is_play(pair))?;
-    let unit = units.output.unwrap_or_default();
-    let shown = |value: f64, interval: Option<Interval>| {
-        let ends = interval.and_then(|interval| Some([interval.lower?, interval.upper?]));
-        let value_in_unit = |digits: String| with_unit(digits, unit);
-        match ends {
-            Some([lower, upper]) => {
-                let digits = |number| digits_beside(number, 3, Some(upper - lower));
-                format!(
-                    "{} ({} .. {})",
-                    value_in_unit(digits(value)),
-                    digits(lower),
-                    digits(upper)
-                )
-            }
-            None => format!("{}, without an interval,", value_in_unit(digits(value, 2))),
-        }
-    };
-    let [of_a, of_b] = [
-        shown(pair.a?, pair.interval_of_one.a),
-        shown(pair.b?, pair.interval_of_one.b),
-    ];
-    Some(format!(
-        "By the models play is {of_a} in {a} and {of_b} in {b}. More play is wear."
-    ))
 }
 
 /// How fast the larger strokes are, as they were measured, which needs no model.
@@ -277,13 +218,7 @@ fn in_words(a: &str, b: &str, pair: &QuantityPair, units: Units<'_>) -> Option<S
         with_unit(four_digits(scale * value), &unit) + &turn
     };
     let (of_a, of_b) = (shown(pair.a?), shown(pair.b?));
-    let wait = match pair.kind() {
-        Some(QuantityKind::Delay) => {
-            " (where pulses have a clock of their own, each recording has its own wait for them in that, of up to a frame)"
-        }
-        _ => "",
-    };
-    Some(format!("{of_a} in {a}, {of_b} in {b}{wait}"))
+    Some(format!("{of_a} in {a}, {of_b} in {b}"))
 }
 
 /// "a stop at 6 deg", "no stop"
@@ -376,6 +311,14 @@ pub(crate) fn how_servo_models_are_compared(found: &ServoModelComparison) -> Str
             "Without intervals on both sides nothing is said about the difference. \"Off by … or more\" is how far other fits are from the figure, and no interval: what a model lacks is in all of them, and it may be off by several times as much."
         }
     };
+    let longest_s = found.waits_s[0].max(found.waits_s[1]);
+    let waits = match longest_s > 0.0 && found.bounds.valid().is_some() {
+        true => format!(
+            " Of the delay it contains that each recording may have its own wait for pulses of another clock, by which delays differ by up to {} ms.",
+            six_digits(1e3 * longest_s)
+        ),
+        false => String::new(),
+    };
     let stroke = match found
         .stroke
         .is_some_and(|stroke| stroke.a_s.is_some() != stroke.b_s.is_some())
@@ -391,7 +334,7 @@ pub(crate) fn how_servo_models_are_compared(found: &ServoModelComparison) -> Str
         }
         false => "",
     };
-    format!("{how}{angles}{stroke}{rests}")
+    format!("{how}{waits}{angles}{stroke}{rests}")
 }
 
 /// Whether one model alone has a dead band, and the other one friction.
@@ -599,6 +542,7 @@ mod tests {
             rests_apart: RestsApart::default(),
             speed_limits: None,
             shared_delay_error: false,
+            waits_s: [0.0; 2],
             at_other_angles: false,
             stroke: Some(StrokeTimes {
                 size: 60.0,

@@ -1,0 +1,95 @@
+//! Waits for pulses that a whole recording has in common.
+//!
+//! Where pulses come on a clock of their own, a command that changes between two of them waits for the next. Changes that are whole frames apart wait equally
+//! long, so that every time of a recording contains one wait, which no row shows and another recording has otherwise.
+
+use servoid_identification::Run;
+
+/// The time between two pulses of a receiver, or of the servo library of a microcontroller \[s\].
+const FRAME_S: f64 = 0.02;
+
+/// By how much the mean wait of the changes of one of these runs may differ from that in another recording of the same commands, at most \[s\]: a frame where all changes are whole frames
+/// apart, half a frame where half of them are in its middle, and little where they are spread over it.
+pub(super) fn common_wait_s(runs: &[Run<'_>], period_s: f64) -> f64 {
+    let of_run = |run: &Run| FRAME_S * spread_of_mean(change_phases(run.input(), period_s));
+    runs.iter().map(of_run).fold(0.0, f64::max)
+}
+
+/// When the command changes, in frames from one of them on, 0 to 1.
+fn change_phases(command: &[f64], period_s: f64) -> Vec<f64> {
+    let pairs = command.windows(2).zip(1..);
+    let changes = pairs.filter(|(pair, _)| (pair[1] - pair[0]).abs() > 0.0);
+    // A billionth keeps rounding from making the end of one frame of the beginning of the next.
+    let phase = |row: usize| (row as f64 * period_s / FRAME_S + 1e-9).fract();
+    changes.map(|(_, row)| phase(row)).collect()
+}
+
+/// The mean wait is φ - F(φ) and a constant, for pulses that come at φ in each frame and F the share of changes before φ in it: largest less smallest, which is the
+/// statistic of Kuiper (Proceedings of the Koninklijke Nederlandse Akademie van Wetenschappen A 63, 1960).
+fn spread_of_mean(mut phases: Vec<f64>) -> f64 {
+    phases.sort_by(f64::total_cmp);
+    let changes = phases.len() as f64;
+    let above = phases
+        .iter()
+        .zip(1..)
+        .map(|(phase, n)| f64::from(n) / changes - phase);
+    let below = phases
+        .iter()
+        .zip(0..)
+        .map(|(phase, n)| phase - f64::from(n) / changes);
+    above
+        .reduce(f64::max)
+        .zip(below.reduce(f64::max))
+        .map_or(0.0, |(above, below)| above + below)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The mean wait for pulses at each of 200 moments of a frame, tried one by one.
+    fn by_trial(command: &[f64], period_s: f64) -> f64 {
+        let phases = change_phases(command, period_s);
+        let mean_wait = |pulse: f64| {
+            let waits = phases.iter().map(|phase| (pulse - phase).rem_euclid(1.0));
+            waits.sum::<f64>() / phases.len() as f64
+        };
+        let means: Vec<f64> = (0..200)
+            .map(|k| mean_wait((f64::from(k) + 0.5) / 200.0))
+            .collect();
+        let extent = means.iter().fold([1.0f64, 0.0f64], |[low, high], m| {
+            [low.min(*m), high.max(*m)]
+        });
+        FRAME_S * (extent[1] - extent[0])
+    }
+
+    fn held(holds: impl Iterator<Item = usize>) -> Vec<f64> {
+        let of_hold = |(length, k): (usize, usize)| vec![[3.0, -3.0][k % 2]; length];
+        holds.zip(0..).flat_map(of_hold).collect()
+    }
+
+    #[test]
+    fn the_spread_is_that_of_the_mean_waits_for_pulses_at_any_moment() {
+        let whole = held([50, 30, 40, 50, 20, 60].into_iter());
+        let halves = held([25, 35, 25, 45, 25].into_iter());
+        let any = held((0..60).map(|k| 20 + k * 7919 % 41));
+        for (command, expected_s, tolerance_s) in [
+            (&whole, 0.02, 1e-9),
+            (&halves, 0.01, 1e-9),
+            (&any, 0.0, 4e-3),
+        ] {
+            let run = Run::new(command.clone(), command.clone()).unwrap();
+            let found_s = common_wait_s(&[run], 0.002);
+            assert!((found_s - expected_s).abs() <= tolerance_s, "{found_s}");
+            // The trials are a two-hundredth of a frame apart.
+            let tried_s = by_trial(command, 0.002);
+            assert!((found_s - tried_s).abs() <= 2e-4, "{found_s} {tried_s}");
+        }
+    }
+
+    #[test]
+    fn a_command_that_never_changes_waits_for_nothing() {
+        assert!(change_phases(&[1.0; 9], 0.002).is_empty());
+        assert!(spread_of_mean(Vec::new()) <= 0.0);
+    }
+}
