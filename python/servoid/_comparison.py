@@ -45,9 +45,18 @@ class Comparison(Printed):
         """``"different"``, ``"same"`` or ``"undecided"``, against :attr:`margin_percent`: of the step responses alone.
 
         How the servos differ as machines is in :attr:`servo_model`, and in the text of ``print(comparison)``.
-        Sides with different references are never ``"different"``: that may be the reference and not the servo.
+        Sides with different references are never ``"different"``: that may be the reference and not the servo. A difference that
+        waits for pulses may make is ``"undecided"``, too: :attr:`may_be_waits`.
         """
         return str(self._fields["verdict"])
+
+    @property
+    def may_be_waits(self) -> bool:
+        """Whether the responses may differ by the wait for pulses alone, of up to a frame, that each recording may have in all of its times.
+
+        Three runs a side have bounds that contain these; ``exact_command=True`` states that no command waits.
+        """
+        return bool(self._fields.get("may_be_waits"))
 
     @property
     def margin_percent(self) -> float:
@@ -131,7 +140,11 @@ class Comparison(Printed):
 
     @property
     def servo_model(self) -> dict[str, Any] | None:
-        """The servo models of both sides, where they are compared, as in the document."""
+        """The servo models of both sides, where they are compared, as in the document.
+
+        ``["bounds"]["differences"]`` is a list with the intervals of ``"a"``, of ``"b"`` and of their ``"difference"`` for each quantity (``"name"``);
+        ``["bounds"]`` is ``None`` where a side has no intervals.
+        """
         found: dict[str, Any] | None = self.to_dict().get("servo_model")
         return found
 

@@ -57,8 +57,8 @@ def identify(
     polled : bool
         Another clock polled the commands, so that each changed up to a period before the sample that has it.
     exact_command : bool
-        The servo was sent the command as it is given, with its noise and to its last digit; else the bounds allow for commands that
-        may have been rounded or measured.
+        The servo was sent the command as it is given, with its noise, to its last digit and with its sample; else the bounds allow for
+        commands that may have been rounded or measured, and comparisons for commands that wait for pulses.
     controllers : sequence of float, optional
         Name or gain of the controller that drove each run, where several drove the same mechanism.
     input_unit, output_unit : str, optional

@@ -167,7 +167,7 @@ def read(
     polled : bool
         The command changed between rows, as a logger with a clock of its own sees it: times are corrected by half a row.
     exact_command : bool
-        The servo was sent the command as it is written, with the noise of its holds and to its last digit.
+        The servo was sent the command as it is written, with the noise of its holds, to its last digit and with its row.
     with_rest : bool
         Use the rest around the reference of servoid's recordings too.
 

@@ -45,6 +45,8 @@ _FRICTION_SPEED_SHARE = 0.05
 class Quantity:
     """A property of the servo as a machine.
 
+    Its bounds are of these recordings: they contain their noise, and not what differs from run to run.
+
     Attributes
     ----------
     name, unit : str

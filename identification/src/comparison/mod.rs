@@ -35,6 +35,7 @@ mod difference;
 mod difference_curves;
 mod different_motions;
 mod metric_differences;
+mod more_play;
 mod motion;
 mod options;
 mod other_way;
@@ -54,6 +55,7 @@ mod words;
 
 pub use advice::SIDES;
 pub use compare::{compare, compare_models};
+pub use more_play::MorePlay;
 pub use motion::Motion;
 pub use options::{ComparisonOptions, DelayErrors};
 pub use outcome::{

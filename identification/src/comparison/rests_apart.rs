@@ -74,7 +74,7 @@ impl RestsApart {
     #[must_use]
     pub fn what_it_leaves_open(&self) -> Option<&'static str> {
         self.differ().then_some(
-            "Rests alone do not show which of the two is worn, as strokes of another size may turn their difference round; the play of the servos as machines does (--servo-model), and it can be felt at the horn of a servo that holds. The worn one is to be replaced where what differs here is more than its use allows.",
+            "Rests alone do not show which of the two is worn, as strokes of another size may turn their difference round: the play of the servos as machines does, and it can be felt at the horn of a servo that holds. The worn one is to be replaced where what differs here is more than its use allows.",
         )
     }
 

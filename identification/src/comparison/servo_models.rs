@@ -42,6 +42,9 @@ pub struct ServoModelComparison {
     /// The waits of the two recordings that the difference of the delays contains \[s\]; left out where it contains none.
     #[serde(default, skip_serializing_if = "is_without_waits")]
     pub waits_s: [f64; 2],
+    /// Root mean square of the errors of either model \[output\]: what it lacks, such as a play of that size, may be in them.
+    #[serde(default)]
+    pub rmse: Sides<f64>,
     /// Whether quantities of both depend on the angle, and are those at the middle of commands that differ: their differences then contain what that makes.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub at_other_angles: bool,
@@ -231,6 +234,7 @@ pub fn compare_servo_models(
         ),
         shared_delay_error: delays.is_some(),
         waits_s: [0.0; 2],
+        rmse: Sides::of([a, b], |model| model.fit.rmse),
         at_other_angles: pairs.iter().any(widens),
         without_bounds: Sides::of([a, b], |model| model.covariance.withdrawn()),
         bounds: levels.map(|level| QuantityDifferences {
@@ -255,17 +259,19 @@ impl ServoModelComparison {
         both.any(|found| has_ends(&found))
     }
 
-    /// Whether they say more than the step responses, `None` where these are not compared. What is sure comes first, and of responses that differ what makes them so; what step responses show
-    /// comes before machines that are not shown to differ.
+    /// Whether they say more than the step responses, `None` where these are not compared. What is sure comes first: how the servos rest, and which has more play, beside responses that are alike, and
+    /// what makes them differ where they do. What step responses show comes before machines that are not shown to differ.
     #[must_use]
     pub fn answer_before(&self, step_responses: Option<&Comparison>) -> bool {
         let show = step_responses.is_some_and(Comparison::has_verdict);
-        let quantities_differ = || self.differences().iter().any(QuantityDifference::is_sure);
+        let any_differs = || self.differences().iter().any(QuantityDifference::is_sure);
+        let rests_differ = self.rests_apart.differ();
         match step_responses.map(|found| found.verdict) {
-            Some(Verdict::Same) => false,
-            Some(Verdict::Different) => quantities_differ(),
+            _ if self.more_play().is_some() => true,
+            Some(Verdict::Same) => rests_differ,
+            Some(Verdict::Different) => any_differs(),
             Some(Verdict::Undecided) | None => {
-                self.rests_apart.differ() || quantities_differ() || self.compares() && !show
+                rests_differ || any_differs() || self.compares() && !show
             }
         }
     }

@@ -53,9 +53,10 @@ pub fn is_wanted(asked: ServoModelSearch, found: &Identification) -> bool {
     help(asked, suffices, withdrawn)
 }
 
-/// Whether servo models of both sides are compared: on request, and where the step responses decide nothing.
+/// Whether servo models of both sides are compared: on request, where the step responses decide nothing, and where rests differ, which does not show what is worn.
 pub fn are_compared(asked: ServoModelSearch, found: &Comparison) -> bool {
-    let decided = found.verdict != Verdict::Undecided;
+    let rests_differ = found.rests_apart.is_some_and(|rests| rests.differ());
+    let decided = found.verdict != Verdict::Undecided && !rests_differ;
     help(asked, decided, found.bounds.withdrawn())
 }
 
@@ -206,6 +207,7 @@ fn fit(
         model,
         controller_names: names,
         is_of_rows: data.about.is_of_rows(),
+        common_wait_s: data.about.common_wait_s,
     })
 }
 

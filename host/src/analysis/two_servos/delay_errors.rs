@@ -100,9 +100,9 @@ pub(super) fn advice_on_waits(sides: [&ModelMetadata; 2]) -> Option<Advice> {
         Advice::new(
             Check::CommandEdges,
             format!(
-                "Where pulses come on a clock of their own, commands wait for them, and under these holds each recording has its own wait in all of its times: up to {} ms of a difference in \
+                "Where pulses come on a clock of their own, commands wait for them, and under these holds each recording has its own wait in all of its times: up to {:.0} ms of a difference in \
                  time may be of that, with frames of 20 ms, and none of the servos.",
-                in_ms(longest_s)
+                1e3 * longest_s
             ),
             longest_s,
             0.0,

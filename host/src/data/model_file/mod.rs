@@ -235,6 +235,7 @@ impl ModelFile {
                 controller_names: beside.controller_names,
                 stroke_of_60_degrees_s: beside.stroke_of_60_degrees_s,
                 is_of_rows: self.metadata.pulse_frame_s.is_none(),
+                common_wait_s: self.metadata.common_wait_s,
             })),
             false => Err(ModelFileError::InconsistentServoModel(self.path.clone())),
         }
@@ -302,6 +303,9 @@ pub struct ServoModelDocument {
     /// Whether another program wrote the recording, whose commands may change beside the pulses: a file without their frame.
     #[serde(skip)]
     pub is_of_rows: bool,
+    /// By how much a wait for pulses may make its delay longer, as its model file says of the recording \[s\].
+    #[serde(skip)]
+    pub common_wait_s: f64,
 }
 
 /// The fields beside a servo model.

@@ -92,7 +92,7 @@ const SEVERAL_RUNS: &str = " Bounds of several runs are those of their mean, and
 
 /// What to do about it.
 const MORE_RUNS: &str = "Bounds of few runs are wide where these differ, by a few percent of gain or parts of a millisecond: record more of them, or identify one run by itself, whose bounds are those of that run alone, \
-                         and may reach several times as far up. ";
+                         and may reach farther up. ";
 
 /// How many runs of a smooth reference the record has; `None` of another one.
 fn smooth_runs(evidence: &Evidence<'_>) -> Option<usize> {

@@ -66,6 +66,7 @@ impl Row {
             noise: self.noise,
             run,
             missing_percent: number("MISSING", 0),
+            waits_for_pulses: number("WAITS", 0) > 0,
         };
         let cases: Vec<Case> = servos
             .flat_map(|servo| (0..runs).map(move |run| case(servo, run)))
@@ -104,6 +105,7 @@ fn bands_hold_or_are_withdrawn() {
         noise: NoiseKind::White,
         run: 0,
         missing_percent: 0,
+        waits_for_pulses: false,
     };
     let kinds = Kind::ALL.into_par_iter();
     let trials: Vec<Trial> = kinds.map(|kind| case(kind).trial()).collect();

@@ -11,7 +11,7 @@ use std::fmt;
 pub(super) const PERIOD_S: f64 = 0.002;
 
 /// Samples in a frame of 20 ms.
-const FRAME: usize = 10;
+pub(super) const FRAME: usize = 10;
 
 /// Levels of the stairs.
 const LEVELS: usize = 6;

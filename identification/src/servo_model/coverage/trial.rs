@@ -1,6 +1,6 @@
 //! One recording of a servo: what the fit claims of it, and whether that is so.
 
-use super::references::{NoiseKind, PERIOD_S, Reference};
+use super::references::{FRAME, NoiseKind, PERIOD_S, Reference};
 use super::servos::{Kind, servo};
 use super::truth::{Beyond, Truth};
 use crate::data::{Record, Run};
@@ -30,6 +30,8 @@ pub(super) struct Case {
     pub(super) run: u64,
     /// Percent of the rows that are missing.
     pub(super) missing_percent: u64,
+    /// Whether commands wait for the next of pulses that come every frame, at moments of their own.
+    pub(super) waits_for_pulses: bool,
 }
 
 /// The fit of a recording, and what is true.
@@ -88,7 +90,10 @@ impl Case {
         random.set_stream(stream);
         let mut input = self.reference.command(&mut random, SAMPLES);
         let noise = self.noise.draw(&mut random, input.len());
-        let clean = truth.response(&input, PERIOD_S);
+        let clean = match self.waits_for_pulses {
+            true => truth.response(&at_pulses(&input, random.random_range(0..FRAME)), PERIOD_S),
+            false => truth.response(&input, PERIOD_S),
+        };
         let mut output: Vec<f64> = clean.iter().zip(&noise).map(|(y, v)| y + v).collect();
         let at_rest = input[0];
         for (u, y) in input.iter_mut().zip(&mut output).skip(1) {
@@ -132,6 +137,13 @@ impl Case {
             claim,
         }
     }
+}
+
+/// The command that the servo has, of pulses whose first comes with sample `first`: until then that of the rest before.
+fn at_pulses(input: &[f64], first: usize) -> Vec<f64> {
+    let pulse_before = |k: usize| k.checked_sub(first).map(|since| k - since % FRAME);
+    let command = |k: usize| input[pulse_before(k).unwrap_or(0)];
+    (0..input.len()).map(command).collect()
 }
 
 /// The band of the response to `input`; `None` where it is withdrawn.

@@ -18,6 +18,15 @@ const PERIOD_S: f64 = 0.5e-3;
 /// twice as large. A limit that the model has, but the record does not determine, may be anywhere above the speeds of the record.
 const FASTER_IF_LINEAR: f64 = 2.0;
 
+/// A stroke of this size moves by so much of it at the least: less is one that something holds.
+const LEAST_PART: f64 = 0.8;
+
+/// By this part of it a stroke may miss its size: a tenth of what its end is looked at with.
+const CLOSE: f64 = 2e-3;
+
+/// Strokes that are tried until one is of the size. Springs make what is missing smaller by their part of the loop each time.
+const TRIALS: usize = 8;
+
 /// The longest time that a stroke is followed, behind the delay \[s\]. A slow winch takes a second for 60 degrees.
 const LONGEST_S: f64 = 3.0;
 
@@ -45,7 +54,7 @@ impl ServoModel {
             reached.measured().map(|speed| faster * speed)
         });
         let of = |ends: [f64; 2], fastest: f64| {
-            let stroke = Stroke::of(&servo, ends, size)?;
+            let stroke = Stroke::of_size(&servo, ends, size)?;
             (stroke.fastest <= fastest).then_some(stroke.time_s)
         };
         Some([of([low, high], known[0])?, of([high, low], known[1])?])
@@ -85,8 +94,21 @@ struct Stroke {
 }
 
 impl Stroke {
-    /// `None` where it is not of this size.
-    fn of(servo: &ServoParameters, [from, to]: [f64; 2], size: f64) -> Option<Self> {
+    /// The stroke of this size about the middle of these commands, which a load, play or a dead band let end elsewhere; `None` where the servo ends none.
+    fn of_size(servo: &ServoParameters, commands: [f64; 2], size: f64) -> Option<Self> {
+        let mut between = commands;
+        for _ in 0..TRIALS {
+            let (stroke, moved) = Self::of(servo, between, size)?;
+            if (moved - size).abs() <= CLOSE * size {
+                return Some(stroke);
+            }
+            between = stretched(between, size / moved);
+        }
+        None
+    }
+
+    /// The stroke between these commands and how far it goes, as one of about this size; `None` where it has no end.
+    fn of(servo: &ServoParameters, [from, to]: [f64; 2], size: f64) -> Option<(Self, f64)> {
         let begin = servo.resting_output(from);
         let grid = Grid::for_stiffness(PERIOD_S, 0.0, servo.stiffness);
         let samples = ((servo.delay_s.max(0.0) + LONGEST_S) / PERIOD_S) as usize;
@@ -96,23 +118,30 @@ impl Stroke {
             outputs.push(y)
         });
         let end = *outputs.last()?;
-        let near = ENDED * size;
-        let late = outputs.iter().rposition(|y| (y - end).abs() > near)?;
-        let is_whole = ((end - begin).abs() - size).abs() <= near;
+        let late = (outputs.iter()).rposition(|y| (y - end).abs() > ENDED * size)?;
+        let moved = (end - begin).abs();
         // One that still moves at the end has not ended.
         let has_ended = late < samples - samples / 10;
+        let is_like_it = (LEAST_PART..=LEAST_PART.recip()).contains(&(moved / size));
         let (up, down) = fastest(&outputs, (STROKE_S / PERIOD_S) as usize);
-        (is_whole && has_ended).then(|| Self {
+        let stroke = Self {
             time_s: (late + 1) as f64 * PERIOD_S,
             fastest: up.max(down) / PERIOD_S,
-        })
+        };
+        (is_like_it && has_ended).then_some((stroke, moved))
     }
+}
+
+/// The commands about the same middle, this many times as far apart.
+fn stretched([from, to]: [f64; 2], times: f64) -> [f64; 2] {
+    let (middle, half) = (f64::midpoint(from, to), times * (to - from) / 2.0);
+    [middle - half, middle + half]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use servoid_dynamics::{DriveLimit, Stops};
+    use servoid_dynamics::{DriveLimit, Load, Stops};
 
     fn servo() -> ServoParameters {
         ServoParameters {
@@ -124,7 +153,7 @@ mod tests {
     /// A servo of second order with two equal poles at p is within 2 % after the time at which (1 + pt) exp(-pt) is 0.02: pt = 5.834.
     #[test]
     fn a_linear_servo_takes_its_settling_time() {
-        let found = Stroke::of(&servo(), [-30.0, 30.0], 60.0).unwrap();
+        let found = Stroke::of_size(&servo(), [-30.0, 30.0], 60.0).unwrap();
         let time_s = found.time_s;
         assert!(
             (time_s - 0.02 - 5.834 / 80.0).abs() < 2.0 * PERIOD_S,
@@ -145,8 +174,28 @@ mod tests {
             at_one_stiffness: false,
         });
         let limited = ServoParameters { limit, ..servo() };
-        let found = Stroke::of(&limited, [-30.0, 30.0], 60.0).unwrap().time_s;
+        let found = Stroke::of_size(&limited, [-30.0, 30.0], 60.0)
+            .unwrap()
+            .time_s;
         assert!((0.19..0.26).contains(&found), "{found}");
+    }
+
+    /// A spring of 4 % of the loop and a play of 1 degree take 3.3 degrees off a command of 60.
+    #[test]
+    fn a_stroke_that_a_load_ends_early_is_made_whole() {
+        let softer = ServoParameters {
+            load: Load::Spring {
+                constant: 0.0,
+                rate: 0.04 * servo().stiffness,
+            },
+            play: Some(1.0),
+            ..servo()
+        };
+        let (_, moved) = Stroke::of(&softer, [-30.0, 30.0], 60.0).unwrap();
+        assert!((56.0..58.0).contains(&moved), "{moved}");
+        let whole = Stroke::of_size(&softer, [-30.0, 30.0], 60.0).unwrap();
+        // Its stiffness is 1.04 times as large, and the play takes 1 degree to cross.
+        assert!((0.08..0.11).contains(&whole.time_s), "{}", whole.time_s);
     }
 
     #[test]
@@ -156,7 +205,7 @@ mod tests {
             upper: Some(10.0),
         };
         let stopped = ServoParameters { stops, ..servo() };
-        assert!(Stroke::of(&stopped, [-30.0, 30.0], 60.0).is_none());
+        assert!(Stroke::of_size(&stopped, [-30.0, 30.0], 60.0).is_none());
     }
 
     #[test]

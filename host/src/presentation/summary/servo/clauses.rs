@@ -5,7 +5,7 @@ use crate::data::units::Units;
 use crate::presentation::summary::wording::layout::listed_words;
 use crate::presentation::summary::wording::numbers::{digits, digits_beside, four_digits};
 use crate::presentation::summary::wording::speed_words::{
-    reached_in_words, speed_in_words, upwards,
+    reached_in_words, speed_in_words, speeds_between_in_words, upwards,
 };
 use servoid_identification::results::{Reason, with_unit};
 use servoid_identification::servo_model::{
@@ -87,8 +87,12 @@ pub(super) fn limited_to(
     units: Units<'_>,
     (how, count): (&str, usize),
 ) -> Option<String> {
-    let [up, down] = speeds?
-        .map(|found| speed_in_words(model, (found.value, digits(found.value, count)), units));
+    let [up, down] = speeds?.map(|found| {
+        match ends(found).filter(|[lower, upper]| upper - lower > VAGUE * found.value) {
+            Some(range) => speeds_between_in_words(range, units),
+            None => speed_in_words(model, (found.value, digits(found.value, count)), units),
+        }
+    });
     let limits = match up == down {
         true => up,
         false => format!("{up} {} and {down} downwards", upwards(model)),
@@ -272,7 +276,7 @@ pub(super) fn delay(model: &ServoModel) -> Option<String> {
     })
 }
 
-/// A delay whose interval is wider than this part of it is said as that interval.
+/// A delay whose interval is wider than this part of it is said as that interval, and so is a speed.
 const VAGUE: f64 = 0.25;
 
 /// The upper end of an interval that begins at once, over its value, from which a delay is not said in a sentence.

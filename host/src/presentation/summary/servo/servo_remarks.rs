@@ -31,6 +31,7 @@ impl ServoRemarks {
             run_offsets_in_words(model, units),
             of_pulse_end(model, units),
             rest_at_neutral(model, units),
+            rests_in_words(model, units),
             of_stops(model, units),
             stall_in_words(model, units).map(|stall| format!("By the model, {stall}.")),
             of_missed_rests(model, units),
@@ -43,6 +44,7 @@ impl ServoRemarks {
             whole_stroke(model, units),
             against_the_model(model, units),
             one_unreached(model, units),
+            wait_in_the_delay(document),
             where_strokes_end(model),
             friction_at_low_speed(model),
             whose_controller(document),
@@ -152,6 +154,31 @@ fn whose_controller(document: &ServoModelDocument) -> Option<String> {
         "Bandwidth, damping ratio, error of full drive and what is left at rest are those with the controller {first}; {}.",
         others.join(", ")
     ))
+}
+
+/// How exactly it comes to rest, as it was measured.
+fn rests_in_words(model: &ServoModel, units: Units<'_>) -> Option<String> {
+    let apart = model.rests_apart?;
+    let (value, lower, upper) = (apart.value?, apart.lower?, apart.upper?);
+    let shown = |number: f64| digits_beside(number, 3, Some(upper - lower));
+    Some(format!(
+        "Its rests under one command are up to {} apart ({} .. {}), wherever it came from: play, a dead band or friction keep them so.",
+        with_unit(shown(value), units.output.unwrap_or_default()),
+        shown(lower),
+        shown(upper)
+    ))
+}
+
+/// That the delay may have a wait in it that no interval contains.
+fn wait_in_the_delay(document: &ServoModelDocument) -> Option<String> {
+    let delay = document.model.quantity(QuantityKind::Delay)?;
+    (document.common_wait_s > 0.0 && delay.determined).then(|| {
+        format!(
+            "Where pulses come on a clock of their own, commands wait for them: under these holds the delay has one wait of up to {:.0} ms in it, with frames of 20 ms, which no interval contains \
+             (--exact-command states that no command waits).",
+            1e3 * document.common_wait_s
+        )
+    })
 }
 
 /// Where the model rests under the neutral pulse: the offset is where it would under a pulse of 0.

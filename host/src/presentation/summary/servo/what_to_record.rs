@@ -212,6 +212,7 @@ mod tests {
             controller_names: Vec::new(),
             stroke_of_60_degrees_s: None,
             is_of_rows,
+            common_wait_s: 0.0,
         }
     }
 

@@ -9,7 +9,7 @@ use servoid_identification::servo_model::ServoModel;
 /// A step of this part of a stroke is one of its size: the servo rests a little off its command.
 const AS_LARGE: f64 = 0.95;
 
-const NOT_SHOWN: &str = "How long a stroke of 60 degrees takes is not known: the recording has none so large, and no top speed; or by this model a load or a stop ends it before.";
+const NOT_SHOWN: &str = "How long a stroke of 60 degrees takes is not known: the recording has none so large, and no top speed; or by this model a load or a stop holds it before.";
 
 /// How long a whole stroke of 60 degrees takes, which people ask first, or why that is not known.
 pub(crate) fn whole_stroke(model: &ServoModel, units: Units<'_>) -> Option<String> {

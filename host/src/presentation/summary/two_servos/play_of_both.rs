@@ -10,32 +10,23 @@ fn is_play(pair: &QuantityPair) -> bool {
     pair.kind() == Some(QuantityKind::Play)
 }
 
-/// Which servo has more play for sure, or some where the model of the other one has none: that is wear.
+/// Which servo has more play for sure, and what that means.
 pub(super) fn more_play(
     a: &str,
     b: &str,
     found: &ServoModelComparison,
     units: Units<'_>,
 ) -> Option<String> {
-    let (pair, difference) = (found.quantities.iter())
-        .zip(&found.bounds.valid()?.differences)
-        .find(|(pair, _)| is_play(pair))?;
-    let sure = |interval: Option<Interval>| interval?.lower.filter(|lower| *lower > 0.0);
-    let (worn, other, of_worn, of_other) = match (pair.a, pair.b) {
-        (Some(of_a), Some(of_b)) if difference.is_sure() && of_b > of_a => (b, a, of_b, Some(of_a)),
-        (Some(of_a), Some(of_b)) if difference.is_sure() => (a, b, of_a, Some(of_b)),
-        (None, Some(of_b)) => sure(difference.b).map(|_| (b, a, of_b, None))?,
-        (Some(of_a), None) => sure(difference.a).map(|_| (a, b, of_a, None))?,
-        _ => return None,
-    };
+    let more = found.more_play()?;
+    let (worn, other) = if more.is_second { (b, a) } else { (a, b) };
     let shown = |play: f64| with_unit(four_digits(play), units.output.unwrap_or_default());
-    let beside = match of_other {
+    let beside = match more.of_other {
         Some(play) => format!("{} in {other}", shown(play)),
         None => format!("none that shows in {other}"),
     };
     Some(format!(
         "{worn} has more play, {} beside {beside}: its gears, or what is between them and the sensor, are more worn. Replace it where that is more than its use allows.",
-        shown(of_worn)
+        shown(more.play)
     ))
 }
 

@@ -1,6 +1,7 @@
 //! Two servo models beside each other, as text.
 
 use super::play_of_both::{more_play, play_of_models};
+use super::slower_servo::slower;
 use crate::data::units::Units;
 use crate::presentation::summary::response::metrics::TableRow;
 use crate::presentation::summary::servo::clauses::LOOKS_LIKE_A_LOAD;
@@ -16,7 +17,7 @@ use servoid_identification::comparison::{
     QuantityPair, RestsApart, ServoModelComparison, Sides, SpeedLimitsOfBoth,
 };
 use servoid_identification::nonlinear::SpeedLimits;
-use servoid_identification::results::{Bounds, Interval, six_digits, with_unit};
+use servoid_identification::results::{Bounds, Interval, with_unit};
 use servoid_identification::servo_model::{QuantityKind, Spread, Stops, Unit};
 
 /// Quantities that a sentence names at the most; the table has them all.
@@ -44,6 +45,7 @@ pub fn sentence_on_servo_models(
     let sentences = [
         Some(what_is_sure(a, b, found, differences)),
         worn,
+        slower(a, b, found),
         by_models,
         play,
         load_of_one(a, b, found, units),
@@ -314,8 +316,8 @@ pub(crate) fn how_servo_models_are_compared(found: &ServoModelComparison) -> Str
     let longest_s = found.waits_s[0].max(found.waits_s[1]);
     let waits = match longest_s > 0.0 && found.bounds.valid().is_some() {
         true => format!(
-            " Of the delay it contains that each recording may have its own wait for pulses of another clock, by which delays differ by up to {} ms.",
-            six_digits(1e3 * longest_s)
+            " Of the delay it contains that each recording may have its own wait for pulses of another clock, by which delays differ by up to {:.0} ms (--exact-command states that no command waits).",
+            1e3 * longest_s
         ),
         false => String::new(),
     };
@@ -543,6 +545,7 @@ mod tests {
             speed_limits: None,
             shared_delay_error: false,
             waits_s: [0.0; 2],
+            rmse: Sides::default(),
             at_other_angles: false,
             stroke: Some(StrokeTimes {
                 size: 60.0,

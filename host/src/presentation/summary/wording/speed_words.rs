@@ -1,7 +1,7 @@
 //! Speeds of a servo in words: with the time for 60 degrees, and the direction.
 
 use super::numbers::digits;
-use super::sixty_degrees::seconds_per_60_degrees;
+use super::sixty_degrees::{seconds_per_60_degrees, turn_time_s};
 use crate::data::units::Units;
 use servoid_identification::servo_model::ServoModel;
 
@@ -20,6 +20,14 @@ pub(crate) fn speed_in_words(
     units: Units<'_>,
 ) -> String {
     with_turn(&figure, turn(model, speed, units), units)
+}
+
+/// "240 to 566 deg/s (0.106 to 0.250 s/60°)", of a speed that is known between these.
+pub(crate) fn speeds_between_in_words([lower, upper]: [f64; 2], units: Units<'_>) -> String {
+    let turns = turn_time_s(upper, units).zip(turn_time_s(lower, units));
+    let turns = turns.map(|(quick, slow)| format!("{quick:.3} to {slow:.3} s/60°"));
+    let figure = format!("{} to {}", digits(lower, 3), digits(upper, 3));
+    with_turn(&figure, turns, units)
 }
 
 /// "more than 170 deg/s (less than 0.353 s/60°)", of a speed that was reached at least.
