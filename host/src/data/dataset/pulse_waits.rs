@@ -27,8 +27,8 @@ pub(super) fn common_wait_s(runs: &[Run<'_>], period_s: f64) -> f64 {
 
 /// When the command changes, in frames from one of them on, 0 to 1.
 fn change_phases(command: &[f64], period_s: f64) -> Vec<f64> {
-    let pairs = command.windows(2).zip(1..);
-    let changes = pairs.filter(|(pair, _)| (pair[1] - pair[0]).abs() > 0.0);
+    let pairs = command.iter().zip(command.iter().skip(1)).zip(1..);
+    let changes = pairs.filter(|((before, after), _)| (*after - *before).abs() > 0.0);
     // A billionth keeps rounding from making the end of one frame of the beginning of the next.
     let phase = |row: usize| (row as f64 * period_s / FRAME_S + 1e-9).fract();
     changes.map(|(_, row)| phase(row)).collect()
