@@ -261,7 +261,7 @@ fn of_curves(
                 at_s: timing.seconds(found.sample as f64),
                 stroke: difference_curves[found.curve].stroke,
             },
-            delay_shift_s: shift.lower.zip(shift.upper).map(<[f64; 2]>::from),
+            delay_shift_s: shift.ends(),
         }),
         without_bounds: Sides::of([&curves[0], &curves[1]], |side| side.spread.withdrawn()),
         runs: [1, 1],

@@ -8,6 +8,9 @@ use super::rests_apart::RestsApart;
 use super::verdict::Verdict;
 use crate::results::{Advice, Bounds, Interval, Reason};
 
+/// What the sides are called in a summary.
+pub(super) const NAMES_IN_SUMMARY: [&str; 2] = ["the first", "the second"];
+
 /// Version of the JSON document.
 pub const SCHEMA: u32 = 3;
 
@@ -249,6 +252,17 @@ impl Comparison {
     #[must_use]
     pub fn has_verdict(&self) -> bool {
         self.bounds.valid().is_some() && !self.descriptions_of_different_motions
+    }
+
+    /// With a summary of the responses alone, for who says how far apart the two rest elsewhere, as in a comparison of them as machines; `unit` is that of the output.
+    #[must_use]
+    pub fn without_rests_in_summary(mut self, unit: &str) -> Self {
+        let rests = self.rests_in_words(NAMES_IN_SUMMARY, unit);
+        let shorter = rests.and_then(|rests| self.summary.strip_suffix(&*rests));
+        if let Some(shorter) = shorter {
+            self.summary = shorter.trim_end().to_owned();
+        }
+        self
     }
 
     /// Whether the two differ in how far apart they rest under one command, which is a small share of a stroke. That nobody knows it is said where the rest is the same. `sides` are their

@@ -63,9 +63,9 @@ pub(super) fn may_be_waits(found: &Comparison, waits_s: [f64; 2]) -> bool {
     let [of_first, of_second] = waits_s;
     let is_explained = |curve: &DifferenceCurve| {
         let shift = &curve.delay_shift_s;
-        let ends = shift.lower.zip(shift.upper);
+        let ends = shift.ends();
         let is_possible =
-            ends.is_some_and(|(lower, upper)| lower <= of_second && upper >= -of_first);
+            ends.is_some_and(|[lower, upper]| lower <= of_second && upper >= -of_first);
         let left = curve.shift_leaves_at_least_percent;
         is_possible && left.is_some_and(|left| left <= found.margin_percent)
     };

@@ -3,8 +3,8 @@
 use super::different_motions::references_of_models_in_words;
 use super::options::ComparisonOptions;
 use super::outcome::{
-    Comparison, ComparisonBounds, DifferenceCurve, Direction, Levels, MetricDifference, Sides,
-    Subject,
+    Comparison, ComparisonBounds, DifferenceCurve, Direction, Levels, MetricDifference,
+    NAMES_IN_SUMMARY, Sides, Subject,
 };
 use super::shift_alone::ShiftIs;
 use super::verdict::Verdict;
@@ -38,7 +38,7 @@ pub(super) fn summary(
             )
         }
         Bounds::Withdrawn(reason) => {
-            let of_sides = found.without_bounds.in_words(["the first", "the second"]);
+            let of_sides = found.without_bounds.in_words(NAMES_IN_SUMMARY);
             format!(
                 "{other_way}Not decided by the step responses: no bounds can be given, because {}. Identify each side by itself: its advice says what to record.{}",
                 of_sides.unwrap_or_else(|| reason.because().to_owned()),
@@ -50,7 +50,7 @@ pub(super) fn summary(
 
 /// What is known of the play of both, as a sentence behind others.
 fn play(found: &Comparison, unit: &str) -> String {
-    let sentence = found.rests_in_words(["the first", "the second"], unit);
+    let sentence = found.rests_in_words(NAMES_IN_SUMMARY, unit);
     sentence.map_or_else(String::new, |sentence| format!(" {sentence}"))
 }
 

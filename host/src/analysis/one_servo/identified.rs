@@ -203,8 +203,8 @@ fn rough_scale(data: &Dataset, model: &Model) -> Option<Advice> {
     // A model without bounds has a gain as well, and the servo model beside it may have bounds.
     let level = model.level().into_valid();
     let gain = model.metrics.dc_gain;
-    let half_percent = match (level, gain.lower.zip(gain.upper)) {
-        (Some(_), Some((lower, upper))) => 50.0 * ((upper - lower) / gain.value?).abs(),
+    let half_percent = match (level, gain.ends()) {
+        (Some(_), Some([lower, upper])) => 50.0 * ((upper - lower) / gain.value?).abs(),
         _ if is_of_data_sheet(sd_percent) => 0.0,
         _ => return None,
     };

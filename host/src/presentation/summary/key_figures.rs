@@ -492,7 +492,7 @@ fn place_of(pair: &QuantityPair, difference: Option<&QuantityDifference>) -> u8 
 
 /// The interval of a side, or the range of its other fits.
 fn known_of(interval: Option<Interval>, fits: Option<Spread>) -> Option<[f64; 2]> {
-    let of_interval = interval.and_then(|of| Some([of.lower?, of.upper?]));
+    let of_interval = interval.and_then(|of| of.ends());
     of_interval.or(fits.map(|of| [of.least, of.most]))
 }
 

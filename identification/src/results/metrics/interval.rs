@@ -34,6 +34,12 @@ impl Interval {
         }
     }
 
+    /// Both bounds; `None` where it is open to a side.
+    #[must_use]
+    pub fn ends(&self) -> Option<[f64; 2]> {
+        Some([self.lower?, self.upper?])
+    }
+
     /// From the lower bound to the upper one; `None` where it is open to a side.
     ///
     /// ```
@@ -43,7 +49,8 @@ impl Interval {
     /// ```
     #[must_use]
     pub fn width(&self) -> Option<f64> {
-        Some(self.upper? - self.lower?)
+        let [lower, upper] = self.ends()?;
+        Some(upper - lower)
     }
 
     /// A value with bounds `half` to each side; none where that is not known.

@@ -153,8 +153,8 @@ impl Definition {
 
     /// Bounds that are farther than [`SENSELESS`] apart exclude nothing: an exponential makes 8e-165 of what is not known.
     pub(super) fn without_senseless_bounds(&self, interval: Interval) -> Interval {
-        let bounds = interval.lower.zip(interval.upper);
-        let is_wide = bounds.is_some_and(|(lower, upper)| upper > SENSELESS * lower);
+        let bounds = interval.ends();
+        let is_wide = bounds.is_some_and(|[lower, upper]| upper > SENSELESS * lower);
         match self.domain == Domain::Positive && is_wide {
             true => interval.without_bounds(),
             false => interval,
@@ -164,7 +164,7 @@ impl Definition {
     /// Whether an interval says something: what is a ratio is known to a factor of ten, and what has a size to better than the `largest` that
     /// would show in the record, such as the travel.
     pub(super) fn is_determined(&self, interval: &Interval, largest: f64) -> bool {
-        let Some((lower, upper)) = interval.lower.zip(interval.upper) else {
+        let Some([lower, upper]) = interval.ends() else {
             return false;
         };
         let is_known_ratio = upper < UNDETERMINED_RATIO * lower;

@@ -310,8 +310,8 @@ fn line(name: &str, interval: &Interval, unit: &str, digits: usize) -> String {
     let number = |value: f64| fixed(value, digits);
     let value = interval.value.map_or_else(|| "-".to_owned(), number);
     let size = interval.value.unwrap_or_default().abs();
-    let bounds = interval.lower.zip(interval.upper);
-    let bounds = bounds.map_or_else(String::new, |(lower, upper)| {
+    let bounds = interval.ends();
+    let bounds = bounds.map_or_else(String::new, |[lower, upper]| {
         match upper > WORTH_PRINTING * size {
             true if size > 0.0 => "not determined".to_owned(),
             _ => format!("{} .. {}", number(lower), number(upper)),

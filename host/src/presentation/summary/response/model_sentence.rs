@@ -109,12 +109,12 @@ fn in_ms(time: Interval) -> Option<String> {
     if is_open(time) || is_impossible {
         return None;
     }
-    Some(match time.lower.zip(time.upper) {
-        Some((lower, upper)) if lower <= 0.0 => match upper > 0.0 {
+    Some(match time.ends() {
+        Some([lower, upper]) if lower <= 0.0 => match upper > 0.0 {
             true => format!("at most {:.0} ms", (1e3 * upper).ceil()),
             false => "0 ms".to_owned(),
         },
-        Some((lower, upper)) if is_coarse(time) && whole(lower) != whole(upper) => {
+        Some([lower, upper]) if is_coarse(time) && whole(lower) != whole(upper) => {
             format!(
                 "{} ms ({} to {})",
                 whole(seconds),
@@ -135,8 +135,8 @@ fn is_open(of: Interval) -> bool {
 const COARSE: f64 = 0.1;
 
 fn is_coarse(of: Interval) -> bool {
-    let ends = of.value.zip(of.lower.zip(of.upper));
-    ends.is_some_and(|(value, (lower, upper))| {
+    let ends = of.value.zip(of.ends());
+    ends.is_some_and(|(value, [lower, upper])| {
         (upper - value).max(value - lower) > COARSE * value.abs()
     })
 }

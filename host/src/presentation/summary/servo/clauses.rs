@@ -249,8 +249,7 @@ fn is_one_sided(quantity: &Quantity) -> bool {
 
 /// Both ends of its interval, where it has them.
 fn ends(quantity: &Quantity) -> Option<[f64; 2]> {
-    let interval = quantity.interval.valid()?;
-    Some([interval.lower?, interval.upper?])
+    quantity.interval.valid()?.ends()
 }
 
 pub(super) fn delay(model: &ServoModel) -> Option<String> {

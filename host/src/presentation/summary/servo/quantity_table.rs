@@ -96,12 +96,12 @@ fn quantity_row(quantity: &Quantity, units: Units<'_>) -> QuantityRow {
     let (scale, unit) = scale_and_unit(quantity.unit, units);
     let width = |least: f64, most: f64| scale * (most - least);
     let known = quantity.interval.valid();
-    let known = known.and_then(|found| found.lower.zip(found.upper));
+    let known = known.and_then(Interval::ends);
     let fits = quantity.other_fits;
     let fits = fits.map(|Spread { least, most }| width(least, most));
     // How sure the last digits are is not known without an interval.
     let shown = |value: f64| match quantity.interval.valid() {
-        Some(_) => digits_beside(scale * value, 4, known.map(|(low, high)| width(low, high))),
+        Some(_) => digits_beside(scale * value, 4, known.map(|[low, high]| width(low, high))),
         None => digits_beside(scale * value, 3, fits),
     };
     let interval = quantity

@@ -159,7 +159,7 @@ fn whose_controller(document: &ServoModelDocument) -> Option<String> {
 /// How exactly it comes to rest, as it was measured.
 fn rests_in_words(model: &ServoModel, units: Units<'_>) -> Option<String> {
     let apart = model.rests_apart?;
-    let (value, lower, upper) = (apart.value?, apart.lower?, apart.upper?);
+    let (value, [lower, upper]) = (apart.value?, apart.ends()?);
     let shown = |number: f64| digits_beside(number, 3, Some(upper - lower));
     Some(format!(
         "Its rests under one command are up to {} apart ({} .. {}), wherever it came from: play, a dead band or friction keep them so.",
@@ -227,10 +227,7 @@ fn rest_with_load_to_the_other_side(model: &ServoModel, command: f64) -> Option<
     };
     let found = model.quantity(QuantityKind::LoadAtMiddle)?;
     let of_fits = found.other_fits.map(|fits| [fits.least, fits.most]);
-    let of_interval = || {
-        let interval = found.interval.valid()?;
-        Some([interval.lower?, interval.upper?])
-    };
+    let of_interval = || found.interval.valid()?.ends();
     let [least, most] = of_fits.or_else(of_interval)?;
     servo.load = Load::Constant(-load);
     (least <= 0.0 && 0.0 <= most).then(|| servo.resting_output(command))

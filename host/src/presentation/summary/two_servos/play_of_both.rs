@@ -41,7 +41,7 @@ pub(super) fn play_of_models(
     let pair = found.quantities.iter().find(|pair| is_play(pair))?;
     let unit = units.output.unwrap_or_default();
     let shown = |value: f64, interval: Option<Interval>| {
-        let ends = interval.and_then(|interval| Some([interval.lower?, interval.upper?]));
+        let ends = interval.and_then(|interval| interval.ends());
         let value_in_unit = |digits: String| with_unit(digits, unit);
         match ends {
             Some([lower, upper]) => {

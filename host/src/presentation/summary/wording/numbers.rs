@@ -51,8 +51,8 @@ pub(crate) fn with_bounds(
     let Some(value) = interval.value.map(&number) else {
         return "-".to_owned();
     };
-    match interval.lower.zip(interval.upper) {
-        Some((low, high)) => format!("{value}{unit} ({} .. {})", number(low), number(high)),
+    match interval.ends() {
+        Some([low, high]) => format!("{value}{unit} ({} .. {})", number(low), number(high)),
         None => format!("{value}{unit} (no bounds)"),
     }
 }
