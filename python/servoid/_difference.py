@@ -62,7 +62,8 @@ class DifferenceCurve:
     stroke : {"both", "up", "down"}
         Of which strokes.
     time_s, percent : ndarray
-        Time since the edge of the command (s), and the difference (% of the step, by the gain of the first side).
+        Time since the edge of the command (s), and the difference (% of the step, by the size of the gain of the first side: a servo
+        that turns the other way has its sign).
     lower, upper : ndarray or None
         Bounds of the whole curve; ``None`` where they are withdrawn.
     withdrawn : Withdrawn or None

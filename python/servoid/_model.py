@@ -77,14 +77,15 @@ class StepResponse:
     Attributes
     ----------
     time_s, value : ndarray
-        Time since the step, counted in samples (s), and the response (output per input). Time since the edge of the command is
+        Time since the step, counted in samples (s), and the response (output per input). The last value is the final one, the gain, to which
+        the response goes after that time, and not the response at it. Time since the edge of the command is
         ``time_s + model.sample_phase_s``, as in :meth:`Model.plot` and in all metrics.
     level : float or None
         Level of the bounds; ``None`` where they are withdrawn, and with it all that follows.
     lower, upper : ndarray or None
-        Bounds for the whole curve at once.
+        Bounds for the whole curve at once. The last ones hold the final value and the response at that time.
     pointwise_lower, pointwise_upper : ndarray or None
-        Bounds for each point by itself.
+        Bounds for each point by itself. The last ones are those of the final value alone.
     sd : ndarray or None
         Standard deviation of each value.
     """

@@ -52,6 +52,12 @@ pub struct ModelMetadata {
     /// Whether the command moves on between the rows of a file of another program: the uncertainty of the delay is then that of how it was sent.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub moving_command: bool,
+    /// Whether a logger is stated to have polled the commands of a file of another program.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub polled: bool,
+    /// Whether it is stated of such a file that the servo was sent each command as it is written, with its row.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub exact_command: bool,
     /// By how much the wait for pulses on a clock of their own may differ from that of another recording in all times alike \[s\].
     #[serde(default, skip_serializing_if = "is_zero")]
     pub common_wait_s: f64,
@@ -80,6 +86,8 @@ impl ModelMetadata {
             board_id: None,
             sensor_delay_uncertainty_s: 0.0,
             moving_command: false,
+            polled: false,
+            exact_command: false,
             common_wait_s: 0.0,
             degrees_per_count: None,
             scale_sd_percent: 0.0,

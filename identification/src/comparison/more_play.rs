@@ -31,12 +31,17 @@ impl ServoModelComparison {
 }
 
 impl MorePlay {
+    /// Whether a model of this rms error that has no play would have one as wide as this.
+    #[must_use]
+    pub fn would_show(play: f64, rmse: f64) -> bool {
+        play > UNSEEN * rmse
+    }
+
     /// By the plays of both and the rms errors of their models.
     fn of(pair: &QuantityPair, difference: &QuantityDifference, rmse: Sides<f64>) -> Option<Self> {
-        // A model without play would have one that is as wide as this.
         let is_seen = |own: Option<Interval>, error_of_other: f64| {
             own.and_then(|own| own.lower)
-                .is_some_and(|lower| lower > UNSEEN * error_of_other)
+                .is_some_and(|lower| Self::would_show(lower, error_of_other))
         };
         let (is_sure, is_second, play, of_other) = match (pair.a, pair.b) {
             (Some(a), Some(b)) => (difference.is_sure(), b > a, a.max(b), Some(a.min(b))),

@@ -143,7 +143,8 @@ fn explained_by_waits(model: &mut Model) {
 /// Of errors that follow the motion in a file of another program: that commands may have waited for pulses. Under holds of one length such waits creep from command to
 /// command, and nothing shows that they are of a clock.
 fn name_pulses(data: &Dataset, advice: &mut [Advice]) {
-    if !(data.about.is_of_rows() && has_equal_holds(&data.record)) {
+    let may_wait = data.about.is_of_rows() && !data.about.exact_command;
+    if !(may_wait && has_equal_holds(&data.record)) {
         return;
     }
     for found in advice.iter_mut().filter(|found| found.is_of_linearity()) {
@@ -155,7 +156,7 @@ fn name_pulses(data: &Dataset, advice: &mut [Advice]) {
 /// Of a servo that is not linear, in a file of another program: what its times are counted from. Its answers scatter by themselves, so that they do not
 /// [show](command_edges) a logger with a clock of its own.
 fn name_logger(data: &Dataset, model: &mut Model) {
-    if !data.about.commands_at_rows || model.bounds.valid().is_none() {
+    if !data.about.commands_at_rows || data.about.exact_command || model.bounds.valid().is_none() {
         return;
     }
     let half_row = in_words(0.5 * model.sample_period_s);

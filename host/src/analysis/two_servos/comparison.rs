@@ -398,7 +398,8 @@ impl Compared {
             StepResponses::NotCompared(found) => summary::wrapped(&found.summary, 0) + "\n",
         };
         if let Some(servos) = &self.servo_model {
-            let sentence = summary::sentence_on_servo_models("A", "B", servos, units);
+            let responses = self.found.compared();
+            let sentence = summary::sentence_on_servo_models("A", "B", servos, responses, units);
             let sentence = summary::wrapped(&sentence, 0);
             let table = summary::of_servo_models(names, servos, units);
             text = match servos.answer_before(self.found.compared()) {

@@ -44,6 +44,8 @@ pub struct About {
     pub other_input: Option<String>,
     /// Whether a logger is stated to have polled the commands.
     pub polled: bool,
+    /// Whether it is stated that the servo was sent each command as it is written, with its row.
+    pub exact_command: bool,
     /// Whether the command moves on between the rows of a file of another program: whether the servo was held at each is not in it.
     pub moving_command: bool,
     /// By how much the wait for pulses on a clock of their own may differ from that of another recording in all times alike (s); 0 where none does.
@@ -153,6 +155,7 @@ impl About {
         self.staircase &= other.staircase;
         self.commands_at_rows |= other.commands_at_rows;
         self.polled |= other.polled;
+        self.exact_command |= other.exact_command;
         self.moving_command |= other.moving_command;
         self.inexact_clock |= other.inexact_clock;
         self.common_wait_s = self.common_wait_s.max(other.common_wait_s);
@@ -217,6 +220,8 @@ impl From<&About> for ModelMetadata {
         metadata.sensor_delay_uncertainty_s = about.sensor_delay_uncertainty_s;
         metadata.moving_command = about.moving_command;
         metadata.common_wait_s = about.common_wait_s;
+        metadata.polled = about.polled;
+        metadata.exact_command = about.exact_command;
         let scales = || about.calibrations.iter();
         let first = scales().next().map(|first| first.degrees_per_count);
         metadata.degrees_per_count =

@@ -65,6 +65,7 @@ impl<'a> Arrays<'a> {
             output_unit: self.output_unit,
             commands_at_rows: !self.polled,
             polled: self.polled,
+            exact_command: self.exact_command,
             ..About::default()
         };
         let mut runs = Vec::new();

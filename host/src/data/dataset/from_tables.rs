@@ -178,6 +178,7 @@ fn about(
         other_input: suggested_columns::another_input(table.columns(), names),
         commands_at_rows: !options.polled,
         polled: options.polled,
+        exact_command: options.exact_command,
         ..About::default()
     }
 }

@@ -8,21 +8,39 @@ use servoid_identification::Run;
 /// The time between two pulses of a receiver, or of the servo library of a microcontroller \[s\].
 const FRAME_S: f64 = 0.02;
 
-/// The part of a frame from which on a recording may have a wait that it does not show. Where changes are spread over the frame their waits are, too: errors then follow the motion, and servo
-/// models have no intervals (docs/servo-model.md).
-const UNSEEN: f64 = 0.5;
+/// Changes at so many moments of a frame wait alike, or in two ways, which no recording shows. Where they are at more, answers scatter, errors follow the motion, and servo models have no intervals
+/// (docs/servo-model.md).
+const UNSEEN_MOMENTS: usize = 2;
+
+/// Moments that are closer than this part of a frame are one.
+const ONE_MOMENT: f64 = 0.05;
 
 /// By how much the mean wait of the changes of one of these runs may differ from that in another recording of the same commands, at most \[s\]: a frame where all changes are whole frames
-/// apart, half a frame where half of them are in its middle, and 0 where they are spread over it, which shows.
+/// apart, half a frame where half of them are in its middle, and 0 where they are at many moments, which shows.
 pub(super) fn common_wait_s(runs: &[Run<'_>], period_s: f64) -> f64 {
-    let of_run = |run: &Run| spread_of_mean(change_phases(run.input(), period_s));
-    let longest = runs.iter().map(of_run).fold(0.0, f64::max);
-    // A millionth, as halves are sums of rounded phases.
-    if longest < UNSEEN - 1e-6 {
-        0.0
-    } else {
-        FRAME_S * longest
+    let of_run = |run: &Run| {
+        let phases = change_phases(run.input(), period_s);
+        match moments(&phases) <= UNSEEN_MOMENTS {
+            true => FRAME_S * spread_of_mean(phases),
+            false => 0.0,
+        }
+    };
+    runs.iter().map(of_run).fold(0.0, f64::max)
+}
+
+/// At how many moments of a frame the command changes.
+fn moments(phases: &[f64]) -> usize {
+    let mut found: Vec<f64> = Vec::new();
+    for phase in phases {
+        let is_near = |other: &f64| {
+            let apart = (phase - other).abs();
+            apart.min(1.0 - apart) < ONE_MOMENT
+        };
+        if !found.iter().any(is_near) {
+            found.push(*phase);
+        }
     }
+    found.len()
 }
 
 /// When the command changes, in frames from one of them on, 0 to 1.

@@ -234,7 +234,8 @@ impl ModelFile {
                 model: model.with_todays_quantities(),
                 controller_names: beside.controller_names,
                 stroke_of_60_degrees_s: beside.stroke_of_60_degrees_s,
-                is_of_rows: self.metadata.pulse_frame_s.is_none(),
+                is_of_rows: self.metadata.pulse_frame_s.is_none() && !self.metadata.exact_command,
+                polled: self.metadata.polled,
                 common_wait_s: self.metadata.common_wait_s,
             })),
             false => Err(ModelFileError::InconsistentServoModel(self.path.clone())),
@@ -300,9 +301,12 @@ pub struct ServoModelDocument {
     /// How long a whole stroke of 60 degrees takes upwards and downwards \[s\]; `None` where the output is no angle, or the model does not say it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stroke_of_60_degrees_s: Option<[f64; 2]>,
-    /// Whether another program wrote the recording, whose commands may change beside the pulses: a file without their frame.
+    /// Whether another program wrote the recording, whose commands may change beside the pulses: a file without their frame, of which nothing else is stated.
     #[serde(skip)]
     pub is_of_rows: bool,
+    /// Whether its logger is stated to have polled the commands.
+    #[serde(skip)]
+    pub polled: bool,
     /// By how much a wait for pulses may make its delay longer, as its model file says of the recording \[s\].
     #[serde(skip)]
     pub common_wait_s: f64,

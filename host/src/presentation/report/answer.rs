@@ -92,7 +92,8 @@ fn verdict(page: &Page<'_>) -> String {
         .filter(|_| matches!(Basis::of(page), Basis::Machines(_)));
     if let Some(found) = machines {
         let units = first.subject.units;
-        let sentence = summary::sentence_on_servo_models(names[0], names[1], found, units);
+        let sentence =
+            summary::sentence_on_servo_models(names[0], names[1], found, page.comparison, units);
         let word = page.comparison.map_or_else(String::new, |found| {
             format!(
                 "<b>{} by the step responses</b>. ",

@@ -15,7 +15,8 @@ fn beside_each_other(page: &Page<'_>) -> Option<String> {
     let (found, second) = (page.servo_models?, page.second.as_ref()?);
     let units = page.first.subject.units;
     let names = [page.first.subject.name, second.subject.name];
-    let sentence = summary::sentence_on_servo_models(names[0], names[1], found, units);
+    let sentence =
+        summary::sentence_on_servo_models(names[0], names[1], found, page.comparison, units);
     let heads: String = names
         .iter()
         .chain(found.bounds.valid().map(|_| &"difference"))

@@ -99,7 +99,7 @@ pub(super) fn drift(evidence: &Evidence<'_>) -> Option<Advice> {
         ),
         largest,
         0.0,
-        "Look for the cause of the drift, such as temperature, supply or a load that changes. It can be left in.",
+        "Look for the cause of the drift, such as temperature, supply or a load that changes; play and friction leave such a line in some recordings, too. It can be left in.",
     ))
 }
 

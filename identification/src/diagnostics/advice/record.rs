@@ -139,7 +139,7 @@ pub(super) fn scatter(evidence: &Evidence<'_>) -> Option<Advice> {
             threshold,
             match (evidence.model.linear, moves) {
                 (true, false) => {
-                    "The step response does not depend on it. Look at the zero of the sensor, at the horn on its spline and at loads that pull to one side."
+                    "The step response does not depend on it. Look at the zero of the sensor, at the horn on its spline, at loads that pull to one side, and at friction or play, which leave the servo a little elsewhere in each run."
                 }
                 (true, true) if !have_one_reference(evidence) => {
                     "These runs have different commands, and a servo that is not linear, by less than shows here, answers each in its own way: runs of one order show what is left. Look there \

@@ -17,6 +17,9 @@ const SENSELESS: f64 = 1e6;
 /// How far a coordinate that the record does not show may be off \[units of the command, or powers of e\]: further than any is.
 const FARTHEST_OFF: f64 = 100.0;
 
+/// A ratio of friction at rest to that in motion that does not differ from 1.
+const NO_MORE_AT_REST: f64 = 1.05;
+
 /// The smallest interval that holds both; the value is that of the first.
 pub(super) fn hull(a: Interval, b: Interval) -> Interval {
     let both = |x: Option<f64>, y: Option<f64>, of: fn(f64, f64) -> f64| Some(of(x?, y?));
@@ -28,9 +31,14 @@ pub(super) fn hull(a: Interval, b: Interval) -> Interval {
 }
 
 impl Definition {
-    /// Whether `value` is a delay of 0, the end of what the fit may choose: no servo has it, and without bounds it stands for what the model lacks.
+    /// Whether `value` is at the end of what the fit may choose, where without bounds it stands for what the model lacks: a delay of 0, which no servo has, and friction at rest that is that in
+    /// motion, which the fit also has of servos in which it is 1.4 times as large.
     pub(super) fn is_at_end(&self, value: f64) -> bool {
-        self.kind == QuantityKind::Delay && value <= 0.0
+        match self.kind {
+            QuantityKind::Delay => value <= 0.0,
+            QuantityKind::FrictionAtRest => value < NO_MORE_AT_REST,
+            _ => false,
+        }
     }
 
     /// Whether it follows from a law that is assumed: how fast friction at rest is gone once the shaft turns. Of a servo in which it is gone at once, 6 of 11 intervals

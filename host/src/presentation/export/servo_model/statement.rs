@@ -60,7 +60,8 @@ impl ServoExport<'_> {
         found.extend(self.unexplained_hysteresis());
         found.extend(self.held_without_evidence());
         found.extend(self.missed_rests());
-        found.extend(summary::stall_in_words(self.model, self.metadata.units()));
+        let stall = summary::stall_in_words(self.model, self.metadata.units());
+        found.extend(stall.map(|stall| format!("by {stall}")));
         found.extend(self.metadata.frame_warning(Some(self.parameters.delay_s)));
         found.extend(doubts::of_units(
             self.model.commands,
@@ -227,7 +228,7 @@ impl ServoExport<'_> {
         });
         Some(format!(
             "Pulses: the recorded servo knows a pulse at its end, so a longer one acts later by what it is longer. This file has the delay of {neutral} {unit} for all{far}. In quick reversals that is most of its error: \
-             hand each command over that much later, or sooner, where these count."
+             hand each command over that much later, or sooner, where these count, to a file whose steps are shorter than that (--step-ms)."
         ))
     }
 

@@ -171,9 +171,15 @@ pub(super) fn resting_error(model: &ServoModel, units: Units<'_>) -> Option<Stri
         .flatten()
         .is_none_or(|[_, upper]| upper < MOST_OF_REST * value);
     (by_friction.value > 0.0 && is_known).then(|| {
+        let gain = model.parameters(0).gain.abs();
         let command = match units.input == units.output {
             true => format!("{} of the command", with_space(units.input)),
-            false => with_space(units.input),
+            false => format!(
+                "{} ({}{})",
+                with_space(units.input),
+                digits(gain * value, 2),
+                with_space(units.output)
+            ),
         };
         // A number that may be twice as large, or none, is not said without its interval.
         let wide = bounds
@@ -205,7 +211,7 @@ pub(super) fn load(model: &ServoModel) -> Option<String> {
             format!("works as if against a constant load ({LOOKS_LIKE_A_LOAD})")
         }
         LoadKind::Spring => {
-            "works against a load that grows with the angle, as a spring or the air makes".to_owned()
+            "works against a load that grows with the angle, as a spring, the air or a weight makes".to_owned()
         }
         LoadKind::Pendulum | LoadKind::TiltedPendulum => {
             "works against a load that changes with the angle, as a spring, a weight or the air makes".to_owned()

@@ -33,7 +33,7 @@ impl ServoRemarks {
             rest_at_neutral(model, units),
             rests_in_words(model, units),
             of_stops(model, units),
-            stall_in_words(model, units).map(|stall| format!("By the model, {stall}.")),
+            stall_in_words(model, units).map(|stall| format!("By {stall}.")),
             of_missed_rests(model, units),
         ];
         let quantities = &model.quantities;
@@ -45,6 +45,7 @@ impl ServoRemarks {
             against_the_model(model, units),
             one_unreached(model, units),
             wait_in_the_delay(document),
+            how_held_apart(model),
             where_strokes_end(model),
             friction_at_low_speed(model),
             whose_controller(document),
@@ -92,6 +93,17 @@ const AS_RECORDED: &str = "Intervals are of the servo as it was recorded: where 
 /// What stands in the place of intervals where none hold.
 const OTHER_FITS: &str = "\"Off by … or more\" is how far other fits, to parts of the recording and with other terms, are from the figure. That is no interval: what the model lacks is \
     in all of them, and the figure may be off by several times as much.";
+
+/// What a dead band is beside friction, of which servos have several kinds.
+fn how_held_apart(model: &ServoModel) -> Option<String> {
+    let is_known = |kind| model.quantity(kind).is_some_and(|found| found.determined);
+    let has_both = is_known(QuantityKind::DeadBand) && is_known(QuantityKind::RestingError);
+    (has_both && model.covariance.valid().is_some()).then(|| {
+        "Dead band and resting error are those of a drive that begins with the error beyond the edge of the band. In a servo whose drive begins with the whole error there, the band is wider and the \
+         friction less: their sum alone holds."
+            .to_owned()
+    })
+}
 
 /// What the resting error is where friction at rest is open.
 fn where_strokes_end(model: &ServoModel) -> Option<String> {
@@ -174,7 +186,7 @@ fn wait_in_the_delay(document: &ServoModelDocument) -> Option<String> {
     let delay = document.model.quantity(QuantityKind::Delay)?;
     (document.common_wait_s > 0.0 && delay.determined).then(|| {
         format!(
-            "Where pulses come on a clock of their own, commands wait for them: under these holds the delay has one wait of up to {:.0} ms in it, with frames of 20 ms, which no interval contains \
+            "Where pulses come on a clock of their own, commands wait for them: under these holds a wait is in the delay that another recording has otherwise, by up to {:.0} ms with frames of 20 ms, and no interval contains it \
              (--exact-command states that no command waits).",
             1e3 * document.common_wait_s
         )
@@ -243,9 +255,14 @@ pub(crate) fn stall_in_words(model: &ServoModel, units: Units<'_>) -> Option<Str
     let stalls = ["below", "above"].into_iter().zip(model.stalls());
     let stalls = stalls.filter_map(|(side, stall)| Some(in_words((side, stall?))));
     let stalls: Vec<String> = stalls.collect();
+    // A load may stand for what a model without intervals lacks.
+    let by = match model.covariance.valid() {
+        Some(_) => "the model, ",
+        None => "the model, whose figures may be off, ",
+    };
     (!stalls.is_empty()).then(|| {
         format!(
-            "the load stalls the drive {}: it drives the servo no farther, where what its speed carries it beyond comes back or is held by friction",
+            "{by}the load stalls the drive {}: it drives the servo no farther, where what its speed carries it beyond comes back or is held by friction",
             stalls.join(", and ")
         )
     })

@@ -43,6 +43,7 @@ fn beside_what_the_model_lacks(document: &ServoModelDocument) -> Vec<&'static st
     let advice = [
         shows_no_speed.then_some(SPEED_IS_OPEN),
         (comes_to_rest && holds_alike(model)).then_some(STAIRS_DO_NOT_SEPARATE),
+        (document.is_of_rows && !document.polled).then_some(SAY_POLLED),
         Some(match document.is_of_rows {
             true => WHAT_A_LOGGER_MAY_LACK,
             false => WHAT_MAY_BE_LACKING,
@@ -85,13 +86,16 @@ const STAIRS_DO_NOT_SEPARATE: &str = "Dead band and friction rest alike, and sta
     sines of 0.1 to 3 Hz that add up to 30 degrees, for 20 s, with two seconds of rest before and after them (in servoid: --reference multisine --amplitude 30 \
     --frequencies 0.1:3 --length 20). Identify it together with this recording, in rows of one period, for the servo model alone: the linear model of two kinds of motion is of neither. A recording that has both shows no more.";
 
+/// What times count from in a file of which nothing is stated.
+const SAY_POLLED: &str = "If a logger with a clock of its own wrote the file, say --polled: without it all times are half a row too early.";
+
 /// What gives intervals in a file of another program, where more of the same does not.
-const WHAT_A_LOGGER_MAY_LACK: &str = "If a logger with a clock of its own wrote the file, say --polled: without it all times are half a row too early. Another recording of this kind may have intervals where the model has all of the servo: of such servos a few recordings in a hundred have none by chance. Where pulses come on a clock of their own, commands wait for them, which neither \
+const WHAT_A_LOGGER_MAY_LACK: &str = "Another recording of this kind, or a longer one, may have intervals where the model has all of the servo: of such servos a few recordings in a hundred have none by chance. Where pulses come on a clock of their own, commands wait for them, which neither \
     another reference nor shorter rows mend: change the command with the pulse, and write it in the row of that moment, as servoid's own board does. Where the output is behind a linkage that is not linear, the supply changes along a recording, friction at rest is gone at once, or gusts load the shaft, \
     which the model lacks, fewer recordings have them, or hardly any. Steps of a sensor that are larger than its noise may hide them, too. Runs between which the servo changed a little, as by its supply, may have them by themselves, and not together.";
 
 /// The same of a recording of servoid, whose commands change with the pulse.
-const WHAT_MAY_BE_LACKING: &str = "Another recording may have intervals where the model has all of the servo, of which a few recordings in a hundred have none by chance, and fewer have, or hardly any, where the supply changes along a recording, friction at rest is gone at once, or gusts load the shaft, which it lacks. Steps of a sensor that are larger than its noise may hide intervals, too.";
+const WHAT_MAY_BE_LACKING: &str = "Another recording, or a longer one, may have intervals where the model has all of the servo, of which a few recordings in a hundred have none by chance, and fewer have, or hardly any, where the supply changes along a recording, friction at rest is gone at once, or gusts load the shaft, which it lacks. Steps of a sensor that are larger than its noise may hide intervals, too.";
 
 /// Said of a servo that changed between runs, each of which has noise alone.
 const ONE_BY_ONE: &str = "Identify the runs one by one: each may have intervals, and the scatter of their figures is that of the servo, of which intervals of one run say nothing. Look for \
@@ -212,6 +216,7 @@ mod tests {
             controller_names: Vec::new(),
             stroke_of_60_degrees_s: None,
             is_of_rows,
+            polled: false,
             common_wait_s: 0.0,
         }
     }

@@ -2,7 +2,7 @@
 
 use crate::data::units::Units;
 use crate::presentation::summary::wording::numbers::{digits, digits_beside, four_digits};
-use servoid_identification::comparison::{QuantityPair, ServoModelComparison};
+use servoid_identification::comparison::{MorePlay, QuantityPair, ServoModelComparison};
 use servoid_identification::results::{Interval, with_unit};
 use servoid_identification::servo_model::QuantityKind;
 
@@ -30,7 +30,7 @@ pub(super) fn more_play(
     ))
 }
 
-/// The play of both models, where one of them has no intervals.
+/// The play of the models, where one of them has no intervals.
 pub(super) fn play_of_models(
     a: &str,
     b: &str,
@@ -56,11 +56,19 @@ pub(super) fn play_of_models(
             None => format!("{}, without an interval,", value_in_unit(digits(value, 2))),
         }
     };
-    let [of_a, of_b] = [
-        shown(pair.a?, pair.interval_of_one.a),
-        shown(pair.b?, pair.interval_of_one.b),
-    ];
+    let of_a = pair.a.map(|play| shown(play, pair.interval_of_one.a));
+    let of_b = pair.b.map(|play| shown(play, pair.interval_of_one.b));
+    let in_words = match (of_a, of_b) {
+        (Some(of_a), Some(of_b)) => format!("{of_a} in {a} and {of_b} in {b}"),
+        (Some(of_a), None) if MorePlay::would_show(pair.a?, found.rmse.b) => {
+            format!("{of_a} in {a}, and none that shows in {b}")
+        }
+        (None, Some(of_b)) if MorePlay::would_show(pair.b?, found.rmse.a) => {
+            format!("{of_b} in {b}, and none that shows in {a}")
+        }
+        _ => return None,
+    };
     Some(format!(
-        "By the models play is {of_a} in {a} and {of_b} in {b}. More play is wear."
+        "By the models play is {in_words}. More play is wear."
     ))
 }

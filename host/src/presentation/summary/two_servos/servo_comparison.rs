@@ -14,7 +14,7 @@ use crate::presentation::summary::wording::sixty_degrees::{
     both_ways, seconds_per_60_degrees, whole_ms,
 };
 use servoid_identification::comparison::{
-    QuantityPair, RestsApart, ServoModelComparison, Sides, SpeedLimitsOfBoth,
+    Comparison, QuantityPair, RestsApart, ServoModelComparison, Sides, SpeedLimitsOfBoth,
 };
 use servoid_identification::nonlinear::SpeedLimits;
 use servoid_identification::results::{Bounds, Interval, with_unit};
@@ -26,12 +26,13 @@ const NAMED: usize = 4;
 /// What rests that differ leave open where no play of the machines differs for sure.
 const RESTS_LEAVE_OPEN: &str = "Rests alone do not show which of the two is worn, as strokes of another size may turn their difference round, and no play of these models differs for sure; it can be felt at the horn of a servo that holds. The worn one is to be replaced where what differs here is more than its use allows.";
 
-/// A sentence on what differs for sure, and on a load that one model alone has; `a` and `b` are the names of the two.
+/// A sentence on what differs for sure, and on a load that one model alone has; `a` and `b` are the names of the two, of which `step_responses` are compared as well, if they are.
 #[must_use]
 pub fn sentence_on_servo_models(
     a: &str,
     b: &str,
     found: &ServoModelComparison,
+    step_responses: Option<&Comparison>,
     units: Units<'_>,
 ) -> String {
     let differences = differences(a, b, found, units);
@@ -40,8 +41,11 @@ pub fn sentence_on_servo_models(
     let may_be_open = !found.rests_apart.differ() && by_models.is_none();
     let play = (may_be_open && (known || differences.is_empty()))
         .then(|| (found.rests_apart).nothing_sure_in_words([a, b], units.output.unwrap_or("")));
+    let by_responses = || step_responses?.worn_in_words([a, b]);
     let by_rests = || (found.rests_apart.differ()).then(|| RESTS_LEAVE_OPEN.to_owned());
-    let worn = more_play(a, b, found, units).or_else(by_rests);
+    let worn = more_play(a, b, found, units)
+        .or_else(by_responses)
+        .or_else(by_rests);
     let sentences = [
         Some(what_is_sure(a, b, found, differences)),
         worn,
@@ -559,7 +563,7 @@ mod tests {
             input: Some("deg"),
             output: Some("deg"),
         };
-        sentence_on_servo_models("A", "B", &found, units)
+        sentence_on_servo_models("A", "B", &found, None, units)
     }
 
     #[test]

@@ -179,7 +179,8 @@ fn what_the_recording_does_not_determine_is_said_without_a_value() {
     std::fs::write(&file, document.to_string()).unwrap();
     let said = prose(&export(&file, 0, "c", &[]).text);
     assert!(
-        said.contains("Not determined by the recording") && said.contains("many: damping ratio."),
+        said.contains("Not determined by the recording")
+            && said.contains("many: damping ratio, friction at rest to that in motion."),
         "{said}"
     );
     assert!(!said.contains("damping ratio 0."), "{said}");
