@@ -276,6 +276,12 @@ impl ServoModelComparison {
         }
     }
 
+    /// Whether they come first, and say how far apart rests are on both sides: then the step responses need not.
+    #[must_use]
+    pub fn says_rests_before(&self, step_responses: Option<&Comparison>) -> bool {
+        self.rests_apart.difference.is_some() && self.answer_before(step_responses)
+    }
+
     /// The measured speeds of both sides in the place of the top speed `kind`, where both records show one and models have no intervals.
     #[must_use]
     pub fn speeds_of_strokes(&self, kind: QuantityKind) -> Option<[f64; 2]> {

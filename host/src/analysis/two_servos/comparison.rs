@@ -377,10 +377,10 @@ impl Compared {
         })
     }
 
-    /// Whether the servos as machines say how far apart both rest.
+    /// Whether the servos as machines come first, and say how far apart both rest.
     fn machines_say_rests(&self) -> bool {
         let machines = self.servo_model.as_ref();
-        machines.is_some_and(|found| found.rests_apart.difference.is_some())
+        machines.is_some_and(|found| found.says_rests_before(self.found.compared()))
     }
 
     /// The comparison as text.

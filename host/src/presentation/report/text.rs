@@ -24,7 +24,7 @@ pub(super) fn words(page: &Page<'_>) -> String {
     if let (Some(found), Some(second)) = (page.comparison, page.second) {
         let [first, second] = [&page.first, &second].map(|part| escape(part.subject.name));
         let machines = page.servo_models;
-        let found = match machines.is_some_and(|servos| servos.rests_apart.difference.is_some()) {
+        let found = match machines.is_some_and(|servos| servos.says_rests_before(Some(found))) {
             true => {
                 let unit = page.first.subject.units.output.unwrap_or_default();
                 found.clone().without_rests_in_summary(unit)
