@@ -17,7 +17,8 @@ class FlightModel(dict[str, Any]):
     """A transfer function of first to third order: ``model.flight_model`` with ``flight_model=True``.
 
     It is K exp(-L s) / ((1 + 2 ζ s/ω + s²/ω²) (1 + T s)), of which a low order lacks one factor or the other. The delay L counts
-    from the edge of the command. It is the document's dictionary, too (docs/results.md), with the attributes below.
+    from the edge of the command. It is the document's dictionary, too (docs/results.md), with the attributes below, intervals
+    among them: ``flight.delay_s.value``, ``flight.gain.lower``.
 
     Examples
     --------

@@ -140,7 +140,7 @@ impl Compare {
 }
 
 /// What is typed next where a servo is not linear.
-const MACHINES: &str = "the same with --servo-model, which compares the servos as machines: their speeds, friction and loads";
+const MACHINES: &str = "the same with --servo-model, which compares the servos as machines: their speeds, play, friction and loads";
 
 /// A margin below this is more likely a fraction \[%\].
 const SMALL_MARGIN_PERCENT: f64 = 0.5;

@@ -74,7 +74,7 @@ fn a_delay_that_waits_for_pulses_may_make_is_left_open_unless_no_command_waits()
     let summary = left_open["summary"].as_str().unwrap();
     assert!(
         summary.contains(
-            "commands that wait for the next of pulses on a clock of their own may make that"
+            "commands that wait for the next of pulses on a clock of their own may make all of it but what counts as the same"
         ),
         "{summary}"
     );

@@ -134,7 +134,7 @@ fn answer(found: &Comparison, bounds: &ComparisonBounds) -> String {
             )
         }
         Verdict::Undecided if found.may_be_waits => format!(
-            "Not decided by the step responses: {apart}, and commands that wait for the next of pulses on a clock of their own may make that."
+            "Not decided by the step responses: {apart}, and commands that wait for the next of pulses on a clock of their own may make all of it but what counts as the same."
         ),
         Verdict::Undecided => {
             format!(

@@ -97,7 +97,12 @@ pub(super) fn unit(column: &str) -> Option<Option<TimeUnit>> {
     let time = |word: &&str| among(WORDS, word);
     let known =
         |word: &&str| time(word) || among(BESIDE, word) || TimeUnit::of_word(word).is_some();
-    let is_time = words.iter().any(time) || matches!(words[..], [word] if among(ALONE, word));
+    // "millis", and "Millis [ms]", which says it twice.
+    let unit_of = |word: &&str| TimeUnit::of_word(word);
+    let first = words.first().and_then(unit_of);
+    let is_one_unit = first.is_some() && words.iter().all(|word| unit_of(word) == first);
+    let is_alone = is_one_unit && words.iter().any(|word| among(ALONE, word));
+    let is_time = words.iter().any(time) || is_alone;
     (is_time && words.iter().all(known))
         .then(|| words.iter().find_map(|word| TimeUnit::of_word(word)))
 }
@@ -155,6 +160,8 @@ mod tests {
             ("TimeS", Some(Some(Seconds))),
             ("millis", Some(Some(Milliseconds))),
             ("ms", Some(Some(Milliseconds))),
+            ("Millis [ms]", Some(Some(Milliseconds))),
+            ("millis (us)", None),
             // As often a pulse width as a time.
             ("us", None),
             ("elapsed time in seconds", Some(Some(Seconds))),

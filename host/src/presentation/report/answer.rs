@@ -94,13 +94,13 @@ fn verdict(page: &Page<'_>) -> String {
         let units = first.subject.units;
         let sentence =
             summary::sentence_on_servo_models(names[0], names[1], found, page.comparison, units);
-        let word = page.comparison.map_or_else(String::new, |found| {
+        let by_steps = page.comparison.map_or_else(String::new, |found| {
             format!(
-                "<b>{} by the step responses</b>. ",
+                " By the step responses alone they are {}.",
                 summary::verdict(found.verdict)
             )
         });
-        return paragraph("servo", &word, &sentence);
+        return paragraph("servo", "", &(sentence + &by_steps));
     }
     match page.comparison {
         Some(found) => {

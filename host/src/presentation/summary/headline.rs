@@ -102,7 +102,7 @@ pub(crate) fn headline_of_comparison(a: &str, b: &str, found: &Comparison, units
         ),
         Verdict::Undecided if found.may_be_waits => format!(
             "No verdict on {a} and {b}: they are {least:.1} to {most:.1} % of the step apart where they differ most{stroke} ({sure}, said {of}), and each recording may have its own wait for pulses \
-             in all of its times, which may make that. Record three runs a side."
+             in all of its times, which may make all of it but what counts as the same. Record three runs a side."
         ),
         Verdict::Undecided => format!(
             "{a} and {b} are {least:.1} to {most:.1} % of the step apart where they differ most{stroke} ({sure}, said {of}), and the margin of {margin} % lies between."

@@ -4,8 +4,8 @@
 //! drive does not overcome holds the shaft as well.
 
 use super::level_crests::level_crests;
-use crate::data::Record;
 use crate::data::column::{extent, mean};
+use crate::data::{EXACTLY, HELD, Hold, Record, Run, holds, last_quarter, mean_output};
 use crate::diagnostics::{
     moves_beyond, outermost_rests, stops_of_rests, stops_of_several_commands,
 };
@@ -152,13 +152,43 @@ fn beyond(some: Stops, others: Stops) -> usize {
     more(some.lower, others.lower) + more(some.upper, others.upper)
 }
 
-/// The lower and the upper stop among some outputs: the output is nowhere beyond a stop, so its mean is between them.
+/// Part of the travel by which a stop may give. Where the servo is farther out at the ends of holds there is none.
+const GIVES: f64 = 0.02;
+
+/// Of so many holds: one may end in a glitch.
+const HOLDS_BEYOND: usize = 2;
+
+/// The outputs at the ends of holds.
+fn ends_of_holds(record: &Record) -> Vec<f64> {
+    let of_run = |run: &Run<'_>| {
+        let end = |hold: Hold| mean_output(run, last_quarter(&hold.samples));
+        let held = (holds(run, EXACTLY).into_iter()).filter(|hold| hold.samples.len() >= HELD);
+        let ends = held.filter_map(end);
+        ends.collect::<Vec<f64>>()
+    };
+    record.runs().iter().flat_map(of_run).collect()
+}
+
+/// The lower and the upper stop among some outputs: the output is nowhere beyond a stop.
 fn among(record: &Record, at: &[f64]) -> Stops {
+    let ends = ends_of_holds(record);
+    let gives = extent(record.outputs()).map_or(0.0, |(low, high)| GIVES * (high - low));
+    let is_passed = |is_beyond: &dyn Fn(f64) -> bool| {
+        ends.iter().filter(|end| is_beyond(**end)).count() >= HOLDS_BEYOND
+    };
+    let Stops { lower, upper } = on_their_sides(record, at);
+    Stops {
+        lower: lower.filter(|stop| !is_passed(&|end| end < stop - gives)),
+        upper: upper.filter(|stop| !is_passed(&|end| end > stop + gives)),
+    }
+}
+
+/// The first of these outputs below the mean of the output, and above it.
+fn on_their_sides(record: &Record, at: &[f64]) -> Stops {
     let middle = mean(&record.outputs().collect::<Vec<f64>>());
     let of = |is_beyond: fn(f64, f64) -> bool| {
-        at.iter()
-            .copied()
-            .find(|end| middle.is_some_and(|middle| is_beyond(*end, middle)))
+        let mut ends = at.iter().copied();
+        ends.find(|end| middle.is_some_and(|middle| is_beyond(*end, middle)))
     };
     Stops {
         lower: of(|end, middle| end < middle),
@@ -184,6 +214,15 @@ mod tests {
         };
         let output: Vec<f64> = input.iter().enumerate().map(follow).collect();
         Record::of_run(0.01, input, output).unwrap()
+    }
+
+    #[test]
+    fn where_the_servo_is_beyond_it_at_the_ends_of_holds_there_is_no_stop() {
+        let record = record();
+        // Between 5 and 6, under commands of 7, 8, 9 and 10.
+        let upper = |at: f64| among(&record, &[at]).upper;
+        assert_eq!(upper(5.5), None);
+        assert_eq!(upper(6.0), Some(6.0));
     }
 
     #[test]

@@ -4,7 +4,7 @@ use crate::data::units::Units;
 use crate::presentation::summary::wording::numbers::{digits, digits_beside, four_digits};
 use servoid_identification::comparison::{MorePlay, QuantityPair, ServoModelComparison};
 use servoid_identification::results::{Interval, with_unit};
-use servoid_identification::servo_model::QuantityKind;
+use servoid_identification::servo_model::{QuantityKind, Spread};
 
 fn is_play(pair: &QuantityPair) -> bool {
     pair.kind() == Some(QuantityKind::Play)
@@ -30,6 +30,28 @@ pub(super) fn more_play(
     ))
 }
 
+/// How far the plays of both may differ, where no difference is sure.
+pub(super) fn like_play(
+    a: &str,
+    b: &str,
+    found: &ServoModelComparison,
+    units: Units<'_>,
+) -> Option<String> {
+    let differences = &found.bounds.valid()?.differences;
+    let mut pairs = found.quantities.iter().zip(differences);
+    let (pair, difference) = pairs.find(|(pair, _)| is_play(pair))?;
+    let difference = difference.difference.filter(|_| !difference.is_sure())?;
+    let [lower, upper] = difference.ends()?;
+    let unit = units.output.unwrap_or_default();
+    let shown = |value: f64| with_unit(digits_beside(value, 3, Some(upper - lower)), unit);
+    Some(format!(
+        "No difference of their play is sure: {} in {a} and {} in {b}, which leaves one of up to {}.",
+        shown(pair.a?),
+        shown(pair.b?),
+        with_unit(digits(upper.max(-lower), 2), unit)
+    ))
+}
+
 /// The play of the models, where one of them has no intervals.
 pub(super) fn play_of_models(
     a: &str,
@@ -40,24 +62,36 @@ pub(super) fn play_of_models(
     found.bounds.withdrawn()?;
     let pair = found.quantities.iter().find(|pair| is_play(pair))?;
     let unit = units.output.unwrap_or_default();
-    let shown = |value: f64, interval: Option<Interval>| {
+    let shown = |value: f64, interval: Option<Interval>, fits: Option<Spread>| {
         let ends = interval.and_then(|interval| interval.ends());
         let value_in_unit = |digits: String| with_unit(digits, unit);
-        match ends {
-            Some([lower, upper]) => {
-                let digits = |number| digits_beside(number, 3, Some(upper - lower));
-                format!(
-                    "{} ({} .. {})",
-                    value_in_unit(digits(value)),
-                    digits(lower),
-                    digits(upper)
-                )
-            }
-            None => format!("{}, without an interval,", value_in_unit(digits(value, 2))),
+        if let Some([lower, upper]) = ends {
+            let digits = |number| digits_beside(number, 3, Some(upper - lower));
+            return Some(format!(
+                "{} ({} .. {})",
+                value_in_unit(digits(value)),
+                digits(lower),
+                digits(upper)
+            ));
         }
+        let off = fits?.farthest_from(value);
+        (off < value / 2.0).then(|| {
+            format!(
+                "{}, off by {} or more and without an interval,",
+                value_in_unit(digits(value, 2)),
+                digits(off, 2)
+            )
+        })
     };
-    let of_a = pair.a.map(|play| shown(play, pair.interval_of_one.a));
-    let of_b = pair.b.map(|play| shown(play, pair.interval_of_one.b));
+    // A figure that other fits have half as large or half as large again says nothing.
+    let of_a = match pair.a {
+        Some(play) => Some(shown(play, pair.interval_of_one.a, pair.other_fits.a)?),
+        None => None,
+    };
+    let of_b = match pair.b {
+        Some(play) => Some(shown(play, pair.interval_of_one.b, pair.other_fits.b)?),
+        None => None,
+    };
     let in_words = match (of_a, of_b) {
         (Some(of_a), Some(of_b)) => format!("{of_a} in {a} and {of_b} in {b}"),
         (Some(of_a), None) if MorePlay::would_show(pair.a?, found.rmse.b) => {

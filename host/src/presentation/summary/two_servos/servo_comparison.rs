@@ -1,6 +1,6 @@
 //! Two servo models beside each other, as text.
 
-use super::play_of_both::{more_play, play_of_models};
+use super::play_of_both::{like_play, more_play, play_of_models};
 use super::slower_servo::slower;
 use crate::data::units::Units;
 use crate::presentation::summary::response::metrics::TableRow;
@@ -39,7 +39,9 @@ pub fn sentence_on_servo_models(
     let known = found.rests_apart.difference.is_some();
     let by_models = play_of_models(a, b, found, units);
     let may_be_open = !found.rests_apart.differ() && by_models.is_none();
-    let play = (may_be_open && (known || differences.is_empty()))
+    let like_play = like_play(a, b, found, units);
+    let is_asked = like_play.is_none() && differences.is_empty();
+    let play = (may_be_open && (known || is_asked))
         .then(|| (found.rests_apart).nothing_sure_in_words([a, b], units.output.unwrap_or("")));
     let by_responses = || step_responses?.worn_in_words([a, b]);
     let by_rests = || (found.rests_apart.differ()).then(|| RESTS_LEAVE_OPEN.to_owned());
@@ -51,6 +53,7 @@ pub fn sentence_on_servo_models(
         worn,
         slower(a, b, found),
         by_models,
+        like_play,
         play,
         load_of_one(a, b, found, units),
         speeds_of_both([a, b], found, units),
