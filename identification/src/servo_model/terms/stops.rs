@@ -236,10 +236,10 @@ mod tests {
         let found = possible(&[]);
         assert_eq!(found.lower, None);
         assert!((found.upper.unwrap() - 6.0).abs() < 0.01, "{found:?}");
-        let known = possible(&[4.0, -8.0]);
-        assert_eq!((known.lower, known.upper), (Some(-8.0), Some(4.0)));
-        let lower = possible(&[-8.0]);
-        assert_eq!((lower.lower, lower.upper), (Some(-8.0), None));
+        let known = possible(&[6.1, -10.1]);
+        assert_eq!((known.lower, known.upper), (Some(-10.1), Some(6.1)));
+        let lower = possible(&[-10.1]);
+        assert_eq!((lower.lower, lower.upper), (Some(-10.1), None));
     }
 
     #[test]
