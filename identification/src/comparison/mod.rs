@@ -34,6 +34,7 @@ mod compare;
 mod difference;
 mod difference_curves;
 mod different_motions;
+mod first_answer;
 mod metric_differences;
 mod more_play;
 mod motion;
@@ -50,6 +51,7 @@ mod shift;
 mod shift_alone;
 mod stroke_sizes;
 mod verdict;
+mod wear;
 mod welch;
 mod words;
 

@@ -8,9 +8,6 @@ use super::rests_apart::RestsApart;
 use super::verdict::Verdict;
 use crate::results::{Advice, Bounds, Interval, Reason};
 
-/// What the sides are called in a summary.
-pub(super) const NAMES_IN_SUMMARY: [&str; 2] = ["the first", "the second"];
-
 /// Version of the JSON document.
 pub const SCHEMA: u32 = 3;
 
@@ -252,69 +249,5 @@ impl Comparison {
     #[must_use]
     pub fn has_verdict(&self) -> bool {
         self.bounds.valid().is_some() && !self.descriptions_of_different_motions
-    }
-
-    /// With a summary of the responses alone, for who says how far apart the two rest elsewhere, as in a comparison of them as machines; `unit` is that of the output.
-    #[must_use]
-    pub fn without_rests_in_summary(mut self, unit: &str) -> Self {
-        let rests = self.rests_in_words(NAMES_IN_SUMMARY, unit);
-        let shorter = rests.and_then(|rests| self.summary.strip_suffix(&*rests));
-        if let Some(shorter) = shorter {
-            self.summary = shorter.trim_end().to_owned();
-        }
-        self
-    }
-
-    /// Which side is the more worn one by what it does, whatever its model is: its rests are farther apart, and it answers the same strokes later and more slowly, each for sure. `Some(true)` of the
-    /// second.
-    #[must_use]
-    pub fn worn_by_responses(&self) -> Option<bool> {
-        let rests = self
-            .rests_apart?
-            .difference
-            .filter(|_| self.has_verdict())?;
-        let rise = (self.differences.iter()).find(|row| row.metric == "rise_time_s")?;
-        let shifts = self.curves.iter().map(|curve| curve.delay_shift_s.ends());
-        let all: Option<Vec<[f64; 2]>> = shifts
-            .chain([
-                rests.ends(),
-                rise.lower.zip(rise.upper).map(<[f64; 2]>::from),
-            ])
-            .collect();
-        let all = all?;
-        let is_second = all.iter().all(|[lower, _]| *lower > 0.0);
-        let is_first = all.iter().all(|[_, upper]| *upper < 0.0);
-        (is_first || is_second).then_some(is_second)
-    }
-
-    /// The same in words; `sides` are the names of both.
-    #[must_use]
-    pub fn worn_in_words(&self, [a, b]: [&str; 2]) -> Option<String> {
-        let worn = if self.worn_by_responses()? { b } else { a };
-        Some(format!(
-            "Unless load or supply differ, {worn} is the more worn of the two: its rests are farther apart, and it answers the same strokes later and more slowly. Replace it where that is more than \
-             its use allows."
-        ))
-    }
-
-    /// Whether the two differ in how far apart they rest under one command, which is a small share of a stroke. That nobody knows it is said where the rest is the same. `sides` are their
-    /// names, `unit` that of the output.
-    #[must_use]
-    pub fn rests_in_words(&self, sides: [&str; 2], unit: &str) -> Option<String> {
-        let rests = self.rests_apart?;
-        match rests.difference_in_words(sides, unit) {
-            Some(differ) => {
-                let worn = self.worn_in_words(sides);
-                let leaves_open = worn.or_else(|| rests.what_it_leaves_open().map(str::to_owned));
-                Some(format!(
-                    "They rest differently: {differ}. {}",
-                    leaves_open.unwrap_or_default()
-                ))
-            }
-            None if rests.difference.is_some() || self.verdict == Verdict::Same => {
-                Some(rests.nothing_sure_in_words(sides, unit))
-            }
-            None => None,
-        }
     }
 }

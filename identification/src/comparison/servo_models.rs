@@ -12,9 +12,8 @@
 //! angles](super::at_one_angle). For independent records it is wider than it would have to be.
 
 use super::at_one_angle::{by_angles, with_shift};
-use super::outcome::{Comparison, Sides};
+use super::outcome::Sides;
 use super::rests_apart::RestsApart;
-use super::verdict::Verdict;
 use crate::nonlinear::SpeedLimits;
 use crate::numerics::pointwise_critical;
 use crate::options::Options;
@@ -245,7 +244,7 @@ pub fn compare_servo_models(
 }
 
 impl ServoModelComparison {
-    fn differences(&self) -> &[QuantityDifference] {
+    pub(super) fn differences(&self) -> &[QuantityDifference] {
         let bounds = self.bounds.valid();
         bounds.map_or(&[], |bounds| &bounds.differences)
     }
@@ -257,29 +256,6 @@ impl ServoModelComparison {
         let differences = self.differences().iter();
         let mut both = differences.filter_map(|found| found.difference);
         both.any(|found| has_ends(&found))
-    }
-
-    /// Whether they say more than the step responses, `None` where these are not compared. What is sure comes first: how the servos rest, and which has more play, beside responses that are alike, and
-    /// what makes them differ where they do. What step responses show comes before machines that are not shown to differ.
-    #[must_use]
-    pub fn answer_before(&self, step_responses: Option<&Comparison>) -> bool {
-        let show = step_responses.is_some_and(Comparison::has_verdict);
-        let any_differs = || self.differences().iter().any(QuantityDifference::is_sure);
-        let rests_differ = self.rests_apart.differ();
-        match step_responses.map(|found| found.verdict) {
-            _ if self.more_play().is_some() => true,
-            Some(Verdict::Same) => rests_differ,
-            Some(Verdict::Different) => any_differs(),
-            Some(Verdict::Undecided) | None => {
-                rests_differ || any_differs() || self.compares() && !show
-            }
-        }
-    }
-
-    /// Whether they come first, and say how far apart rests are on both sides: then the step responses need not.
-    #[must_use]
-    pub fn says_rests_before(&self, step_responses: Option<&Comparison>) -> bool {
-        self.rests_apart.difference.is_some() && self.answer_before(step_responses)
     }
 
     /// The measured speeds of both sides in the place of the top speed `kind`, where both records show one and models have no intervals.
@@ -455,6 +431,7 @@ fn difference(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::comparison::Verdict;
     use crate::nonlinear::SpeedLimits;
     use crate::results::Reason;
     use crate::servo_model::{ServoModelOptions, fit};

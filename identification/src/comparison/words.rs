@@ -3,11 +3,12 @@
 use super::different_motions::references_of_models_in_words;
 use super::options::ComparisonOptions;
 use super::outcome::{
-    Comparison, ComparisonBounds, DifferenceCurve, Direction, Levels, MetricDifference,
-    NAMES_IN_SUMMARY, Sides, Subject,
+    Comparison, ComparisonBounds, DifferenceCurve, Direction, Levels, MetricDifference, Sides,
+    Subject,
 };
 use super::shift_alone::ShiftIs;
 use super::verdict::Verdict;
+use super::wear::NAMES_IN_SUMMARY;
 use crate::numerics::{command_in_words, four_digits, pointwise_critical, six_digits};
 use crate::results::{Bounds, Interval};
 use crate::thresholds::NOTABLE_SHIFT_S;
