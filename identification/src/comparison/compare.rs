@@ -71,6 +71,11 @@ pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Co
         let found = differences(&curves, None, 0.0, options).largest();
         found.valid().map(|found| 100.0 * found.at_most)
     });
+    // Bounds of one side go with those of the other, whose reason it is.
+    let own = Sides::of([&a, &b], |side| side.alone.level().withdrawn());
+    if !own.have_none() {
+        comparison.without_bounds = own;
+    }
     comparison.turns_the_other_way = other_way::turns(&comparison, [&a, &b]);
     comparison.runs = [a.record.runs().len(), b.record.runs().len()];
     comparison.split = split.is_some();

@@ -46,8 +46,8 @@ pub struct ComparisonOptions {
     pub scale_sd: f64,
     /// The size of all strokes in the recording of each of two models, where it has one \[input\]; records show theirs by themselves.
     pub strokes_of_models: [Option<f64>; 2],
-    /// What the caller knows of the records, or of one, that leaves no bounds.
-    pub withheld: Option<Reason>,
+    /// What the caller knows of each record that leaves no bounds: then the other side has none, either.
+    pub withheld: [Option<Reason>; 2],
     /// The unit of the input, for sentences; empty when it is not known.
     pub input_unit: String,
     /// The unit of the output, likewise.
@@ -87,7 +87,7 @@ impl Default for ComparisonOptions {
             waits_s: [0.0; 2],
             scale_sd: 0.0,
             strokes_of_models: [None; 2],
-            withheld: None,
+            withheld: [None; 2],
             input_unit: String::new(),
             output_unit: String::new(),
         }

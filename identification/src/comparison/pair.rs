@@ -231,12 +231,12 @@ impl<'a> Identified<'a> {
 /// Both sides with one structure: the longer settling time of the two, as far as the references of
 /// both distinguish lags. Where a side that has bounds by itself loses them with that, as a servo that is not linear may, each keeps its own structure, and
 /// so it does where that time is longer than one side, which is not linear, responds for.
-/// Neither has bounds where they are `withheld`.
+/// Neither has bounds where those of one are `withheld`.
 pub(super) fn identified<'a>(
     a: &'a Record<'a>,
     b: &'a Record<'a>,
     options: &Options,
-    withheld: Option<Reason>,
+    withheld: [Option<Reason>; 2],
 ) -> Result<(Identified<'a>, Identified<'a>), Error> {
     same_period(a.sample_period_s(), b.sample_period_s())?;
     let found = [a, b].map(|record| identify_runs(record, options, false));
@@ -272,9 +272,10 @@ pub(super) fn identified<'a>(
         limited.is_some_and(|choice| choice.within_holds && longer > choice.longest)
     });
     let [mut alone_a, mut alone_b] = found;
-    if let Some(reason) = withheld {
-        alone_a.model.withdraw(reason);
-        alone_b.model.withdraw(reason);
+    for (alone, reason) in [&mut alone_a, &mut alone_b].into_iter().zip(withheld) {
+        if let Some(reason) = reason {
+            alone.model.withdraw(reason);
+        }
     }
     let [of_a, of_b] = [&alone_a, &alone_b].map(|alone| alone.model.level().withdrawn());
     let together = [

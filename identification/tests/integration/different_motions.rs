@@ -138,7 +138,7 @@ fn a_fault_that_the_caller_states_leaves_no_bounds() {
     let clean = Linear::second_order(1.0, 0.0255, 0.6, 60.0).respond(&input, input[0], 0.0);
     let side = |seed: u64| Record::of_run(PERIOD, &input, measured(&clean, 1.0, seed)).unwrap();
     let options = ComparisonOptions {
-        withheld: Some(Reason::CommandsBetweenRows),
+        withheld: [Some(Reason::CommandsBetweenRows); 2],
         ..ComparisonOptions::default()
     };
     let found = compare(&side(1), &side(2), &options).unwrap();

@@ -37,7 +37,7 @@ pub fn compared(
     let options = ComparisonOptions {
         input_unit: a.about.input_unit_with(&b.about),
         output_unit: a.about.output_unit_with(&b.about),
-        withheld: own.iter().flatten().find_map(fault),
+        withheld: own.each_ref().map(|side| side.as_ref().and_then(fault)),
         ..allowed_for_sensors(sides, options)
     };
     let found = compare(&a.record, &b.record, &options);

@@ -438,8 +438,12 @@ pub(crate) fn of_both_machines(
                 shown(Some(difference.upper?))
             ))
         });
+        let has_waits = pair.kind() == Some(QuantityKind::Delay) && found.waits_s != [0.0; 2];
         KeyFigure {
-            label: pair.name.clone(),
+            label: match has_waits {
+                true => format!("{}, with waits for pulses", pair.name),
+                false => pair.name.clone(),
+            },
             value: with_unit(value, &unit),
             below: match (below, pair.a.and(pair.b)) {
                 (Some(below), _) => below + &loads(pair),

@@ -5,7 +5,7 @@
 
 use super::level_crests::level_crests;
 use crate::data::column::{extent, mean};
-use crate::data::{EXACTLY, HELD, Hold, Record, Run, holds, last_quarter, mean_output};
+use crate::data::{Record, white_noise};
 use crate::diagnostics::{
     moves_beyond, outermost_rests, stops_of_rests, stops_of_several_commands,
 };
@@ -152,34 +152,31 @@ fn beyond(some: Stops, others: Stops) -> usize {
     more(some.lower, others.lower) + more(some.upper, others.upper)
 }
 
-/// Part of the travel by which a stop may give. Where the servo is farther out at the ends of holds there is none.
+/// Part of the travel by which a stop may give.
 const GIVES: f64 = 0.02;
 
-/// Of so many holds: one may end in a glitch.
-const HOLDS_BEYOND: usize = 2;
+/// Standard deviations of the noise that are no motion.
+const BY_NOISE: f64 = 5.0;
 
-/// The outputs at the ends of holds.
-fn ends_of_holds(record: &Record) -> Vec<f64> {
-    let of_run = |run: &Run<'_>| {
-        let end = |hold: Hold| mean_output(run, last_quarter(&hold.samples));
-        let held = (holds(run, EXACTLY).into_iter()).filter(|hold| hold.samples.len() >= HELD);
-        let ends = held.filter_map(end);
-        ends.collect::<Vec<f64>>()
-    };
-    record.runs().iter().flat_map(of_run).collect()
-}
+/// Where more than this part of the samples is farther out there is no stop: neither noise nor glitches are so many.
+const PASSED: f64 = 0.01;
 
 /// The lower and the upper stop among some outputs: the output is nowhere beyond a stop.
 fn among(record: &Record, at: &[f64]) -> Stops {
-    let ends = ends_of_holds(record);
-    let gives = extent(record.outputs()).map_or(0.0, |(low, high)| GIVES * (high - low));
+    let travel = extent(record.outputs()).map_or(0.0, |(low, high)| high - low);
+    let noise = white_noise(record).unwrap_or_default();
+    let gives = (GIVES * travel).max(BY_NOISE * noise);
     let is_passed = |is_beyond: &dyn Fn(f64) -> bool| {
-        ends.iter().filter(|end| is_beyond(**end)).count() >= HOLDS_BEYOND
+        let known = record.outputs().filter(|y| !y.is_nan());
+        let (beyond, all) = known.fold((0.0, 0.0), |(beyond, all), y| {
+            (beyond + f64::from(is_beyond(y)), all + 1.0)
+        });
+        beyond > PASSED * all
     };
     let Stops { lower, upper } = on_their_sides(record, at);
     Stops {
-        lower: lower.filter(|stop| !is_passed(&|end| end < stop - gives)),
-        upper: upper.filter(|stop| !is_passed(&|end| end > stop + gives)),
+        lower: lower.filter(|stop| !is_passed(&|y| y < stop - gives)),
+        upper: upper.filter(|stop| !is_passed(&|y| y > stop + gives)),
     }
 }
 
@@ -217,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn where_the_servo_is_beyond_it_at_the_ends_of_holds_there_is_no_stop() {
+    fn where_the_servo_goes_beyond_it_there_is_no_stop() {
         let record = record();
         // Between 5 and 6, under commands of 7, 8, 9 and 10.
         let upper = |at: f64| among(&record, &[at]).upper;

@@ -174,8 +174,9 @@ impl ServoExport<'_> {
                 four_digits(theta)
             )
         };
-        let [lower, upper] = self.parameters.upwards_first(self.parameters.range());
-        let [lower, upper] = [(stops.lower, upper), (stops.upper, lower)]
+        // The position grows with theta, or falls.
+        let [at_lower, at_upper] = self.parameters.upwards_first(self.parameters.range());
+        let [lower, upper] = [(stops.lower, at_lower), (stops.upper, at_upper)]
             .map(|(position, theta)| Some((position?, theta)));
         let ends: Vec<String> = [lower, upper].into_iter().flatten().map(at).collect();
         match ends.as_slice() {
