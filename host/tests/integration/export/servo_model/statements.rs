@@ -186,6 +186,38 @@ fn what_the_recording_does_not_determine_is_said_without_a_value() {
     assert!(!said.contains("damping ratio 0."), "{said}");
 }
 
+/// The angle of a stop is that of the constant in the file.
+#[test]
+fn each_stop_is_named_with_its_own_angle() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, sides) in [
+        ("upper", ["upper", "highest"]),
+        ("lower", ["lower", "lowest"]),
+    ] {
+        let mut document = crate::support::json(&AIRCRAFT.file);
+        let stop = if name == "upper" { 3.1 } else { -3.1 };
+        document["servo_model"]["stops"] = serde_json::json!({ sides[0]: stop });
+        let file = folder.path().join(format!("{name}.json"));
+        std::fs::write(&file, document.to_string()).unwrap();
+        let text = export(&file, 0, "c", &[]).text;
+        let after = |what: &str| -> f64 {
+            let (_, rest) = text.split_once(what).unwrap();
+            let number: String = rest
+                .chars()
+                .take_while(|letter| "-.0123456789e".contains(*letter))
+                .collect();
+            number.parse().unwrap()
+        };
+        let constant = after(&format!("{}_angle = ", sides[1]));
+        // It is said with four digits.
+        let said = after("(theta = ");
+        assert!(
+            (said - constant).abs() < 1e-3 * constant.abs(),
+            "{name}: {said} {constant}"
+        );
+    }
+}
+
 /// Of a servo that turns against its command, with an offset: who follows the header gets its position.
 /// A simulation has no header, and says it before it begins.
 #[test]
