@@ -166,12 +166,14 @@ fn among(record: &Record, at: &[f64]) -> Stops {
     let travel = extent(record.outputs()).map_or(0.0, |(low, high)| high - low);
     let noise = white_noise(record).unwrap_or_default();
     let gives = (GIVES * travel).max(BY_NOISE * noise);
+    // Runs may have offsets of their own, by which the same stop is elsewhere.
+    let has_one_offset = record.runs().len() == 1;
     let is_passed = |is_beyond: &dyn Fn(f64) -> bool| {
         let known = record.outputs().filter(|y| !y.is_nan());
         let (beyond, all) = known.fold((0.0, 0.0), |(beyond, all), y| {
             (beyond + f64::from(is_beyond(y)), all + 1.0)
         });
-        beyond > PASSED * all
+        has_one_offset && beyond > PASSED * all
     };
     let Stops { lower, upper } = on_their_sides(record, at);
     Stops {

@@ -234,10 +234,18 @@ mod tests {
         let before_a_stop = document(model.clone(), true);
         assert!(advice_on_servo_model(&before_a_stop).contains(&WHERE_IT_ENDS));
         model.covariance = Bounds::Withdrawn(Reason::ErrorsNotNoise);
-        for (is_of_rows, why) in [(true, WHAT_A_LOGGER_MAY_LACK), (false, WHAT_MAY_BE_LACKING)] {
-            let advice = advice_on_servo_model(&document(model.clone(), is_of_rows));
-            assert_eq!(advice, [why, WITHOUT_INTERVALS]);
-        }
+        let of_logger = advice_on_servo_model(&document(model.clone(), true));
+        assert_eq!(
+            of_logger,
+            [SAY_POLLED, WHAT_A_LOGGER_MAY_LACK, WITHOUT_INTERVALS]
+        );
+        let polled = ServoModelDocument {
+            polled: true,
+            ..document(model.clone(), true)
+        };
+        assert!(!advice_on_servo_model(&polled).contains(&SAY_POLLED));
+        let of_servoid = advice_on_servo_model(&document(model, false));
+        assert_eq!(of_servoid, [WHAT_MAY_BE_LACKING, WITHOUT_INTERVALS]);
     }
 
     fn quantity(name: &str, determined: bool) -> Quantity {
