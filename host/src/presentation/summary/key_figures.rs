@@ -423,10 +423,7 @@ pub(crate) fn of_both_machines(
             };
         }
         let shown = |value: Option<f64>| value.map_or(NONE.to_owned(), |v| four_digits(scale * v));
-        let value = match pair.a.or(pair.b) {
-            None => NONE.to_owned(),
-            Some(_) => format!("{} → {}", shown(pair.a), shown(pair.b)),
-        };
+        let value = format!("{} → {}", shown(pair.a), shown(pair.b));
         let difference = found
             .bounds
             .valid()
@@ -459,6 +456,7 @@ pub(crate) fn of_both_machines(
         .chain(&OF_TWO_MACHINES)
         .filter(|kind| !is_at_no_pulse(**kind, models[0], units))
         .filter_map(of_kind)
+        .filter(|(_, pair)| pair.a.or(pair.b).is_some())
         .collect();
     // What differs comes first, and what one recording alone determines last.
     pairs.sort_by_key(|(index, pair)| {
