@@ -272,7 +272,7 @@ fn use_model(text: &str) {
             paper: &[],
         });
         if let Some(found) = found {
-            let _ = summary::of_comparison(&found, Units::default());
+            let _ = summary::of_comparison(&found, None, Units::default());
             let _ = draw(&difference("m", "m", "a", "b", &found));
         }
     }

@@ -156,15 +156,12 @@ pub fn compare_models(
         comparison.verdict = Verdict::Undecided;
         comparison.descriptions_of_different_motions = true;
     }
-    let has_bounds_of_runs = |model: &Model| model.run_offsets.len() >= RUNS_FOR_MEAN;
-    let contained = [a, b].map(has_bounds_of_runs);
-    let waits_s = [0, 1].map(|side| {
-        if contained[side] {
-            0.0
-        } else {
-            options.waits_s[side]
-        }
-    });
+    let left = |model: &Model, wait_s: f64| match model.run_offsets.len() >= RUNS_FOR_MEAN {
+        true => 0.0,
+        false => wait_s,
+    };
+    let [wait_a, wait_b] = options.waits_s;
+    let waits_s = [left(a, wait_a), left(b, wait_b)];
     say_waits(&mut comparison, waits_s);
     comparison.summary = words::summary(&comparison, None, linear, options);
     comparison.advice = advice::gather(&comparison, [a, b], &[], &options.output_unit, None);

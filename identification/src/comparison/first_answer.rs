@@ -3,6 +3,7 @@
 use super::outcome::Comparison;
 use super::servo_models::{QuantityDifference, ServoModelComparison};
 use super::verdict::Verdict;
+use super::wear::NAMES_IN_SUMMARY;
 
 impl ServoModelComparison {
     /// Whether they say more than the step responses, `None` where these are not compared. What is sure comes first: how the servos rest, and which has more play, beside responses that are alike, and
@@ -21,10 +22,18 @@ impl ServoModelComparison {
             }
         }
     }
+}
 
-    /// Whether they come first, and say how far apart rests are on both sides: then the step responses need not.
+impl Comparison {
+    /// The summary beside what is said of the servos as machines: without how far apart both rest, where these come first and say it. `unit` is that of the output.
     #[must_use]
-    pub fn says_rests_before(&self, step_responses: Option<&Comparison>) -> bool {
-        self.rests_apart.difference.is_some() && self.answer_before(step_responses)
+    pub fn summary_beside(&self, machines: Option<&ServoModelComparison>, unit: &str) -> &str {
+        let say_rests = machines.is_some_and(|found| {
+            found.rests_apart.difference.is_some() && found.answer_before(Some(self))
+        });
+        let rests = self.rests_in_words(NAMES_IN_SUMMARY, unit);
+        let rests = rests.filter(|_| say_rests);
+        let shorter = rests.and_then(|rests| self.summary.strip_suffix(&*rests));
+        shorter.map_or(&self.summary, str::trim_end)
     }
 }

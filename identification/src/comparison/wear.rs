@@ -7,17 +7,6 @@ use super::verdict::Verdict;
 pub(super) const NAMES_IN_SUMMARY: [&str; 2] = ["the first", "the second"];
 
 impl Comparison {
-    /// With a summary of the responses alone, for who says how far apart the two rest elsewhere, as in a comparison of them as machines; `unit` is that of the output.
-    #[must_use]
-    pub fn without_rests_in_summary(mut self, unit: &str) -> Self {
-        let rests = self.rests_in_words(NAMES_IN_SUMMARY, unit);
-        let shorter = rests.and_then(|rests| self.summary.strip_suffix(&*rests));
-        if let Some(shorter) = shorter {
-            self.summary = shorter.trim_end().to_owned();
-        }
-        self
-    }
-
     /// Which side is the more worn one by what it does, whatever its model is: its rests are farther apart, and it answers the same strokes later and more slowly, each for sure. `Some(true)` of the
     /// second.
     #[must_use]

@@ -143,8 +143,7 @@ fn explained_by_waits(model: &mut Model) {
 /// Of errors that follow the motion in a file of another program: that commands may have waited for pulses. Under holds of one length such waits creep from command to
 /// command, and nothing shows that they are of a clock.
 fn name_pulses(data: &Dataset, advice: &mut [Advice]) {
-    let may_wait = data.about.is_of_rows() && !data.about.exact_command;
-    if !(may_wait && has_equal_holds(&data.record)) {
+    if !(data.about.commands_may_wait() && has_equal_holds(&data.record)) {
         return;
     }
     for found in advice.iter_mut().filter(|found| found.is_of_linearity()) {

@@ -206,7 +206,7 @@ fn fit(
         stroke_of_60_degrees_s: stroke.and_then(|size| model.stroke_times_s(size)),
         model,
         controller_names: names,
-        is_of_rows: data.about.is_of_rows() && !data.about.exact_command,
+        is_of_rows: data.about.commands_may_wait(),
         polled: data.about.polled,
         common_wait_s: data.about.common_wait_s,
     })

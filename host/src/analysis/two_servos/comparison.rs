@@ -377,24 +377,15 @@ impl Compared {
         })
     }
 
-    /// Whether the servos as machines come first, and say how far apart both rest.
-    fn machines_say_rests(&self) -> bool {
-        let machines = self.servo_model.as_ref();
-        machines.is_some_and(|found| found.says_rests_before(self.found.compared()))
-    }
-
     /// The comparison as text.
     #[must_use]
     pub fn as_text(&self, names: [&str; 2]) -> String {
         let units = self.metadata.units();
         let letters = format!("A  {}\nB  {}\n\n", names[0], names[1]);
         let mut text = match &self.found {
-            StepResponses::Compared(found) if self.machines_say_rests() => {
-                let unit = units.output.unwrap_or_default();
-                let found = Comparison::clone(found).without_rests_in_summary(unit);
-                summary::of_comparison(&found, units)
+            StepResponses::Compared(found) => {
+                summary::of_comparison(found, self.servo_model.as_ref(), units)
             }
-            StepResponses::Compared(found) => summary::of_comparison(found, units),
             StepResponses::NotCompared(found) => summary::wrapped(&found.summary, 0) + "\n",
         };
         if let Some(servos) = &self.servo_model {

@@ -142,6 +142,11 @@ impl About {
         self.commands_at_rows || self.polled
     }
 
+    /// Whether these commands may wait for pulses: nothing states that each was sent with its row.
+    pub(crate) fn commands_may_wait(&self) -> bool {
+        self.is_of_rows() && !self.exact_command
+    }
+
     /// The units of the two columns.
     pub(crate) fn units(&self) -> Units<'_> {
         Units {

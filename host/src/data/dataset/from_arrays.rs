@@ -5,7 +5,7 @@ use super::error::DatasetError;
 use super::from_tables::note_sentinel_value;
 use super::loaded::{Loaded, late_by_polling, run};
 use super::moving_command::unseen_within_rows;
-use super::pulse_waits::common_wait_s;
+use super::pulse_waits::note_common_wait;
 use super::wrapped_angle;
 use std::borrow::Cow;
 
@@ -96,9 +96,7 @@ impl<'a> Arrays<'a> {
             false => unseen_within_rows(&runs, self.period_s, &mut about, ""),
         };
         about.sensor_delay_uncertainty_s = late_s + unseen_s;
-        if !(self.exact_command || about.moving_command) {
-            about.common_wait_s = common_wait_s(&runs, self.period_s);
-        }
+        note_common_wait(&runs, self.period_s, &mut about);
         Ok(Loaded {
             runs,
             controllers: self.controllers,

@@ -5,7 +5,7 @@ use super::error::DatasetFault;
 use super::loaded::{Loaded, late_by_polling, run};
 use super::moving_command::unseen_within_rows;
 use super::options::DatasetOptions;
-use super::pulse_waits::common_wait_s;
+use super::pulse_waits::note_common_wait;
 use super::time_column::{self, TimeUnit};
 use super::{run_labels, sentinel_values, suggested_columns, wrapped_angle};
 use crate::data::pulse_widths;
@@ -80,9 +80,7 @@ pub(super) fn from_table(
         false => unseen_within_rows(&runs, period_s, &mut about, &format!("{file}: ")),
     };
     about.sensor_delay_uncertainty_s = phase_s + uncertain_s + unseen_s;
-    if !(options.exact_command || about.moving_command) {
-        about.common_wait_s = common_wait_s(&runs, period_s);
-    }
+    note_common_wait(&runs, period_s, &mut about);
     if let Some(Doubt { finding, times }) = doubt {
         let remedy =
             "Make sure which of the two is right: all times and frequencies follow from it.";

@@ -3,6 +3,7 @@
 //! Where pulses come on a clock of their own, a command that changes between two of them waits for the next. Changes that are whole frames apart wait equally
 //! long, so that every time of a recording contains one wait, which no row shows and another recording has otherwise.
 
+use super::about::About;
 use servoid_identification::Run;
 
 /// The time between two pulses of a receiver, or of the servo library of a microcontroller \[s\].
@@ -15,9 +16,16 @@ const UNSEEN_MOMENTS: usize = 2;
 /// Moments that are closer than this part of a frame are one.
 const ONE_MOMENT: f64 = 0.05;
 
+/// Has `about` know the wait that these `runs` have in common, where nothing states that no command waits. One that moves on with every row waits otherwise each time.
+pub(super) fn note_common_wait(runs: &[Run<'_>], period_s: f64, about: &mut About) {
+    if !(about.exact_command || about.moving_command) {
+        about.common_wait_s = common_wait_s(runs, period_s);
+    }
+}
+
 /// By how much the mean wait of the changes of one of these runs may differ from that in another recording of the same commands, at most \[s\]: a frame where all changes are whole frames
 /// apart, half a frame where half of them are in its middle, and 0 where they are at many moments, which shows.
-pub(super) fn common_wait_s(runs: &[Run<'_>], period_s: f64) -> f64 {
+fn common_wait_s(runs: &[Run<'_>], period_s: f64) -> f64 {
     let of_run = |run: &Run| {
         let phases = change_phases(run.input(), period_s);
         match moments(&phases) <= UNSEEN_MOMENTS {

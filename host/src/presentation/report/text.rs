@@ -23,17 +23,11 @@ pub(super) fn words(page: &Page<'_>) -> String {
     body.extend(page.parts().map(|part| of_one(part, page.second.is_some())));
     if let (Some(found), Some(second)) = (page.comparison, page.second) {
         let [first, second] = [&page.first, &second].map(|part| escape(part.subject.name));
-        let machines = page.servo_models;
-        let found = match machines.is_some_and(|servos| servos.says_rests_before(Some(found))) {
-            true => {
-                let unit = page.first.subject.units.output.unwrap_or_default();
-                found.clone().without_rests_in_summary(unit)
-            }
-            false => found.clone(),
-        };
+        let unit = page.first.subject.units.output.unwrap_or_default();
+        let summary = found.summary_beside(page.servo_models, unit);
         body += &format!(
             "<p>The first is {first}, the second {second}. {}</p>\n",
-            escape(&found.summary)
+            escape(summary)
         );
     }
     body

@@ -163,22 +163,24 @@ const PASSED: f64 = 0.01;
 
 /// The lower and the upper stop among some outputs: the output is nowhere beyond a stop.
 fn among(record: &Record, at: &[f64]) -> Stops {
+    let stops = on_their_sides(record, at);
+    // Runs may have offsets of their own, by which the same stop is elsewhere.
+    if stops == Stops::default() || record.runs().len() != 1 {
+        return stops;
+    }
     let travel = extent(record.outputs()).map_or(0.0, |(low, high)| high - low);
     let noise = white_noise(record).unwrap_or_default();
     let gives = (GIVES * travel).max(BY_NOISE * noise);
-    // Runs may have offsets of their own, by which the same stop is elsewhere.
-    let has_one_offset = record.runs().len() == 1;
     let is_passed = |is_beyond: &dyn Fn(f64) -> bool| {
         let known = record.outputs().filter(|y| !y.is_nan());
         let (beyond, all) = known.fold((0.0, 0.0), |(beyond, all), y| {
             (beyond + f64::from(is_beyond(y)), all + 1.0)
         });
-        has_one_offset && beyond > PASSED * all
+        beyond > PASSED * all
     };
-    let Stops { lower, upper } = on_their_sides(record, at);
     Stops {
-        lower: lower.filter(|stop| !is_passed(&|y| y < stop - gives)),
-        upper: upper.filter(|stop| !is_passed(&|y| y > stop + gives)),
+        lower: (stops.lower).filter(|stop| !is_passed(&|y| y < stop - gives)),
+        upper: (stops.upper).filter(|stop| !is_passed(&|y| y > stop + gives)),
     }
 }
 

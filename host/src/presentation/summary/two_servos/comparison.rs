@@ -7,14 +7,20 @@ use crate::presentation::summary::wording::numbers::{
     digits_beside, percent, probability, signed, with_bounds,
 };
 use servoid_identification::comparison::{
-    Comparison, ComparisonBounds, DifferenceCurve, Direction, Subject, Verdict,
+    Comparison, ComparisonBounds, DifferenceCurve, Direction, ServoModelComparison, Subject,
+    Verdict,
 };
 use servoid_identification::results::{Advice, Bounds, Interval, command_in_words};
 
-/// A comparison of the sides A and B, for a terminal.
+/// A comparison of the sides A and B, for a terminal, beside that of both as `machines`.
 #[must_use]
-pub fn of_comparison(found: &Comparison, units: Units<'_>) -> String {
-    let mut text = format!("{}\n\n", wrapped(&found.summary, 0));
+pub fn of_comparison(
+    found: &Comparison,
+    machines: Option<&ServoModelComparison>,
+    units: Units<'_>,
+) -> String {
+    let summary = found.summary_beside(machines, units.output.unwrap_or_default());
+    let mut text = format!("{}\n\n", wrapped(summary, 0));
     for (name, value) in facts_of_comparison("A", "B", found, units) {
         text += &format!("  {name:NAMES$} {}\n", wrapped(&value, NAMES + 3));
     }

@@ -74,6 +74,7 @@ pub(super) fn play_of_models(
                 digits(upper)
             ));
         }
+        // A figure that other fits have half as large or half as large again says nothing.
         let off = fits?.farthest_from(value);
         (off < value / 2.0).then(|| {
             format!(
@@ -83,15 +84,12 @@ pub(super) fn play_of_models(
             )
         })
     };
-    // A figure that other fits have half as large or half as large again says nothing.
-    let of_a = match pair.a {
-        Some(play) => Some(shown(play, pair.interval_of_one.a, pair.other_fits.a)?),
-        None => None,
+    let of = |play: Option<f64>, interval, fits| match play {
+        Some(play) => shown(play, interval, fits).map(Some),
+        None => Some(None),
     };
-    let of_b = match pair.b {
-        Some(play) => Some(shown(play, pair.interval_of_one.b, pair.other_fits.b)?),
-        None => None,
-    };
+    let of_a = of(pair.a, pair.interval_of_one.a, pair.other_fits.a)?;
+    let of_b = of(pair.b, pair.interval_of_one.b, pair.other_fits.b)?;
     let in_words = match (of_a, of_b) {
         (Some(of_a), Some(of_b)) => format!("{of_a} in {a} and {of_b} in {b}"),
         (Some(of_a), None) if MorePlay::would_show(pair.a?, found.rmse.b) => {
