@@ -14,7 +14,7 @@ use super::verdict::Verdict;
 use super::{advice, other_way, shift, shift_alone, words};
 use crate::data::Record;
 use crate::error::Error;
-use crate::nonlinear::rests_apart;
+use crate::nonlinear::Hysteresis;
 use crate::results::{Bounds, Metrics, Model, Reason};
 use crate::thresholds::{MARGIN, RUNS_FOR_MEAN};
 
@@ -99,8 +99,13 @@ pub fn compare(a: &Record, b: &Record, options: &ComparisonOptions) -> Result<Co
     let asked = Asked::of([&a, &b]);
     let of_record = |reason: Reason| reason.is_of_the_record() && !reason.leaves_rests();
     if asked.is_one_motion() && !comparison.bounds.withdrawn().is_some_and(of_record) {
-        let of = |side: &Identified<'_>| rests_apart(side.record, &side.alone, level);
-        comparison.rests_apart = Some(RestsApart::of([of(&a), of(&b)], options.scale_sd, level));
+        let of =
+            |side: &Identified<'_>| Hysteresis::with_rests_apart(side.record, &side.alone, level);
+        let both = [of(&a), of(&b)];
+        let apart = both.each_ref().map(|(_, apart)| *apart);
+        let means = both.map(|(mean, _)| (mean.found == Some(true)).then_some(mean.size));
+        let apart = RestsApart::of(apart, options.scale_sd, level);
+        comparison.rests_apart = Some(apart.or_means(means));
     }
     comparison.motions = Some(asked.motions);
     if asked.may_explain(&comparison) {

@@ -28,9 +28,8 @@ impl Comparison {
     /// The summary beside what is said of the servos as machines: without how far apart both rest, where these come first and say it. `unit` is that of the output.
     #[must_use]
     pub fn summary_beside(&self, machines: Option<&ServoModelComparison>, unit: &str) -> &str {
-        let say_rests = machines.is_some_and(|found| {
-            found.rests_apart.difference.is_some() && found.answer_before(Some(self))
-        });
+        let say_rests = machines
+            .is_some_and(|found| found.rests_apart.is_known() && found.answer_before(Some(self)));
         let rests = self.rests_in_words(NAMES_IN_SUMMARY, unit);
         let rests = rests.filter(|_| say_rests);
         let shorter = rests.and_then(|rests| self.summary.strip_suffix(&*rests));

@@ -2,11 +2,12 @@
 //!
 //! A step response is of whole strokes, of which play is a small share: a worn servo responds as a new one does. Where it rests shows the wear.
 
+use super::outcome::Sides;
 use crate::numerics::{pointwise_critical, with_unit};
 use crate::results::Interval;
 use serde::{Deserialize, Serialize};
 
-/// How far apart the rests under one command are: see [`rests_apart`](crate::nonlinear::rests_apart) \[output\].
+/// How far apart the rests under one command are: see [the rests of a record](crate::nonlinear::Hysteresis::with_rests_apart) \[output\].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RestsApart {
     /// Of the first side; `None` where its record does not show it.
@@ -15,6 +16,9 @@ pub struct RestsApart {
     pub b: Option<Interval>,
     /// Second less first, from the ends of both intervals: it holds wherever both hold.
     pub difference: Option<Interval>,
+    /// The [mean over levels](crate::nonlinear::Hysteresis) of each side, where both have one and there is no difference of the largest distances \[output\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub means_by_direction: Option<Sides<Interval>>,
 }
 
 impl RestsApart {
@@ -34,7 +38,21 @@ impl RestsApart {
             a,
             b,
             difference: a.zip(b).and_then(|(a, b)| between(a, b)),
+            means_by_direction: None,
         }
+    }
+
+    /// The same with the `means` over levels of both sides, where the largest distances are not compared.
+    pub(super) fn or_means(mut self, [a, b]: [Option<Interval>; 2]) -> Self {
+        let means = a.zip(b).map(|(a, b)| Sides { a, b });
+        self.means_by_direction = means.filter(|_| self.difference.is_none());
+        self
+    }
+
+    /// Whether both sides have one of the two distances.
+    #[must_use]
+    pub fn is_known(&self) -> bool {
+        self.difference.is_some() || self.means_by_direction.is_some()
     }
 
     /// Whether the two differ for sure.
@@ -89,6 +107,9 @@ impl RestsApart {
                 self.side_in_words(of_b, unit),
                 with_unit(format!("{most:.decimals$}"), unit)
             ),
+            None if let Some(means) = self.means_by_direction => {
+                means_in_words(means, [a, b], unit)
+            }
             None => {
                 let of = match (self.a, self.b) {
                     (None, Some(_)) => format!("the recording of {a} does"),
@@ -105,13 +126,7 @@ impl RestsApart {
 
     /// "up to 1.00 deg (0.52 .. 1.61) apart in": one side, with its interval.
     fn side_in_words(&self, of: Interval, unit: &str) -> String {
-        let decimals = self.decimals();
-        let [value, low, high] = [of.value, of.lower, of.upper]
-            .map(|number| format!("{:.decimals$}", number.unwrap_or(f64::NAN)));
-        format!(
-            "up to {} ({low} .. {high}) apart in",
-            with_unit(value, unit)
-        )
+        format!("up to {} apart in", with_ends(of, self.decimals(), unit))
     }
 
     /// By how much they may differ at the most.
@@ -122,13 +137,41 @@ impl RestsApart {
 
     /// With which the ends of the intervals have three digits \[decimals\].
     fn decimals(&self) -> usize {
-        let sides = [self.a, self.b].into_iter().flatten();
-        let largest = sides.filter_map(|of| of.upper).fold(0.0, f64::max);
-        match largest > 0.0 {
-            true => (2.0 - largest.log10().floor()).clamp(0.0, 12.0) as usize,
-            false => 0,
-        }
+        decimals([self.a, self.b].into_iter().flatten())
     }
+}
+
+/// With which the largest end of `intervals` has three digits \[decimals\].
+fn decimals(intervals: impl Iterator<Item = Interval>) -> usize {
+    let largest = intervals.filter_map(|of| of.upper).fold(0.0, f64::max);
+    match largest > 0.0 {
+        true => (2.0 - largest.log10().floor()).clamp(0.0, 12.0) as usize,
+        false => 0,
+    }
+}
+
+/// "1.00 deg (0.52 .. 1.61)".
+fn with_ends(of: Interval, decimals: usize, unit: &str) -> String {
+    let [value, low, high] = [of.value, of.lower, of.upper]
+        .map(|number| format!("{:.decimals$}", number.unwrap_or(f64::NAN)));
+    format!("{} ({low} .. {high})", with_unit(value, unit))
+}
+
+/// How far apart the means from both directions are.
+fn means_in_words(means: Sides<Interval>, [a, b]: [&str; 2], unit: &str) -> String {
+    let decimals = decimals([means.a, means.b].into_iter());
+    let of = |of: Interval| with_ends(of, decimals, unit);
+    let farther = match (means.a.ends(), means.b.ends()) {
+        (Some([_, of_a]), Some([of_b, _])) if of_a < of_b => format!(", farther in {b}"),
+        (Some([of_a, _]), Some([_, of_b])) if of_b < of_a => format!(", farther in {a}"),
+        _ => String::new(),
+    };
+    format!(
+        "Rests that are reached from above and from below, which {KEPT_APART_BY}, are in the mean {} apart in {a} and {} in {b}{farther}. Strokes that overshoot count against others in that \
+         mean, so that it does not show for sure which has more play: stairs of each do, which reach each level from below and from above, twice or more, and hold it until the servo rests.",
+        of(means.a),
+        of(means.b),
+    )
 }
 
 /// What does.
@@ -150,5 +193,29 @@ mod tests {
         );
         let said = rests.difference_in_words(["A", "B"], "deg").unwrap();
         assert!(said.ends_with("1.06 deg (0.003 .. 2.10) more"), "{said}");
+    }
+
+    #[test]
+    fn the_means_of_both_directions_are_said_where_no_stroke_was_made_again() {
+        let means = [
+            Some(Interval::new(0.51, 0.45, 0.57)),
+            Some(Interval::new(2.1, 1.9, 2.3)),
+        ];
+        let none = RestsApart::of([None, None], 0.0, 0.99);
+        let said = |means| {
+            none.or_means(means)
+                .nothing_sure_in_words(["A", "B"], "deg")
+        };
+        let of_both = said(means);
+        let expected =
+            "0.51 deg (0.45 .. 0.57) apart in A and 2.10 deg (1.90 .. 2.30) in B, farther in B.";
+        assert!(of_both.contains(expected), "{of_both}");
+        let [a, b] = means;
+        assert!(said([b, a]).contains("farther in A."));
+        assert!(said([a, a]).contains("in B. Strokes"));
+        assert!(said([a, None]).contains("is not known"));
+        // Those of the largest distances come first.
+        let known = RestsApart::of(means, 0.0, 0.99).or_means(means);
+        assert_eq!(known.means_by_direction, None);
     }
 }

@@ -230,7 +230,8 @@ pub fn compare_servo_models(
             [a.rests_apart, b.rests_apart],
             scale_sd,
             levels.into_valid().unwrap_or(Options::default().level),
-        ),
+        )
+        .or_means([a.hysteresis, b.hysteresis]),
         shared_delay_error: delays.is_some(),
         waits_s: [0.0; 2],
         rmse: Sides::of([a, b], |model| model.fit.rmse),

@@ -53,7 +53,7 @@ impl Comparison {
                     leaves_open.unwrap_or_default()
                 ))
             }
-            None if rests.difference.is_some() || self.verdict == Verdict::Same => {
+            None if rests.is_known() || self.verdict == Verdict::Same => {
                 Some(rests.nothing_sure_in_words(sides, unit))
             }
             None => None,

@@ -7,5 +7,5 @@ pub use direction::{DirectionModel, Symmetry, split_by_direction};
 pub(crate) use direction::{explains_errors, split_with};
 pub use limits::{
     Cell, Hysteresis, Limits, MissedRest, RangeEnd, Rate, RateVerdict, Side, SpeedLimits,
-    missed_rests, rests_apart,
+    missed_rests,
 };

@@ -202,6 +202,9 @@ struct Search<'a> {
     watch: &'a dyn Watch,
 }
 
+/// Errors of a servo, as root mean squares, by which it goes on where the recorded one rests.
+const GOES_ON: f64 = 4.0;
+
 /// Steps of the descent that shows whether a servo knows a pulse at its end.
 const PULSE_END_STEPS: usize = 20;
 
@@ -228,6 +231,19 @@ impl Found {
         &self.climbed.best().held_out
     }
 
+    /// Whether the servo may stand for one that ends at `rest`, where the recorded one rests under `command`: its load is of the air, which is none but at the ends; or its errors
+    /// are not noise, and it goes on by more than they are.
+    fn may_stand_for_a_stop(&self, [command, rest]: [f64; 2]) -> bool {
+        let servo = self.best().physics(0, |_, value| value);
+        let ends = servo
+            .staying_angles(command)
+            .map(|angle| angle * servo.gain + servo.offset);
+        let (near, far) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
+        let beyond = (near - rest).max(rest - far);
+        let goes_on = || beyond > GOES_ON * self.candidates.found.root_mean_square();
+        self.best().terms.load == LoadKind::Air || !self.has_noise_alone() && goes_on()
+    }
+
     /// Whether nothing speaks against intervals.
     fn has_noise_alone(&self) -> bool {
         against(&self.parts, self.best(), &self.candidates.found).is_none()
@@ -244,10 +260,8 @@ impl Search<'_> {
         let possible = PossibleStops::of(self.record, &self.options.stops_at, self.shown.gain);
         let all = possible.choices().into_par_iter().map(searched).collect();
         let found = preferred(all, &possible);
-        // A load of the air that is none but at the ends stands for stops.
-        let is_of_air = found.best().terms.load == LoadKind::Air;
-        let wider = is_of_air.then(|| possible.with_outermost_rests(self.record));
-        let Some(wider) = wider.flatten() else {
+        let may_be_a_stop = |rest: &[f64; 2]| found.may_stand_for_a_stop(*rest);
+        let Some(wider) = possible.with_outermost_rests(self.record, may_be_a_stop) else {
             return found;
         };
         let further = wider.further_choices(&possible);

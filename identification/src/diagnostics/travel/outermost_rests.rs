@@ -1,24 +1,18 @@
-//! Where the output is under the outermost commands that are held, whether that is a stop or not.
+//! Where the output rests under the outermost commands that are held until it does, whether that is a stop or not.
 
-use crate::data::column::extent;
-use crate::data::{EXACTLY, Hold, Record, Run, holds, last_quarter, mean_output};
+use super::rests::rests;
+use crate::data::Record;
 use crate::numerics::median;
 
-/// The lowest and the highest command that are held, each with the output at the end of its holds, a median. `None` where nothing is held.
+/// The lowest and the highest command under which the output of `record` comes to rest, each with the output there, a median. `None` where it rests under none.
 pub(crate) fn outermost_rests(record: &Record) -> Option<[[f64; 2]; 2]> {
-    let of_run = |run: &Run<'_>| {
-        let end = |hold: Hold| Some((hold.level, mean_output(run, last_quarter(&hold.samples))?));
-        let ends = holds(run, EXACTLY).into_iter().filter_map(end);
-        ends.collect::<Vec<(f64, f64)>>()
-    };
-    let ends: Vec<(f64, f64)> = record.runs().iter().flat_map(of_run).collect();
-    let (low, high) = extent(ends.iter().map(|(command, _)| *command))?;
+    let rests = rests(record);
     let at = |level: f64| {
-        let of_level = ends.iter().filter(|(command, _)| *command == level);
-        let output = median(of_level.map(|(_, output)| *output).collect())?;
+        let of_level = rests.iter().filter(|rest| rest.command == level);
+        let output = median(of_level.map(|rest| rest.output).collect())?;
         Some([level, output])
     };
-    Some([at(low)?, at(high)?])
+    Some([at(rests.first()?.command)?, at(rests.last()?.command)?])
 }
 
 #[cfg(test)]

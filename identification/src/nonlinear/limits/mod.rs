@@ -98,7 +98,9 @@ impl Limits {
 }
 
 impl Hysteresis {
-    /// That of `record` alone, as among the [limits](Limits::of), and how far [`rests_apart`] are, of the same rests.
+    /// That of `record` alone, as among the [limits](Limits::of), and how far apart the rests under one command are \[output\], which play in the gears, a dead band or friction
+    /// make: the largest distance, with bounds of the confidence `level` from the scatter of the rests. `None` where no level is reached from both sides, or no stroke is made again. The linear
+    /// `model` of the record gives the length of a response.
     pub fn with_rests_apart(
         record: &Record,
         model: &Model,
@@ -140,16 +142,8 @@ fn with_stops(ends: [RangeEnd; 2], stops: &[f64]) -> [RangeEnd; 2] {
     [at(low, of_low), at(high, of_high)]
 }
 
-/// How far apart the rests under one command are in `record` \[output\], which play in the gears, a dead band or friction make: the largest distance, with bounds
-/// of the confidence `level` from the scatter of the rests. `None` where no level is reached from both sides, or no stroke is made again. The linear
-/// `model` of the record gives the length of a response.
-#[must_use]
-pub fn rests_apart(record: &Record, model: &Model, level: f64) -> Option<Interval> {
-    Rests::of(record, model).seen_from_one_zero().apart(level)
-}
-
 /// Of the lowest and the highest command under which the servo comes to rest, those whose rests in `simulated`, run by run, are off by more than 1 % of the way
-/// between the farthest rests, and rests under one command are [`apart`](rests_apart) \[output\] in the record. The linear `model` of the record gives the length of a
+/// between the farthest rests, and rests under one command are [`apart`](Hysteresis::with_rests_apart) \[output\] in the record. The linear `model` of the record gives the length of a
 /// response.
 #[must_use]
 pub fn missed_rests(

@@ -86,7 +86,7 @@ pub struct ServoModel {
     /// that they are.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hysteresis: Option<Interval>,
-    /// How far apart rests under one command are, whatever strokes led there: see [`rests_apart`](crate::nonlinear::rests_apart) \[output\]; `None` where the
+    /// How far apart rests under one command are, whatever strokes led there: see [the rests of a record](crate::nonlinear::Hysteresis::with_rests_apart) \[output\]; `None` where the
     /// record does not show it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rests_apart: Option<Interval>,

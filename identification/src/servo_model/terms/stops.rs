@@ -53,12 +53,17 @@ impl PossibleStops {
         }
     }
 
-    /// The same with one where the servo is under the outermost command that is held, on each side that has none and where it never moves beyond. `None` where nothing is held.
+    /// The same with one where the servo rests under the outermost command, on each side that has none, where it never moves beyond and where the rest `may_be_a_stop`,
+    /// a command and an output. `None` where it rests under none.
     ///
-    /// That speaks for no stop: it is for a servo whose load is none but at the ends.
-    pub(crate) fn with_outermost_rests(&self, record: &Record) -> Option<Self> {
-        let outermost = outermost_rests(record)?;
-        let stay = (outermost.into_iter()).filter(|end| !moves_beyond(record, *end));
+    /// That speaks for no stop: it is for a servo whose load is none but at the ends, or that goes on without one.
+    pub(crate) fn with_outermost_rests(
+        &self,
+        record: &Record,
+        may_be_a_stop: impl Fn(&[f64; 2]) -> bool,
+    ) -> Option<Self> {
+        let outermost = outermost_rests(record)?.into_iter().filter(may_be_a_stop);
+        let stay = outermost.filter(|end| !moves_beyond(record, *end));
         let ends: Vec<f64> = stay.map(|[_, rest]| rest).collect();
         let outermost = among(record, &ends);
         let all = Stops {
@@ -267,7 +272,7 @@ mod tests {
     fn the_outermost_rest_is_tried_beside_the_stop_that_is_shown() {
         let record = record();
         let possible = PossibleStops::of(&record, &[], 1.0);
-        let wider = possible.with_outermost_rests(&record).unwrap();
+        let wider = possible.with_outermost_rests(&record, |_| true).unwrap();
         assert_eq!(
             (wider.shown, wider.all.upper),
             (possible.shown, possible.all.upper)

@@ -15,6 +15,7 @@ mod full_command;
 mod jsbsim;
 mod languages;
 mod load_mass;
+mod motion_interval;
 mod mujoco;
 mod rate_limit;
 mod recorded_range;

@@ -208,6 +208,7 @@ impl ServoExport<'_> {
         paragraphs.extend(self.pulse_end());
         paragraphs.extend(self.metadata.open_delay());
         paragraphs.push(self.quality());
+        paragraphs.extend(self.motion_interval());
         paragraphs
     }
 

@@ -36,7 +36,7 @@ pub fn sentence_on_servo_models(
     units: Units<'_>,
 ) -> String {
     let differences = differences(a, b, found, units);
-    let known = found.rests_apart.difference.is_some();
+    let known = found.rests_apart.is_known();
     let by_models = play_of_models(a, b, found, units);
     let may_be_open = !found.rests_apart.differ() && by_models.is_none();
     let like_play = like_play(a, b, found, units);
@@ -450,7 +450,9 @@ pub(crate) fn servo_model_rows(found: &ServoModelComparison, units: Units<'_>) -
 
 /// How far apart rests under one command are, with the intervals that their scatter gives, whatever the models say.
 fn row_of_rests(found: &ServoModelComparison, units: Units<'_>) -> Option<TableRow> {
-    let RestsApart { a, b, difference } = found.rests_apart;
+    let RestsApart {
+        a, b, difference, ..
+    } = found.rests_apart;
     a.or(b)?;
     let cell = |of: Option<Interval>| {
         let Some((of, value)) = of.and_then(|of| Some((of, of.value?))) else {

@@ -4,6 +4,7 @@
 mod ardupilot;
 mod c;
 mod jsbsim;
+mod motion_interval;
 mod mujoco;
 mod refusals;
 mod scripts;
