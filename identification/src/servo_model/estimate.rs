@@ -560,6 +560,7 @@ fn fit_of(servo: &Found, record: &Record, spread: f64) -> ServoFit {
         discrepancy: level.valid().map(|_| found.discrepancy),
         lacking: (found.lacking()).filter(|_| level.withdrawn() == Some(Reason::ErrorsNotNoise)),
         servo_changed: false,
+        waits_for_pulses: None,
         largest_error: largest_of(&servo.parts, &possible[0].point, found, largest_error),
         largest_drive: Some(largest_of(
             &servo.parts,

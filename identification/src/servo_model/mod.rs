@@ -40,7 +40,7 @@ pub use model::sine_response::SineResponse;
 pub use model::stall::Stall;
 pub use model::{
     Alternative, Covariance, LadderRung, LinearKind, LinearModelFit, LinearModels, ServoFit,
-    ServoModel, ServoResponse,
+    ServoModel, ServoResponse, WaitsForPulses,
 };
 pub use motion::command_range::CommandRange;
 pub use motion::reached_speeds::ReachedSpeeds;

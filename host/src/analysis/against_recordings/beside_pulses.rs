@@ -4,8 +4,8 @@
 //! than the recording has it; of rows of 2 ms and frames of 20 ms these are a tenth of all commands. What that makes of a prediction is found by commands of one row sooner and later
 //! with the same pulses.
 
-use super::pulse_errors::Predict;
-use super::pulse_search::ClosestPulses;
+use crate::analysis::command_times::pulse_errors::Predict;
+use crate::analysis::command_times::pulse_search::ClosestPulses;
 use servoid_identification::{Record, Run};
 
 /// How far predictions of `record` with the pulses `found` are from those with all commands a row sooner or later (rms), whichever is farther. `None` where nothing is predicted.
@@ -49,7 +49,7 @@ fn moved<'r>(run: &Run<'r>, rows: isize) -> Option<Run<'r>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::against_recordings::pulse_errors::with_pulses;
+    use crate::analysis::command_times::pulse_errors::with_pulses;
 
     /// Levels of 50 rows of 2 ms, the first so many rows shorter.
     fn found(shorter: usize) -> f64 {

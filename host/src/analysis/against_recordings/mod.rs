@@ -6,8 +6,6 @@ mod larger_error;
 pub(super) mod misfit;
 mod model_on_recording;
 pub(super) mod noise_at_rest;
-mod pulse_errors;
-mod pulse_search;
 pub(super) mod pulses;
 pub(super) mod spikes;
 pub(super) mod validation;

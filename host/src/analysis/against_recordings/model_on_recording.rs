@@ -2,9 +2,11 @@
 
 use super::beside_pulses::rms_beside_pulses;
 use super::misfit::{Line, Misfit};
-use super::pulse_errors::{with_pulses, within_rows};
-use super::pulse_search::closest_pulses;
 use super::pulses::StatedPulses;
+use crate::analysis::command_times::pulse_errors::{
+    commands_at_pulses, simulate_with_pulses, with_pulses,
+};
+use crate::analysis::command_times::pulse_search::closest_pulses;
 use crate::data::PredictedRun;
 use crate::data::dataset::Dataset;
 use crate::data::model_file::{ModelFile, ServoModelDocument};
@@ -21,9 +23,6 @@ pub(super) struct ServoOnRecording<'d> {
     /// Commands at their pulses, where these are stated.
     at_pulses: Option<CommandsWithinRows>,
 }
-
-/// Parts of a row in which commands stand at their pulses: the mean of a part of a millisecond is the command, for all that a servo answers.
-const LONGEST_PART_S: f64 = 1e-3;
 
 impl ServoOnRecording<'_> {
     /// The output of each run of the record, whose rows have the means of commands at their pulses.
@@ -43,26 +42,8 @@ impl ServoOnRecording<'_> {
         (run, number): (&Run, usize),
         pulses: [f64; 2],
     ) -> Option<Vec<f64>> {
-        let commands = commands_at_pulses(record, [(run, Some(pulses))]);
-        let record = record.try_with_runs(vec![with_pulses(run, pulses)?]).ok()?;
         let controller = self.controllers.get(number..=number).unwrap_or_default();
-        let runs = (self.model).simulate_within_rows(&record, &commands, controller);
-        runs.into_iter().next()
-    }
-}
-
-/// The commands of runs as they are in force, with their pulses \[rows\] where these are known.
-fn commands_at_pulses<'r>(
-    record: &Record,
-    runs: impl IntoIterator<Item = (&'r Run<'r>, Option<[f64; 2]>)>,
-) -> CommandsWithinRows {
-    let parts = (record.sample_period_s() / LONGEST_PART_S).ceil().max(1.0) as usize;
-    let of_run =
-        |(run, pulses): (&Run, Option<_>)| pulses.map(|pulses| within_rows(run, pulses, parts));
-    let of_runs = runs.into_iter().map(of_run);
-    CommandsWithinRows {
-        parts,
-        of_runs: of_runs.map(Option::unwrap_or_default).collect(),
+        simulate_with_pulses(self.model, controller, record, run, pulses)
     }
 }
 

@@ -1,9 +1,10 @@
 //! The pulses that the commands of a recording wait for.
 //!
 //! The servo of a receiver or a flight controller sees a command with the next pulse, and a log has the command with the row in which it was written. When pulses
-//! came is not in it, nor how long their frame is by the clock of the log: both are [looked for](super::pulse_search).
+//! came is not in it, nor how long their frame is by the clock of the log: both are [looked for](crate::analysis::command_times::pulse_search).
 
-use super::pulse_search::ClosestPulses;
+use crate::analysis::command_times::pulse_errors::OF_LENGTH;
+use crate::analysis::command_times::pulse_search::ClosestPulses;
 use crate::data::model_metadata::{PULSE_FRAMES_S, SHORTEST_FRAME_S};
 use crate::presentation::summary::{four_digits, with_unit};
 use anyhow::{Result, bail};
@@ -12,7 +13,7 @@ use servoid_identification::Record;
 use servoid_identification::results::six_digits;
 
 /// How far the length of a frame may be from the stated one \[%\].
-const WITHIN_PERCENT: f64 = 100.0 * super::pulse_errors::OF_LENGTH;
+const WITHIN_PERCENT: f64 = 100.0 * OF_LENGTH;
 
 /// Pulses that commands of a recording wait for.
 #[derive(Clone, Debug, PartialEq, Serialize)]

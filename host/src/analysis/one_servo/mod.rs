@@ -6,3 +6,4 @@ pub(super) mod load_at_rest;
 pub(super) mod low_order;
 pub(super) mod model_text;
 pub mod servo_fit;
+mod waits;

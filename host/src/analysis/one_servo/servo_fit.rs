@@ -1,6 +1,7 @@
 //! The servo model beside the linear one: when it is wanted, its fit, and its prediction of a stretch that it has not seen.
 
 use super::identified::identified;
+use super::waits::waits_for_pulses;
 use crate::data::dataset::Dataset;
 use crate::data::held_out::{HeldOut, HeldOutPrediction};
 use crate::data::model_file::ServoModelDocument;
@@ -189,7 +190,8 @@ fn fit(
         Linear::OfRecord(_) => servo_model::fit_watched(&data.record, &options, search),
     };
     let model = model.map_err(|error| error.to_string())?;
-    let model = model.with_delay_error(data.about.sensor_delay_uncertainty_s);
+    let mut model = model.with_delay_error(data.about.sensor_delay_uncertainty_s);
+    model.fit.waits_for_pulses = waits_for_pulses(data, &model, &options.controllers);
     let (hysteresis, apart) = Hysteresis::with_rests_apart(&data.record, linear.model(), level);
     let simulated = model.simulate(&data.record, &options.controllers);
     let most_apart = apart.and_then(|apart| apart.value).unwrap_or_default();

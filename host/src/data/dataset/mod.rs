@@ -29,6 +29,7 @@ pub use from_arrays::{ArrayRun, Arrays};
 pub use loaded::listed;
 pub(crate) use moving_command::own_part_s;
 pub use options::DatasetOptions;
+pub(crate) use pulse_waits::FRAME_S;
 pub(crate) use sensor_delay::in_ms;
 pub use time_column::TimeUnit;
 

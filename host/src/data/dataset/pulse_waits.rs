@@ -7,7 +7,7 @@ use super::about::About;
 use servoid_identification::Run;
 
 /// The time between two pulses of a receiver, or of the servo library of a microcontroller \[s\].
-const FRAME_S: f64 = 0.02;
+pub(crate) const FRAME_S: f64 = 0.02;
 
 /// Changes at so many moments of a frame wait alike, or in two ways, which no recording shows. Where they are at more, answers scatter, errors follow the motion, and servo models have no intervals
 /// (docs/servo-model.md).

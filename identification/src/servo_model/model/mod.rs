@@ -199,6 +199,9 @@ pub struct ServoFit {
     /// Whether each run by itself leaves its servo nothing but noise where all of them together do not: the servo changed between the runs.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub servo_changed: bool,
+    /// The pulses that the commands waited for, where the errors show them: who has the recording finds that, so a new model has `None`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub waits_for_pulses: Option<WaitsForPulses>,
     /// Largest distance of the simulated angle from the command \[command\].
     pub largest_error: f64,
     /// The largest drive of the simulation, as the error that asks for it, if all of the damping is in the loop \[command\]: a limit of the drive beyond it does not show. `None` in files
@@ -209,6 +212,15 @@ pub struct ServoFit {
     pub samples_used: usize,
     /// Samples without an output, or without an input.
     pub samples_missing: usize,
+}
+
+/// Pulses on a clock of their own that the commands of a record waited for.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WaitsForPulses {
+    /// From one pulse to the next \[s\].
+    pub frame_s: f64,
+    /// Root mean square of the errors that the same servo leaves where each command waits for the next of these pulses \[output\].
+    pub rmse: f64,
 }
 
 /// Terms that were tried.
@@ -465,6 +477,16 @@ impl ServoModel {
             self.delay_by_noise = delay.and_then(|delay| delay.interval.valid().copied());
         }
         widen_delay(&mut self.quantities, seconds);
+        self
+    }
+
+    /// The same servo with a delay that is so many `seconds` shorter, or none.
+    #[must_use]
+    pub fn sooner(mut self, seconds: f64) -> Self {
+        let delay = (self.coordinates.iter()).position(|at| *at == Coordinate::Delay);
+        if let Some(delay_s) = delay.and_then(|at| self.values.get_mut(at)) {
+            *delay_s = (*delay_s - seconds).max(0.0);
+        }
         self
     }
 

@@ -1,6 +1,7 @@
 //! What is said of a servo model beside the table of its quantities, by the terminal and by a page alike.
 
 use super::clauses::shows_load;
+use super::doubts::waits_for_pulses;
 use super::measured_limits::against_the_model;
 use super::top_speeds::one_unreached;
 use super::what_to_record::advice_on_servo_model;
@@ -72,6 +73,7 @@ fn of_intervals(model: &ServoModel, units: Units<'_>) -> Option<String> {
                 false => format!(": beside noise, the model lacks up to about {size} rms"),
             }
         });
+        let lacking = waits_for_pulses(model, units).map_or(lacking, |waits| format!(": {waits}"));
         return Some(format!(
             "No intervals can be given, because {}{lacking}.",
             reason.because()

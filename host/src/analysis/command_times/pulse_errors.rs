@@ -3,14 +3,15 @@
 //! Within half a second lengths of a frame do not differ, and errors depend on the moment of the pulse alone: along another length they are looked up, block by block,
 //! at the moments that it has come to.
 
-use crate::analysis::command_times::commands_at_pulses::{at_pulses, later};
-use servoid_identification::Run;
+use super::commands_at_pulses::{at_pulses, later};
+use servoid_identification::servo_model::{CommandsWithinRows, ServoModel};
+use servoid_identification::{Record, Run};
 
 /// Moments of pulses in a frame that are tried, evenly spaced.
-pub(super) const MOMENTS: usize = 24;
+pub(crate) const MOMENTS: usize = 24;
 
 /// How far a length may be from the stated one, as a share of it: the ceramic resonator of an Arduino keeps within half a percent.
-pub(super) const OF_LENGTH: f64 = 0.005;
+pub(crate) const OF_LENGTH: f64 = 0.005;
 
 /// Frames of a block: with each length within [`OF_LENGTH`], pulses walk by less than a seventh of a frame in it.
 const FRAMES_OF_BLOCK: f64 = 25.0;
@@ -19,21 +20,53 @@ const FRAMES_OF_BLOCK: f64 = 25.0;
 const ROUNDING: f64 = 1e-6;
 
 /// What a model predicts of a run, which has this number, with pulses of a length and at a moment \[s\]; `None` where it cannot.
-pub(super) type Predict<'a, 'r> = &'a dyn Fn(&Run<'r>, usize, [f64; 2]) -> Option<Vec<f64>>;
+pub(crate) type Predict<'a, 'r> = &'a dyn Fn(&Run<'r>, usize, [f64; 2]) -> Option<Vec<f64>>;
 
 /// The run with each command in force from the next pulse on. Frame and one of the pulses are counted in rows.
-pub(super) fn with_pulses<'r>(run: &Run<'r>, pulses: [f64; 2]) -> Option<Run<'r>> {
+pub(crate) fn with_pulses<'r>(run: &Run<'r>, pulses: [f64; 2]) -> Option<Run<'r>> {
     at_pulses(run, |row| wait(row, pulses))
 }
 
 /// The commands of the run in `parts` of its rows, each in force from the next pulse on. Frame and one of the pulses are counted in rows.
 ///
 /// A row has the mean of a command that changes within it. A servo answers that as if it had changed twice, by parts: behind rows of 10 ms that is several times the noise of a sensor.
-pub(super) fn within_rows(run: &Run<'_>, pulses: [f64; 2], parts: usize) -> Vec<f64> {
+pub(crate) fn within_rows(run: &Run<'_>, pulses: [f64; 2], parts: usize) -> Vec<f64> {
     let of_row = |command: &f64| std::iter::repeat_n(*command, parts);
     let written: Vec<f64> = run.input().iter().flat_map(of_row).collect();
     let pulses = pulses.map(|rows| rows * parts as f64);
     later(&written, |part| wait(part, pulses))
+}
+
+/// Parts of a row in which commands stand at their pulses: the mean of a part of a millisecond is the command, for all that a servo answers.
+const LONGEST_PART_S: f64 = 1e-3;
+
+/// The commands of runs of `record` as they are in force, with their pulses \[rows\] where these are known.
+pub(crate) fn commands_at_pulses<'r>(
+    record: &Record,
+    runs: impl IntoIterator<Item = (&'r Run<'r>, Option<[f64; 2]>)>,
+) -> CommandsWithinRows {
+    let parts = (record.sample_period_s() / LONGEST_PART_S).ceil().max(1.0) as usize;
+    let of_run =
+        |(run, pulses): (&Run, Option<_>)| pulses.map(|pulses| within_rows(run, pulses, parts));
+    let of_runs = runs.into_iter().map(of_run);
+    CommandsWithinRows {
+        parts,
+        of_runs: of_runs.map(Option::unwrap_or_default).collect(),
+    }
+}
+
+/// The output of a servo in one run of `record`, with such pulses \[rows\].
+pub(crate) fn simulate_with_pulses(
+    servo: &ServoModel,
+    controllers: &[usize],
+    record: &Record,
+    run: &Run,
+    pulses: [f64; 2],
+) -> Option<Vec<f64>> {
+    let commands = commands_at_pulses(record, [(run, Some(pulses))]);
+    let record = record.try_with_runs(vec![with_pulses(run, pulses)?]).ok()?;
+    let runs = servo.simulate_within_rows(&record, &commands, controllers);
+    runs.into_iter().next()
 }
 
 /// From a row to the next pulse, in rows.
@@ -46,22 +79,22 @@ fn wait(row: usize, [frame, pulse]: [f64; 2]) -> f64 {
 }
 
 /// Squared errors of a run with pulses of the stated length, at moments all over a frame.
-pub(super) struct ErrorTable<'a, 'r> {
-    pub(super) run: &'a Run<'r>,
+pub(crate) struct ErrorTable<'a, 'r> {
+    pub(crate) run: &'a Run<'r>,
     /// Of the run in its record.
-    pub(super) number: usize,
+    pub(crate) number: usize,
     period_s: f64,
     stated_s: f64,
     rows_of_block: usize,
     /// Their sums in each block, one of each moment.
     blocks: Vec<[f64; MOMENTS]>,
     /// Samples that are predicted.
-    pub(super) samples: f64,
+    pub(crate) samples: f64,
 }
 
 impl<'a, 'r> ErrorTable<'a, 'r> {
     /// `None` where the run cannot be predicted.
-    pub(super) fn of(
+    pub(crate) fn of(
         run: &'a Run<'r>,
         number: usize,
         [stated_s, period_s]: [f64; 2],
@@ -94,7 +127,7 @@ impl<'a, 'r> ErrorTable<'a, 'r> {
         (moment as f64 + 0.5) * self.stated_s / MOMENTS as f64
     }
 
-    pub(super) fn seconds(&self) -> f64 {
+    pub(crate) fn seconds(&self) -> f64 {
         self.run.len() as f64 * self.period_s
     }
 
@@ -108,12 +141,12 @@ impl<'a, 'r> ErrorTable<'a, 'r> {
             .collect()
     }
 
-    pub(super) fn squares(&self, predicted: &[f64]) -> f64 {
+    pub(crate) fn squares(&self, predicted: &[f64]) -> f64 {
         self.errors(predicted).iter().flatten().sum()
     }
 
     /// A pulse near the middle of the run with which frames of this length have the least squared errors, and their sum.
-    pub(super) fn closest(&self, frame_s: f64) -> (f64, f64) {
+    pub(crate) fn closest(&self, frame_s: f64) -> (f64, f64) {
         let half = 0.5 * self.seconds();
         let block_s = self.rows_of_block as f64 * self.period_s;
         let walk = (frame_s - self.stated_s) / frame_s;
@@ -135,7 +168,7 @@ impl<'a, 'r> ErrorTable<'a, 'r> {
     }
 
     /// The largest sum of squared errors with one moment.
-    pub(super) fn largest(&self) -> f64 {
+    pub(crate) fn largest(&self) -> f64 {
         let of_moment = |moment: usize| {
             self.blocks
                 .iter()

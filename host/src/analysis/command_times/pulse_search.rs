@@ -22,19 +22,19 @@ const STEPS: usize = 8;
 
 /// The pulses with which a model is closest.
 #[derive(Clone, Debug)]
-pub(super) struct ClosestPulses {
+pub(crate) struct ClosestPulses {
     /// From one pulse to the next \[s\].
-    pub(super) frame_s: f64,
+    pub(crate) frame_s: f64,
     /// A change of it that moves the pulse at the end of the longest run by a part of a frame \[s\].
-    pub(super) frame_step_s: f64,
+    pub(crate) frame_step_s: f64,
     /// Of each run, the first pulse after its first row \[s\]; `None` of a run that cannot be predicted.
-    pub(super) first_pulse_s: Vec<Option<f64>>,
+    pub(crate) first_pulse_s: Vec<Option<f64>>,
     /// The error of the model (rms) with these pulses \[output\].
-    pub(super) rmse: f64,
+    pub(crate) rmse: f64,
     /// The least with frames of the stated length.
-    pub(super) rmse_as_stated: f64,
+    pub(crate) rmse_as_stated: f64,
     /// The largest with frames of the stated length.
-    pub(super) largest_rmse: f64,
+    pub(crate) largest_rmse: f64,
 }
 
 impl ClosestPulses {
@@ -42,7 +42,7 @@ impl ClosestPulses {
     ///
     /// # Errors
     /// As of [`Record::try_with_runs`].
-    pub(super) fn held<'r>(&self, record: &Record<'r>) -> Result<Record<'r>, Error> {
+    pub(crate) fn held<'r>(&self, record: &Record<'r>) -> Result<Record<'r>, Error> {
         let held = |(run, first_s): (&Run<'r>, &Option<f64>)| {
             let pulses = first_s.map(|first_s| [self.frame_s, first_s]);
             let pulses =
@@ -68,47 +68,93 @@ struct Pulses {
     squares: Vec<f64>,
 }
 
+/// The errors of all runs of a record with pulses of about the stated length, looked up.
+struct LookedUp<'a, 'r> {
+    /// That of each run that can be predicted.
+    tables: Vec<Option<ErrorTable<'a, 'r>>>,
+    stated_s: f64,
+    /// From one length to the next \[s\]: pulses at the ends of the longest run come by half of the way from one moment to the next.
+    step_s: f64,
+}
+
+impl<'a, 'r> LookedUp<'a, 'r> {
+    /// `None` where no run can be predicted.
+    fn of(record: &'a Record<'r>, stated_s: f64, predict: Predict<'_, 'r>) -> Option<Self> {
+        let period_s = record.sample_period_s();
+        let table = |(number, run)| ErrorTable::of(run, number, [stated_s, period_s], predict);
+        let tables: Vec<_> = (0..).zip(record.runs()).map(table).collect();
+        let seconds = tables.iter().flatten().map(ErrorTable::seconds);
+        let longest_s = seconds.reduce(f64::max)?;
+        Some(Self {
+            tables,
+            stated_s,
+            step_s: stated_s * stated_s / (MOMENTS as f64 * longest_s),
+        })
+    }
+
+    fn known(&self) -> Vec<&ErrorTable<'a, 'r>> {
+        self.tables.iter().flatten().collect()
+    }
+
+    fn samples(&self) -> f64 {
+        self.known().iter().map(|table| table.samples).sum()
+    }
+
+    /// With frames of this length, each run at the moments at which it is closest.
+    fn closest(&self, frame_s: f64) -> Pulses {
+        let of_runs = self.known().into_iter().map(|table| table.closest(frame_s));
+        let (middle_s, squares) = of_runs.unzip();
+        Pulses {
+            frame_s,
+            middle_s,
+            squares,
+        }
+    }
+
+    /// With all lengths that are tried.
+    fn tried(&self) -> Vec<Pulses> {
+        let steps = (OF_LENGTH * self.stated_s / self.step_s).ceil() as i32;
+        let lengths = (-steps..=steps).map(|k| self.stated_s + f64::from(k) * self.step_s);
+        lengths.map(|frame_s| self.closest(frame_s)).collect()
+    }
+}
+
+/// The length of a frame about `stated_s` with which a record is closest to what is predicted, and the error (rms) \[output\], as far as errors that are looked up say: at moments that are a part of a frame
+/// apart. `None` where no run can be predicted.
+pub(crate) fn least_error<'r>(
+    record: &Record<'r>,
+    stated_s: f64,
+    predict: Predict<'_, 'r>,
+) -> Option<(f64, f64)> {
+    let looked_up = LookedUp::of(record, stated_s, predict)?;
+    let best = best_of(looked_up.tried(), 1).pop()?;
+    Some((best.frame_s, (best.sum() / looked_up.samples()).sqrt()))
+}
+
 /// The closest pulses to the runs of a record, in frames of about `stated_s`. `None` where no run can be predicted.
-pub(super) fn closest_pulses<'r>(
+pub(crate) fn closest_pulses<'r>(
     record: &Record<'r>,
     stated_s: f64,
     predict: Predict<'_, 'r>,
 ) -> Option<ClosestPulses> {
-    let period_s = record.sample_period_s();
-    let table = |(number, run)| ErrorTable::of(run, number, [stated_s, period_s], predict);
-    let tables: Vec<_> = (0..).zip(record.runs()).map(table).collect();
-    let known: Vec<&ErrorTable> = tables.iter().flatten().collect();
-    let longest_s = known.iter().map(|table| table.seconds()).reduce(f64::max)?;
-    // From one length to the next, pulses at the ends of the longest run come by half of the way from one moment to the next.
-    let step_s = stated_s * stated_s / (MOMENTS as f64 * longest_s);
-    let steps = (OF_LENGTH * stated_s / step_s).ceil() as i32;
-    let lengths = (-steps..=steps).map(|k| stated_s + f64::from(k) * step_s);
-    let closest = |frame_s: f64| {
-        let of_runs: Vec<_> = known.iter().map(|table| table.closest(frame_s)).collect();
-        Pulses {
-            frame_s,
-            middle_s: of_runs.iter().map(|(middle_s, _)| *middle_s).collect(),
-            squares: of_runs.iter().map(|(_, squares)| *squares).collect(),
-        }
-    };
-    let tried: Vec<Pulses> = lengths.map(closest).collect();
+    let looked_up = LookedUp::of(record, stated_s, predict)?;
+    let (known, step_s) = (looked_up.known(), looked_up.step_s);
     let error = |run: usize, pulses: [f64; 2]| {
         let table = known.get(run)?;
         Some(table.squares(&predict(table.run, table.number, pulses)?))
     };
-    let as_stated = closest(stated_s).refined(0.0, &error)?;
+    let as_stated = looked_up.closest(stated_s).refined(0.0, &error)?;
     // Looked up errors are those of moments beside the right ones: which of the best is the best, predictions say.
     let predicted = |pulses: Pulses| pulses.predicted(pulses.frame_s, &error);
-    let best = best_of(tried, PREDICTED).into_iter().filter_map(predicted);
-    let starts = best_of(best.collect(), STARTS);
+    let best = best_of(looked_up.tried(), PREDICTED).into_iter();
+    let starts = best_of(best.filter_map(predicted).collect(), STARTS);
     // The stated length first: no other is preferred that is no closer.
     let starts = std::iter::once(as_stated.clone()).chain(starts);
     let refined = starts.filter_map(|start| start.refined(step_s, &error));
     let found = refined.min_by(|a, b| a.sum().total_cmp(&b.sum()))?;
-    let samples: f64 = known.iter().map(|table| table.samples).sum();
-    let rms = |squares: f64| (squares / samples).sqrt();
+    let rms = |squares: f64| (squares / looked_up.samples()).sqrt();
     let mut middle_s = found.middle_s.iter();
-    let first = tables.iter().map(|table| {
+    let first = looked_up.tables.iter().map(|table| {
         let middle_s = table.as_ref().and_then(|_| middle_s.next())?;
         Some(middle_s.rem_euclid(found.frame_s))
     });
@@ -233,6 +279,10 @@ mod tests {
                 "{found_s:?} {first_s}"
             );
         }
+        // Looked up at moments that are a twenty-fourth of a frame apart.
+        let (looked_up_s, error) = least_error(&record, stated_s, &predict).unwrap();
+        assert!((looked_up_s / frame_s - 1.0).abs() < 1e-3, "{looked_up_s}");
+        assert!(error < 0.3 * found.rmse_as_stated, "{error} {found:?}");
         // What is left of a step is a share of what a whole frame makes.
         assert!(found.rmse < 0.2 * found.rmse_as_stated, "{found:?}");
         assert!(found.rmse_as_stated < found.largest_rmse, "{found:?}");
