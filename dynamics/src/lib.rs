@@ -19,6 +19,7 @@
 //! assert!((output[499] - 5.0).abs() < 1e-9);
 //! ```
 
+mod commands;
 mod dual;
 mod equation;
 mod rest;
@@ -27,6 +28,7 @@ mod sloped_stepper;
 mod start;
 mod stepper;
 
+pub use commands::Commands;
 pub use dual::{Dual, Scalar};
 pub use equation::{
     AtRest, DriveLimit, Friction, Load, PARAMETERS, PulseEnd, ServoParameters, Slopes, SpeedLimit,

@@ -1,5 +1,6 @@
 //! The motion of the servo under a sampled command.
 
+use crate::commands::Commands;
 use crate::dual::Scalar;
 use crate::equation::{PulseEnd, ServoParameters, Slopes};
 use crate::sloped_stepper::{SlopedCommand, SlopedState, SlopedStepper};
@@ -63,13 +64,13 @@ impl Grid {
 
 /// Simulates the output under `input`, and hands each of its samples to `each`.
 ///
-/// The input is held between samples. A step of the integration ends where the delayed input changes, so the output
+/// The input is held between samples, unless [`Commands`] say that it changes within a period. A step of the integration ends where the delayed input changes, so the output
 /// is a smooth function of the delay, also where the drive is full at once.
-pub fn simulate<S: Scalar>(
+pub fn simulate<'a, S: Scalar>(
     physics: &ServoParameters<S>,
     grid: &Grid,
     start: &Start<S>,
-    input: &[f64],
+    input: impl Into<Commands<'a>>,
     mut each: impl FnMut(usize, S),
 ) {
     let whole_s = S::constant(grid.step_s());
@@ -91,7 +92,7 @@ pub fn simulate<S: Scalar>(
     };
     let state = physics.state_at(start);
     let before = (start.command_before).unwrap_or_else(|| physics.holding_command(state.angle));
-    period.repeat(state, before, input, |k, state| {
+    period.repeat(state, before, input.into(), |k, state| {
         each(k, state.output(physics));
     });
 }
@@ -100,11 +101,11 @@ pub fn simulate<S: Scalar>(
 /// sensor: that by the offset of a servo whose stops [move](crate::Stops::seen_from) with it.
 ///
 /// They are those of [`Dual`](crate::Dual) numbers, several times as fast.
-pub fn simulate_with_slopes(
+pub fn simulate_with_slopes<'a>(
     physics: &ServoParameters<f64>,
     grid: &Grid,
     start: &Start<f64>,
-    input: &[f64],
+    input: impl Into<Commands<'a>>,
     mut each: impl FnMut(usize, f64, &Slopes, f64),
 ) {
     let whole_s = grid.step_s();
@@ -133,7 +134,7 @@ pub fn simulate_with_slopes(
             slopes: Some(&held.1),
         },
     };
-    period.repeat(state, before, input, |k, state| {
+    period.repeat(state, before, input.into(), |k, state| {
         let (output, slopes, by_zero) = state.output(physics);
         each(k, output, &slopes, by_zero);
     });
@@ -170,12 +171,19 @@ impl<A, F: Fn(f64) -> Edge<A>> Edges<A, F> {
         }
     }
 
-    /// The edge of `command`. Where it has one of its own, that is kept in `own`, until it acts.
+    /// The edge of `command`, which comes into force so much after its sample as `late_s` says. Where it has one of its own, that is kept in `own`, until it acts.
     #[inline(always)]
-    fn of<'a>(&'a self, command: f64, own: &'a mut Option<Edge<A>>) -> &'a Edge<A> {
-        match self.pulse_end {
-            None => &self.of_neutral,
-            Some(end) => own.get_or_insert_with(|| (self.later)(end.later_s(command))),
+    fn of<'a>(
+        &'a self,
+        command: f64,
+        late_s: Option<f64>,
+        own: &'a mut Option<Edge<A>>,
+    ) -> &'a Edge<A> {
+        let of_pulse = self.pulse_end.map(|end| end.later_s(command));
+        match (of_pulse, late_s) {
+            (None, None) => &self.of_neutral,
+            (a, b) => own
+                .get_or_insert_with(|| (self.later)(a.unwrap_or_default() + b.unwrap_or_default())),
         }
     }
 }
@@ -201,7 +209,10 @@ impl<A: Advance, F: Fn(f64) -> Edge<A>> Period<A, F> {
         &self,
         mut state: A::State,
         before: A::Command,
-        input: &[f64],
+        Commands {
+            levels: input,
+            late_s,
+        }: Commands<'_>,
         mut each: impl FnMut(usize, &A::State),
     ) {
         let still = STILL * range(input);
@@ -217,7 +228,8 @@ impl<A: Advance, F: Fn(f64) -> Edge<A>> Period<A, F> {
                 let Some(&(index, new)) = inputs.peek() else {
                     break;
                 };
-                let edge = self.edges.of(new, &mut own);
+                let late_s = late_s.map(|late_s| late_s[index]);
+                let edge = self.edges.of(new, late_s, &mut own);
                 let from_period = index as isize + edge.periods - k as isize;
                 if from_period > 0 {
                     break;

@@ -29,6 +29,7 @@ pub struct Run<'a> {
     at_rest: Option<f64>,
     label: Option<f64>,
     has_exact_input: bool,
+    late_s: Option<Cow<'a, [f64]>>,
 }
 
 impl<'a> Run<'a> {
@@ -63,7 +64,31 @@ impl<'a> Run<'a> {
             at_rest: None,
             label: None,
             has_exact_input: false,
+            late_s: None,
         })
+    }
+
+    /// States how long after its sample each input came into force, less than a sample period \[s\]: that of a pulse between two samples. Servo models are simulated so; for a linear
+    /// model each is in force from its sample on.
+    ///
+    /// # Errors
+    /// There are not as many as samples.
+    pub fn with_late_inputs(mut self, late_s: impl Into<Cow<'a, [f64]>>) -> Result<Self, Error> {
+        let late_s = late_s.into();
+        if late_s.len() != self.len() {
+            return Err(Error::LengthMismatch {
+                input: self.len(),
+                output: late_s.len(),
+            });
+        }
+        self.late_s = Some(late_s);
+        Ok(self)
+    }
+
+    /// How long after its sample each input came into force \[s\]; `None` where all did at once.
+    #[must_use]
+    pub fn late_inputs(&self) -> Option<&[f64]> {
+        self.late_s.as_deref()
     }
 
     /// States that the input was constant at `input` for at least a settling time before the first
@@ -127,8 +152,7 @@ impl<'a> Run<'a> {
             input: input.into(),
             output: self.output.clone(),
             at_rest: None,
-            label: self.label,
-            has_exact_input: self.has_exact_input,
+            ..self.clone()
         }
     }
 
@@ -138,9 +162,8 @@ impl<'a> Run<'a> {
         Self {
             input: self.input.clone(),
             output: output.into(),
-            at_rest: self.at_rest,
-            label: self.label,
-            has_exact_input: self.has_exact_input,
+            late_s: self.late_s.clone(),
+            ..*self
         }
     }
 
@@ -148,10 +171,8 @@ impl<'a> Run<'a> {
     pub(crate) fn with_each_input(&self, by: impl Fn(f64) -> f64) -> Self {
         Self {
             input: self.input.iter().map(|u| by(*u)).collect(),
-            output: self.output.clone(),
             at_rest: self.at_rest.map(&by),
-            label: self.label,
-            has_exact_input: self.has_exact_input,
+            ..self.clone()
         }
     }
 
@@ -160,9 +181,8 @@ impl<'a> Run<'a> {
         Run {
             input: Cow::Borrowed(&self.input),
             output: Cow::Borrowed(&self.output),
-            at_rest: self.at_rest,
-            label: self.label,
-            has_exact_input: self.has_exact_input,
+            late_s: self.late_s.as_deref().map(Cow::Borrowed),
+            ..*self
         }
     }
 
@@ -175,6 +195,7 @@ impl<'a> Run<'a> {
             at_rest: self.at_rest,
             label: self.label,
             has_exact_input: self.has_exact_input,
+            late_s: self.late_s.map(|late_s| late_s.into_owned().into()),
         }
     }
 
@@ -215,7 +236,8 @@ impl<'a> Run<'a> {
             label: self.label,
             has_exact_input: self.has_exact_input,
             input: Cow::Borrowed(&self.input[range.clone()]),
-            output: Cow::Borrowed(&self.output[range]),
+            output: Cow::Borrowed(&self.output[range.clone()]),
+            late_s: (self.late_s.as_deref()).map(|late_s| Cow::Borrowed(&late_s[range])),
         }
     }
 

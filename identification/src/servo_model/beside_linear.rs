@@ -190,9 +190,13 @@ impl<'a> Dealt<'a> {
         for part in &self.stretches {
             let physics = point.servo_of(part, |_, value| value);
             let output = &mut outputs[part.run][part.first..];
-            simulate(&physics, &self.grid, &part.start, &part.input, |k, y| {
-                output[k] = y
-            });
+            simulate(
+                &physics,
+                &self.grid,
+                &part.start,
+                part.commands(),
+                |k, y| output[k] = y,
+            );
         }
         outputs
     }

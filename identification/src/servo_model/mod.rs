@@ -33,7 +33,6 @@ pub use beside_linear::fit_beside;
 pub use descent::coordinates::{Coordinate, LoadKind, Terms};
 pub use estimate::{ServoModelOptions, fit, fit_watched};
 pub(crate) use model::StopsDocument;
-pub use model::commands_within_rows::CommandsWithinRows;
 pub use model::hysteresis::UnexplainedHysteresis;
 pub use model::prediction::no_prediction;
 pub use model::sine_response::SineResponse;

@@ -5,7 +5,7 @@
 //! leaves out in turn.
 
 use crate::data::Record;
-use servoid_dynamics::Start;
+use servoid_dynamics::{Commands, Grid, Start};
 use std::ops::Range;
 
 /// Blocks of a record, at least: enough to show whether an advantage exceeds its scatter.
@@ -23,6 +23,8 @@ pub(crate) struct Stretch {
     pub(crate) first: usize,
     /// The commands.
     pub(crate) input: Vec<f64>,
+    /// How long after its sample each comes into force, where they do not at once \[s\].
+    late_s: Option<Vec<f64>>,
     /// The outputs, NaN where missing.
     pub(crate) output: Vec<f64>,
     /// Which of the controllers drove it.
@@ -41,6 +43,25 @@ impl Stretch {
     /// The block of sample `k`.
     pub(crate) fn block(&self, k: usize) -> usize {
         self.first_block + k / self.block_length
+    }
+
+    /// The commands, with the moments at which they come into force.
+    pub(crate) fn commands(&self) -> Commands<'_> {
+        Commands {
+            levels: &self.input,
+            late_s: self.late_s.as_deref(),
+        }
+    }
+
+    /// The command in force so many steps of the integration after the first sample.
+    pub(crate) fn command_at(&self, step: usize, grid: &Grid) -> f64 {
+        let sample = step / grid.steps;
+        let since_s = (step % grid.steps) as f64 * grid.period_s / grid.steps as f64;
+        let is_late = self
+            .late_s
+            .as_ref()
+            .is_some_and(|late_s| since_s < late_s[sample]);
+        self.input[sample.saturating_sub(usize::from(is_late))]
     }
 
     /// Its blocks.
@@ -75,6 +96,7 @@ pub(crate) fn stretches(record: &Record, controllers: &[usize]) -> (Vec<Stretch>
                 run,
                 first,
                 input: samples.input()[first..range.end].to_vec(),
+                late_s: (samples.late_inputs()).map(|late_s| late_s[first..range.end].to_vec()),
                 controller: controllers.get(run).copied().unwrap_or(0),
                 at_rest,
                 start: Start::at_rest(

@@ -3,16 +3,14 @@
 use super::beside_pulses::rms_beside_pulses;
 use super::misfit::{Line, Misfit};
 use super::pulses::StatedPulses;
-use crate::analysis::command_times::pulse_errors::{
-    commands_at_pulses, simulate_with_pulses, with_pulses,
-};
+use crate::analysis::command_times::pulse_errors::{simulate_with_pulses, with_pulses};
 use crate::analysis::command_times::pulse_search::closest_pulses;
 use crate::data::PredictedRun;
 use crate::data::dataset::Dataset;
 use crate::data::model_file::{ModelFile, ServoModelDocument};
 use anyhow::{Context, Result};
 use servoid_identification::results::{Model, Validation};
-use servoid_identification::servo_model::{CommandsWithinRows, ServoModel};
+use servoid_identification::servo_model::ServoModel;
 use servoid_identification::{Error, Record, Run};
 use std::borrow::Cow;
 
@@ -20,17 +18,16 @@ use std::borrow::Cow;
 pub(super) struct ServoOnRecording<'d> {
     pub(super) model: &'d ServoModel,
     controllers: Vec<usize>,
-    /// Commands at their pulses, where these are stated.
-    at_pulses: Option<CommandsWithinRows>,
+    /// The recording with its commands at their pulses, where these are stated.
+    at_pulses: Option<Record<'d>>,
 }
 
 impl ServoOnRecording<'_> {
-    /// The output of each run of the record, whose rows have the means of commands at their pulses.
-    fn simulate(&self, record: &Record) -> Vec<Vec<f64>> {
-        match &self.at_pulses {
-            Some(commands) => {
-                (self.model).simulate_within_rows(record, commands, &self.controllers)
-            }
+    /// The output of each run of the `record`, as a model has it that differs by `line`.
+    fn simulate(&self, record: &Record, line: Option<Line>) -> Vec<Vec<f64>> {
+        let record = self.at_pulses.as_ref().unwrap_or(record);
+        match line {
+            Some(line) => (self.model).simulate(&line.undone(record), &self.controllers),
             None => self.model.simulate(record, &self.controllers),
         }
     }
@@ -97,11 +94,9 @@ impl<'d> ModelOnRecording<'d> {
         })?;
         let held = found.held(&self.record)?;
         let beside = rms_beside_pulses(&self.record, &found, &predict).unwrap_or_default();
-        let first = (found.first_pulse_s.iter())
-            .map(|first_s| first_s.map(|first_s| as_rows([found.frame_s, first_s])));
-        let commands = commands_at_pulses(&self.record, self.record.runs().iter().zip(first));
+        let in_force = found.in_force(&self.record)?;
         let servo = self.servo.map(|servo| ServoOnRecording {
-            at_pulses: Some(commands),
+            at_pulses: Some(in_force),
             ..servo
         });
         let pulses = StatedPulses::of(found, frame_s, &self.record, beside);
@@ -119,7 +114,7 @@ impl<'d> ModelOnRecording<'d> {
 
     pub(super) fn of_servo(&self) -> Result<Option<Validation>, Error> {
         let validated = |servo: &ServoOnRecording| {
-            let simulated = servo.simulate(&self.record).into_iter().flatten();
+            let simulated = servo.simulate(&self.record, None).into_iter().flatten();
             Validation::of_pairs(self.record.outputs().zip(simulated))
                 .ok_or(Error::NoHistory { history: 1 })
         };
@@ -135,14 +130,14 @@ impl<'d> ModelOnRecording<'d> {
 
     /// The same of the servo model.
     pub(super) fn misfit_of_servo(&self, servo: &ServoOnRecording) -> Misfit {
-        let simulate = |line: Line| servo.simulate(&line.undone(&self.record));
+        let simulate = |line: Line| servo.simulate(&self.record, Some(line));
         Misfit::of(self.record.runs(), &simulate, self.record.sample_period_s())
     }
 
     /// What was measured in each run, and what the models predict; the linear one where it `has_linear`.
     pub(super) fn predictions(&self, has_linear: bool) -> Vec<PredictedRun> {
         let servo = self.servo.as_ref();
-        let by_servo = servo.map(|servo| servo.simulate(&self.record));
+        let by_servo = servo.map(|servo| servo.simulate(&self.record, None));
         let mut by_servo = by_servo.into_iter().flatten();
         let of_run = |run: &Run| PredictedRun {
             period_s: self.record.sample_period_s(),

@@ -50,7 +50,7 @@ pub(crate) fn at_pulses<'r>(run: &Run<'r>, wait_rows: impl Fn(usize) -> f64) -> 
 }
 
 /// Commands whose changes at each row take effect so many rows later as `wait_rows` says.
-pub(crate) fn later(commands: &[f64], wait_rows: impl Fn(usize) -> f64) -> Vec<f64> {
+fn later(commands: &[f64], wait_rows: impl Fn(usize) -> f64) -> Vec<f64> {
     let mut input = commands.to_vec();
     let pairs = commands.iter().zip(commands.iter().skip(1));
     for (row, (before, after)) in (1..).zip(pairs) {

@@ -3,8 +3,8 @@
 //! Within half a second lengths of a frame do not differ, and errors depend on the moment of the pulse alone: along another length they are looked up, block by block,
 //! at the moments that it has come to.
 
-use super::commands_at_pulses::{at_pulses, later};
-use servoid_identification::servo_model::{CommandsWithinRows, ServoModel};
+use super::commands_at_pulses::at_pulses;
+use servoid_identification::servo_model::ServoModel;
 use servoid_identification::{Record, Run};
 
 /// Moments of pulses in a frame that are tried, evenly spaced.
@@ -27,32 +27,28 @@ pub(crate) fn with_pulses<'r>(run: &Run<'r>, pulses: [f64; 2]) -> Option<Run<'r>
     at_pulses(run, |row| wait(row, pulses))
 }
 
-/// The commands of the run in `parts` of its rows, each in force from the next pulse on. Frame and one of the pulses are counted in rows.
+/// The run with each command in force from the moment of the next pulse on, within its row. Frame and one of the pulses are counted in rows of `period_s`. Where pulses are closer than rows, each row has its mean.
 ///
-/// A row has the mean of a command that changes within it. A servo answers that as if it had changed twice, by parts: behind rows of 10 ms that is several times the noise of a sensor.
-pub(crate) fn within_rows(run: &Run<'_>, pulses: [f64; 2], parts: usize) -> Vec<f64> {
-    let of_row = |command: &f64| std::iter::repeat_n(*command, parts);
-    let written: Vec<f64> = run.input().iter().flat_map(of_row).collect();
-    let pulses = pulses.map(|rows| rows * parts as f64);
-    later(&written, |part| wait(part, pulses))
-}
-
-/// Parts of a row in which commands stand at their pulses: the mean of a part of a millisecond is the command, for all that a servo answers.
-const LONGEST_PART_S: f64 = 1e-3;
-
-/// The commands of runs of `record` as they are in force, with their pulses \[rows\] where these are known.
-pub(crate) fn commands_at_pulses<'r>(
-    record: &Record,
-    runs: impl IntoIterator<Item = (&'r Run<'r>, Option<[f64; 2]>)>,
-) -> CommandsWithinRows {
-    let parts = (record.sample_period_s() / LONGEST_PART_S).ceil().max(1.0) as usize;
-    let of_run =
-        |(run, pulses): (&Run, Option<_>)| pulses.map(|pulses| within_rows(run, pulses, parts));
-    let of_runs = runs.into_iter().map(of_run);
-    CommandsWithinRows {
-        parts,
-        of_runs: of_runs.map(Option::unwrap_or_default).collect(),
+/// A servo answers the mean of a row in which its command changes as if it had changed twice, by parts: behind rows of 10 ms that is several times the noise of a sensor.
+pub(crate) fn in_force<'r>(
+    run: &Run<'r>,
+    period_s: f64,
+    pulses @ [frame, _]: [f64; 2],
+) -> Option<Run<'r>> {
+    if frame < 1.0 {
+        return with_pulses(run, pulses);
     }
+    let (mut levels, mut late_s) = (Vec::new(), Vec::new());
+    let mut held = run.input_at_rest().or(run.input().first().copied())?;
+    for (row, written) in run.input().iter().enumerate() {
+        let wait = wait(row, pulses);
+        if wait < 1.0 {
+            held = *written;
+        }
+        levels.push(held);
+        late_s.push(if wait < 1.0 { wait * period_s } else { 0.0 });
+    }
+    run.with_input(levels).ok()?.with_late_inputs(late_s).ok()
 }
 
 /// The output of a servo in one run of `record`, with such pulses \[rows\].
@@ -63,10 +59,9 @@ pub(crate) fn simulate_with_pulses(
     run: &Run,
     pulses: [f64; 2],
 ) -> Option<Vec<f64>> {
-    let commands = commands_at_pulses(record, [(run, Some(pulses))]);
-    let record = record.try_with_runs(vec![with_pulses(run, pulses)?]).ok()?;
-    let runs = servo.simulate_within_rows(&record, &commands, controllers);
-    runs.into_iter().next()
+    let run = in_force(run, record.sample_period_s(), pulses)?;
+    let record = record.try_with_runs(vec![run]).ok()?;
+    servo.simulate(&record, controllers).into_iter().next()
 }
 
 /// From a row to the next pulse, in rows.
@@ -190,6 +185,18 @@ mod tests {
         // Pulses at 0.5, 2.5 and 4.5 rows: each has the command of the row before it until the next.
         let held = with_pulses(&run, [2.0, 0.5]).unwrap();
         assert_eq!(held.input(), [0.0, 0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
+    }
+
+    #[test]
+    fn a_command_is_in_force_from_its_pulse_on() {
+        let run = Run::new(vec![0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0], vec![0.0; 7]).unwrap();
+        // Pulses at 0.5, 2.75 and 5 rows of 10 ms.
+        let found = in_force(&run, 0.01, [2.25, 0.5]).unwrap();
+        assert_eq!(found.input(), [0.0, 0.0, 2.0, 2.0, 2.0, 5.0, 5.0]);
+        let late = found.late_inputs().unwrap();
+        for (row, at) in [(0, 0.005), (1, 0.0), (2, 0.0075), (5, 0.0)] {
+            assert!((late[row] - at).abs() < 1e-12, "{row}: {late:?}");
+        }
     }
 
     #[test]

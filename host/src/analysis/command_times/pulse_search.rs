@@ -5,7 +5,7 @@
 //! with pulses of the stated length at moments all over the frame; along any other length the errors are looked up, block by block, at the moments that
 //! it has come to. The best of these are predicted, and from the closest on steps of length and moments are halved, with predictions of the whole recording.
 
-use super::pulse_errors::{ErrorTable, MOMENTS, OF_LENGTH, Predict, with_pulses};
+use super::pulse_errors::{ErrorTable, MOMENTS, OF_LENGTH, Predict, in_force, with_pulses};
 use servoid_identification::{Error, Record, Run};
 
 /// Of the lengths that are looked up, so many are predicted.
@@ -38,19 +38,35 @@ pub(crate) struct ClosestPulses {
 }
 
 impl ClosestPulses {
-    /// The record with its commands at these pulses; runs that cannot be predicted stay as they are.
+    /// The record with its commands at these pulses, each row with the mean of the command in force; runs that cannot be predicted stay as they are.
     ///
     /// # Errors
     /// As of [`Record::try_with_runs`].
     pub(crate) fn held<'r>(&self, record: &Record<'r>) -> Result<Record<'r>, Error> {
-        let held = |(run, first_s): (&Run<'r>, &Option<f64>)| {
-            let pulses = first_s.map(|first_s| [self.frame_s, first_s]);
-            let pulses =
-                pulses.map(|pulses| pulses.map(|time_s| time_s / record.sample_period_s()));
-            let held = pulses.and_then(|pulses| with_pulses(run, pulses));
-            held.unwrap_or_else(|| run.clone())
+        self.moved(record, with_pulses)
+    }
+
+    /// The same with each command in force from its pulse on, within its row.
+    ///
+    /// # Errors
+    /// As of [`Record::try_with_runs`].
+    pub(crate) fn in_force<'r>(&self, record: &Record<'r>) -> Result<Record<'r>, Error> {
+        let period_s = record.sample_period_s();
+        self.moved(record, |run, pulses| in_force(run, period_s, pulses))
+    }
+
+    /// With each run as `at` pulses, which are counted in rows.
+    fn moved<'r>(
+        &self,
+        record: &Record<'r>,
+        at: impl Fn(&Run<'r>, [f64; 2]) -> Option<Run<'r>>,
+    ) -> Result<Record<'r>, Error> {
+        let rows = |time_s: f64| time_s / record.sample_period_s();
+        let moved = |(run, first_s): (&Run<'r>, &Option<f64>)| {
+            let moved = first_s.and_then(|first_s| at(run, [self.frame_s, first_s].map(rows)));
+            moved.unwrap_or_else(|| run.clone())
         };
-        let runs = record.runs().iter().zip(&self.first_pulse_s).map(held);
+        let runs = record.runs().iter().zip(&self.first_pulse_s).map(moved);
         record.try_with_runs(runs.collect())
     }
 }

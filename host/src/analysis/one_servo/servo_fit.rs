@@ -1,7 +1,7 @@
 //! The servo model beside the linear one: when it is wanted, its fit, and its prediction of a stretch that it has not seen.
 
 use super::identified::identified;
-use super::waits::waits_for_pulses;
+use super::waits;
 use crate::data::dataset::Dataset;
 use crate::data::held_out::{HeldOut, HeldOutPrediction};
 use crate::data::model_file::ServoModelDocument;
@@ -16,7 +16,7 @@ use servoid_identification::servo_model::{
     self, ServoModel, ServoModelOptions, Watch, no_prediction,
 };
 use servoid_identification::thresholds::RESIDUAL_SIGNIFICANCE;
-use servoid_identification::{Identification, Options, Run, identify};
+use servoid_identification::{Error, Identification, Options, Record, Run, identify};
 
 /// When a servo is looked for as a machine, which may take minutes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -185,18 +185,19 @@ fn fit(
         ),
         stops_at: linear.model().stops.clone(),
     };
-    let model = match linear {
-        Linear::Beside(linear) => servo_model::fit_beside(&data.record, linear, &options, search),
-        Linear::OfRecord(_) => servo_model::fit_watched(&data.record, &options, search),
+    let found = |record: &Record| match linear {
+        Linear::Beside(linear) => servo_model::fit_beside(record, linear, &options, search),
+        Linear::OfRecord(_) => servo_model::fit_watched(record, &options, search),
     };
-    let model = model.map_err(|error| error.to_string())?;
-    let mut model = model.with_delay_error(data.about.sensor_delay_uncertainty_s);
-    model.fit.waits_for_pulses = waits_for_pulses(data, &model, &options.controllers);
+    let model = found(&data.record).map_err(|error| error.to_string())?;
+    let (model, record) = behind_pulses(data, model, &options.controllers, found);
+    let of_pulses_s = (model.fit.waits_for_pulses).map_or(0.0, |waits| waits.delay_error_s);
+    let model = model.with_delay_error(data.about.sensor_delay_uncertainty_s + of_pulses_s);
     let (hysteresis, apart) = Hysteresis::with_rests_apart(&data.record, linear.model(), level);
-    let simulated = model.simulate(&data.record, &options.controllers);
+    let simulated = model.simulate(&record, &options.controllers);
     let most_apart = apart.and_then(|apart| apart.value).unwrap_or_default();
     let model = ServoModel {
-        missed_rests: missed_rests(&data.record, &simulated, linear.model(), most_apart),
+        missed_rests: missed_rests(&record, &simulated, linear.model(), most_apart),
         ..model
     };
     let model = model.with_rests(
@@ -206,12 +207,43 @@ fn fit(
     let stroke = sixty_degrees(data.about.units());
     Ok(ServoModelDocument {
         stroke_of_60_degrees_s: stroke.and_then(|size| model.stroke_times_s(size)),
+        is_of_rows: data.about.commands_may_wait() && model.fit.waits_for_pulses.is_none(),
         model,
         controller_names: names,
-        is_of_rows: data.about.commands_may_wait(),
         polled: data.about.polled,
         common_wait_s: data.about.common_wait_s,
     })
+}
+
+/// The servo behind the pulses that the commands of `data` waited for, with its record, where the errors of the servo of the rows show that they did; else that `of_rows`. `found` finds the servo of a
+/// record.
+fn behind_pulses<'r>(
+    data: &Dataset<'r>,
+    of_rows: ServoModel,
+    controllers: &[usize],
+    found: impl Fn(&Record) -> Result<ServoModel, Error>,
+) -> (ServoModel, Record<'r>) {
+    let servo_at = |pulses: waits::AtPulses<'r>| {
+        let mut model = found(&pulses.record).ok()?;
+        model.fit.waits_for_pulses = Some(pulses.waits);
+        Some((model, pulses.record))
+    };
+    let better = || {
+        let (first, record) = servo_at(waits::at_pulses(data, &of_rows, controllers)?)?;
+        if first.covariance.valid().is_some() {
+            return Some((first, record));
+        }
+        // The pulses that were found with a servo that had waits in its errors.
+        let frame_s = first.fit.waits_for_pulses?.frame_s;
+        let pulses = waits::closest(&data.record, &first, controllers, frame_s)?;
+        let (second, record_of_second) = servo_at(pulses)?;
+        match second.fit.rmse < first.fit.rmse {
+            true => Some((second, record_of_second)),
+            false => Some((first, record)),
+        }
+    };
+    let better = better().filter(|(model, _)| model.fit.rmse < of_rows.fit.rmse);
+    better.unwrap_or_else(|| (of_rows, data.record.clone()))
 }
 
 /// The run, with the command before it that would have held the linear servo at the first output, where nothing else is
@@ -240,7 +272,11 @@ fn predict(held_out: &HeldOut, options: &Options, search: &dyn Watch) -> Option<
         .controller
         .and_then(|name| names.iter().position(|known| *known == name));
     let controllers: Vec<usize> = controller.into_iter().collect();
-    let by_servo = servo.model.simulate(&whole, &controllers).pop()?;
+    let waits = servo.model.fit.waits_for_pulses;
+    let at_pulses =
+        waits.and_then(|waits| waits::closest(&whole, &servo.model, &controllers, waits.frame_s));
+    let behind_pulses = at_pulses.map_or_else(|| whole.clone(), |found| found.record);
+    let by_servo = servo.model.simulate(&behind_pulses, &controllers).pop()?;
     let by_linear = linear.simulate(&from_rest(&held_out.run, &linear));
     let stretch = |values: &[f64]| Some(values.get(held_out.samples.clone())?.to_vec());
     let measured = stretch(held_out.run.output())?;

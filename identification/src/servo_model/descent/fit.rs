@@ -73,7 +73,7 @@ impl Problem<'_> {
     ) {
         let physics = point.servo_of(stretch, |_, value| value);
         let (grid, start) = (&self.grid, &stretch.start);
-        simulate(&physics, grid, start, &stretch.input, |k, y| {
+        simulate(&physics, grid, start, stretch.commands(), |k, y| {
             let measured = stretch.output[k];
             let block = stretch.block(k);
             if !measured.is_nan() && (self.used)(block) {
@@ -113,7 +113,7 @@ impl Problem<'_> {
     ) {
         let physics = point.servo_of(stretch, |_, value| value);
         let (grid, start) = (&self.grid, &stretch.start);
-        let input = &stretch.input;
+        let input = stretch.commands();
         simulate_with_slopes(&physics, grid, start, input, |k, y, slopes, by_zero| {
             let measured = stretch.output[k];
             if !measured.is_nan() && (self.used)(stretch.block(k)) {

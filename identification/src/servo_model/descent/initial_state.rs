@@ -53,10 +53,16 @@ fn place_in_play(stretch: &Stretch, point: &Point, grid: &Grid) -> f64 {
             ..stretch.start
         };
         let mut cost = 0.0;
-        simulate(&physics, grid, &start, &stretch.input[..window], |k, y| {
-            let error = stretch.output[k] - y;
-            cost += if error.is_nan() { 0.0 } else { error * error };
-        });
+        simulate(
+            &physics,
+            grid,
+            &start,
+            stretch.commands().first(window),
+            |k, y| {
+                let error = stretch.output[k] - y;
+                cost += if error.is_nan() { 0.0 } else { error * error };
+            },
+        );
         cost
     };
     let costs = PLACES.map(|place| (cost(place), place));
@@ -174,19 +180,25 @@ fn gauss_newton(
     };
     let mut normal = Mat::<f64>::zeros(3, 3);
     let (mut gradient, mut cost) = (vec![0.0; 3], 0.0);
-    simulate(&physics, grid, &start, &stretch.input[..window], |k, y| {
-        let error = stretch.output[k] - y.value;
-        if error.is_nan() {
-            return;
-        }
-        cost += error * error;
-        for i in 0..3 {
-            gradient[i] += y.slope[i] * error;
-            for j in 0..3 {
-                normal[(i, j)] += y.slope[i] * y.slope[j];
+    simulate(
+        &physics,
+        grid,
+        &start,
+        stretch.commands().first(window),
+        |k, y| {
+            let error = stretch.output[k] - y.value;
+            if error.is_nan() {
+                return;
             }
-        }
-    });
+            cost += error * error;
+            for i in 0..3 {
+                gradient[i] += y.slope[i] * error;
+                for j in 0..3 {
+                    normal[(i, j)] += y.slope[i] * y.slope[j];
+                }
+            }
+        },
+    );
     for i in 0..3 {
         // What the window does not show stays where it is.
         normal[(i, i)] = normal[(i, i)] * 1.001 + 1e-9;

@@ -1,6 +1,5 @@
 //! The result: a servo, how sure it is, and how it was chosen.
 
-pub(super) mod commands_within_rows;
 mod drawn_servo;
 pub(super) mod hysteresis;
 pub(super) mod old_quantities;
@@ -29,7 +28,6 @@ use crate::servo_model::quantities::quantity_kind::QuantityKind;
 use crate::servo_model::stretches::stretches;
 use crate::servo_model::uncertainty::run_offsets;
 use crate::thresholds::{LINEAR_MODEL_ADVANTAGE, SERVO_ERROR_BEYOND_RECORD};
-use commands_within_rows::CommandsWithinRows;
 use serde::{Deserialize, Serialize};
 use servoid_dynamics::{Dual, Grid, PulseEnd, Scalar, ServoParameters, Start, Stops, simulate};
 
@@ -199,7 +197,7 @@ pub struct ServoFit {
     /// Whether each run by itself leaves its servo nothing but noise where all of them together do not: the servo changed between the runs.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub servo_changed: bool,
-    /// The pulses that the commands waited for, where the errors show them: who has the recording finds that, so a new model has `None`.
+    /// The pulses that the commands waited for, where its record has them at these: then the delay is that behind a pulse. Who has the recording finds that, so a new model has `None`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub waits_for_pulses: Option<WaitsForPulses>,
     /// Largest distance of the simulated angle from the command \[command\].
@@ -214,13 +212,13 @@ pub struct ServoFit {
     pub samples_missing: usize,
 }
 
-/// Pulses on a clock of their own that the commands of a record waited for.
+/// Pulses on a clock of their own that the commands of a record waited for, and that were found by its motion.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct WaitsForPulses {
     /// From one pulse to the next \[s\].
     pub frame_s: f64,
-    /// Root mean square of the errors that the same servo leaves where each command waits for the next of these pulses \[output\].
-    pub rmse: f64,
+    /// By how much all of them may have come sooner or later at the most \[s\]; the interval of the delay contains it.
+    pub delay_error_s: f64,
 }
 
 /// Terms that were tried.
@@ -496,21 +494,6 @@ impl ServoModel {
     /// from, that of another run is not known: it is taken from the run itself, so that its errors have the mean zero.
     #[must_use]
     pub fn simulate(&self, record: &Record, controllers: &[usize]) -> Vec<Vec<f64>> {
-        let as_recorded = CommandsWithinRows {
-            parts: 1,
-            of_runs: Vec::new(),
-        };
-        self.simulate_within_rows(record, &as_recorded, controllers)
-    }
-
-    /// The same under commands that change within rows, whose `record` has their means in its rows: starts and offsets are found with these.
-    #[must_use]
-    pub fn simulate_within_rows(
-        &self,
-        record: &Record,
-        commands: &CommandsWithinRows,
-        controllers: &[usize],
-    ) -> Vec<Vec<f64>> {
         let mut point = self.point();
         let grid = self.grid(record.timing());
         let (mut parts, _) = stretches(record, controllers);
@@ -519,20 +502,13 @@ impl ServoModel {
         } else {
             run_offsets::find(&mut point, &mut parts, &grid, record.runs().len());
         }
-        let finer = self.grid(Timing {
-            sample_period_s: record.sample_period_s() / commands.parts as f64,
-            ..record.timing()
-        });
         let unknown = |run: &Run| vec![f64::NAN; run.len()];
         let mut outputs: Vec<Vec<f64>> = record.runs().iter().map(unknown).collect();
         for part in &parts {
             let physics = point.servo_of(part, |_, value| value);
             let output = &mut outputs[part.run][part.first..];
-            let input = commands.of(part.run, part.first, &part.input);
-            simulate(&physics, &finer, &part.start, &input, |k, y| {
-                if k % commands.parts == 0 {
-                    output[k / commands.parts] = y;
-                }
+            simulate(&physics, &grid, &part.start, part.commands(), |k, y| {
+                output[k] = y;
             });
         }
         outputs

@@ -54,7 +54,7 @@ pub(crate) fn find(point: &mut Point, stretches: &mut [Stretch], grid: &Grid, ru
         for stretch in stretches.iter() {
             let servo = point.servo_of(stretch, |_, value| value);
             let sum = &mut sums[stretch.run];
-            simulate(&servo, grid, &stretch.start, &stretch.input, |k, y| {
+            simulate(&servo, grid, &stretch.start, stretch.commands(), |k, y| {
                 let error = stretch.output[k] - y;
                 if !error.is_nan() {
                     *sum = (sum.0 + error, sum.1 + 1.0);

@@ -26,7 +26,7 @@ pub(crate) fn stepped_outputs(
         }
         let command = match step.checked_sub(delay) {
             None => before,
-            Some(since) => stretch.input[since / grid.steps],
+            Some(since) => stretch.command_at(since, grid),
         };
         advance(&mut state, command);
     }

@@ -37,7 +37,7 @@ fn sticking(servo: &ServoParameters) -> Option<Friction<f64>> {
 
 fn outputs(servo: &ServoParameters, stretch: &Stretch, grid: &Grid) -> Vec<f64> {
     let mut outputs = Vec::with_capacity(stretch.input.len());
-    simulate(servo, grid, &stretch.start, &stretch.input, |_, y| {
+    simulate(servo, grid, &stretch.start, stretch.commands(), |_, y| {
         outputs.push(y);
     });
     outputs

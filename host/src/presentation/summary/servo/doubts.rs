@@ -16,13 +16,12 @@ pub(super) fn without_intervals(model: &ServoModel, reason: Reason, units: Units
         let size = with_unit(digits(lacking, 2), units.output.unwrap_or_default());
         format!(", up to about {size} rms,")
     });
-    let not_noise = match (model.fit.servo_changed, waits_for_pulses(model, units)) {
-        (true, _) => format!(
+    let not_noise = match model.fit.servo_changed {
+        true => format!(
             ", but those of each run by itself are: the servo changed from run to run{}",
             size.trim_end_matches(',')
         ),
-        (false, Some(waits)) => format!(": {waits}"),
-        (false, None) => {
+        false => {
             format!(
                 ", as where the servo or the recording has something{size} that the model lacks"
             )
@@ -40,17 +39,6 @@ pub(super) fn without_intervals(model: &ServoModel, reason: Reason, units: Units
         " Its figures have no intervals and may be off: {}{more}.",
         reason.because()
     )
-}
-
-/// "commands wait for pulses ...": what makes the errors that are not noise, where it is that.
-pub(super) fn waits_for_pulses(model: &ServoModel, units: Units<'_>) -> Option<String> {
-    let waits = model.fit.waits_for_pulses?;
-    let [left, without] = [waits.rmse, model.fit.rmse].map(|rms| digits(rms, 2));
-    Some(format!(
-        "commands wait for pulses {:.1} ms apart, on a clock of their own; with each command at its next pulse the same servo leaves {} rms in place of {without}",
-        1e3 * waits.frame_s,
-        with_unit(left, units.output.unwrap_or_default())
-    ))
 }
 
 /// " Its strokes get slower ...".

@@ -1,7 +1,6 @@
 //! What is said of a servo model beside the table of its quantities, by the terminal and by a page alike.
 
 use super::clauses::shows_load;
-use super::doubts::waits_for_pulses;
 use super::measured_limits::against_the_model;
 use super::top_speeds::one_unreached;
 use super::what_to_record::advice_on_servo_model;
@@ -45,6 +44,7 @@ impl ServoRemarks {
             whole_stroke(model, units),
             against_the_model(model, units),
             one_unreached(model, units),
+            behind_pulses(model),
             wait_in_the_delay(document),
             how_held_apart(model),
             where_strokes_end(model),
@@ -73,7 +73,6 @@ fn of_intervals(model: &ServoModel, units: Units<'_>) -> Option<String> {
                 false => format!(": beside noise, the model lacks up to about {size} rms"),
             }
         });
-        let lacking = waits_for_pulses(model, units).map_or(lacking, |waits| format!(": {waits}"));
         return Some(format!(
             "No intervals can be given, because {}{lacking}.",
             reason.because()
@@ -180,6 +179,16 @@ fn rests_in_words(model: &ServoModel, units: Units<'_>) -> Option<String> {
         with_unit(shown(value), units.output.unwrap_or_default()),
         shown(lower),
         shown(upper)
+    ))
+}
+
+/// That the commands waited for pulses, at which the model has them.
+fn behind_pulses(model: &ServoModel) -> Option<String> {
+    let waits = model.fit.waits_for_pulses?;
+    Some(format!(
+        "The commands of this recording waited for pulses {:.1} ms apart, on a clock of their own: the moments of these pulses were looked for and are those with which the model is closest. Its delay counts from the pulse, \
+         and a command waits for that as well, half of the time between two pulses on average; times of the linear model have this wait in them.",
+        1e3 * waits.frame_s
     ))
 }
 

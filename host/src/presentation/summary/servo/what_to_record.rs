@@ -45,7 +45,6 @@ fn beside_what_the_model_lacks(document: &ServoModelDocument) -> Vec<&'static st
         (comes_to_rest && holds_alike(model)).then_some(STAIRS_DO_NOT_SEPARATE),
         (document.is_of_rows && !document.polled).then_some(SAY_POLLED),
         Some(match document.is_of_rows {
-            true if model.fit.waits_for_pulses.is_some() => WRITE_AT_THE_PULSE,
             true => WHAT_A_LOGGER_MAY_LACK,
             false => WHAT_MAY_BE_LACKING,
         }),
@@ -94,9 +93,6 @@ const SAY_POLLED: &str = "If a logger with a clock of its own wrote the file, sa
 const WHAT_A_LOGGER_MAY_LACK: &str = "Another recording of this kind, or a longer one, may have intervals where the model has all of the servo: of such servos a few recordings in a hundred have none by chance. Where pulses come on a clock of their own, commands wait for them, which neither \
     another reference nor shorter rows mend: change the command with the pulse, and write it in the row of that moment, as servoid's own board does. Where the output is behind a linkage that is not linear, the supply changes along a recording, friction at rest is gone at once, or gusts load the shaft, \
     which the model lacks, fewer recordings have them, or hardly any. Steps of a sensor that are larger than its noise may hide them, too. Runs between which the servo changed a little, as by its supply, may have them by themselves, and not together.";
-
-/// The same where the errors are those of commands that wait for pulses.
-const WRITE_AT_THE_PULSE: &str = "The delay has the mean wait in it, half of the time between pulses, and single answers are up to as much sooner or later. Neither another reference nor shorter rows mend that: change the command with the pulse, and write it in the row of that moment, as servoid's own board does. Such a recording may have intervals.";
 
 /// The same of a recording of servoid, whose commands change with the pulse.
 const WHAT_MAY_BE_LACKING: &str = "Another recording, or a longer one, may have intervals where the model has all of the servo, of which a few recordings in a hundred have none by chance, and fewer have, or hardly any, where the supply changes along a recording, friction at rest is gone at once, or gusts load the shaft, which it lacks. Steps of a sensor that are larger than its noise may hide intervals, too.";
@@ -163,7 +159,7 @@ mod tests {
     use super::*;
     use crate::presentation::summary::servo::limited_servo::limited_servo;
     use servoid_identification::results::{Bounds, Interval};
-    use servoid_identification::servo_model::{Unit, WaitsForPulses};
+    use servoid_identification::servo_model::Unit;
 
     #[test]
     fn stairs_are_not_advised_alone_where_dead_band_and_friction_are_alike() {
@@ -243,13 +239,6 @@ mod tests {
             of_logger,
             [SAY_POLLED, WHAT_A_LOGGER_MAY_LACK, WITHOUT_INTERVALS]
         );
-        let mut behind_pulses = document(model.clone(), true);
-        behind_pulses.model.fit.waits_for_pulses = Some(WaitsForPulses {
-            frame_s: 0.02,
-            rmse: 0.1,
-        });
-        let advice = advice_on_servo_model(&behind_pulses);
-        assert!(advice.contains(&WRITE_AT_THE_PULSE) && !advice.contains(&WHAT_A_LOGGER_MAY_LACK));
         let polled = ServoModelDocument {
             polled: true,
             ..document(model.clone(), true)
