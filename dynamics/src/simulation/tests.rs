@@ -442,12 +442,56 @@ fn at_a_stop_the_output_follows_the_zero_of_the_sensor_and_not_the_offset() {
     assert!(checked > 1000, "{checked}");
 }
 
-/// As a servo with one delay for all commands moves, in steps so short that each command can be given as much later as its pulse is longer.
+/// Steps of a millionth of a second, in which every change of a command falls on a step.
+const FINE_S: f64 = 1e-6;
+
+/// Sample period and samples of a level, in the tests of commands that change at moments of their own.
+const ROW_S: f64 = 2e-3;
+const HELD: usize = 30;
+
+/// Levels with the time by which each acts later than its first sample \[s\].
+type Late = [(f64, f64); 5];
+
+/// The output of a servo in samples of [`ROW_S`], computed in fine steps.
+fn moved_finely(servo: &ServoParameters<f64>, levels: Late) -> Vec<f64> {
+    let period = (ROW_S / FINE_S).round() as usize;
+    let mut fine = vec![levels[0].0; levels.len() * HELD * period];
+    for (n, (level, late_s)) in levels.into_iter().enumerate().skip(1) {
+        let late = (late_s / FINE_S).round() as isize;
+        let from = (n * HELD * period).saturating_add_signed(late);
+        fine[from..].fill(level);
+    }
+    let start = Start::at_rest(servo.resting_output(levels[0].0), Some(levels[0].0));
+    let mut output = Vec::new();
+    simulate(
+        servo,
+        &Grid::new(FINE_S, 0.0, FINE_S),
+        &start,
+        &fine,
+        |k, y| {
+            if k % period == 0 {
+                output.push(y);
+            }
+        },
+    );
+    output
+}
+
+/// That a servo moves as in fine steps.
+fn require_same(servo: &ServoParameters<f64>, commands: Commands<'_>, expected: &[f64]) {
+    let start = Start::at_rest(servo.resting_output(0.0), Some(0.0));
+    let mut found = Vec::new();
+    let grid = Grid::new(ROW_S, 0.0, 0.1e-3);
+    simulate(servo, &grid, &start, commands, |_, y| found.push(y));
+    for (k, (found, expected)) in found.iter().zip(expected).enumerate() {
+        // The error of the scheme, the square of 0.1 ms times its bandwidth, of 550 units: 0.01. A command that acts 0.25 ms later makes it 4.
+        assert!((found - expected).abs() < 0.02, "{k}: {found} {expected}");
+    }
+}
+
+/// As a servo with one delay for all commands moves, whose commands are given as much later as their pulses are longer.
 #[test]
 fn a_pulse_that_is_longer_acts_later() {
-    // Steps of a millionth of a second, in which every pulse ends with a step.
-    const FINE_S: f64 = 1e-6;
-    let levels = [0.0, 300.0, -250.0, -240.0, 100.0];
     let pulse_end = PulseEnd {
         s_per_command: 1e-6,
         neutral: 50.0,
@@ -457,39 +501,45 @@ fn a_pulse_that_is_longer_acts_later() {
         pulse_end: Some(pulse_end),
         ..servos()[0]
     };
-    let input: Vec<f64> = levels.into_iter().flat_map(|level| [level; 30]).collect();
-    // The same commands in fine samples, each as much later as its pulse is longer.
-    let period = 2000;
-    let mut fine = vec![levels[0]; input.len() * period];
-    for (n, level) in levels.into_iter().enumerate().skip(1) {
-        let later = (1e6 * pulse_end.later_s(level)).round() as isize;
-        let from = (n * 30 * period).saturating_add_signed(later);
-        fine[from..].fill(level);
-    }
     let constant = ServoParameters {
         pulse_end: None,
         ..servo
     };
-    let start = Start::at_rest(servo.resting_output(0.0), Some(0.0));
-    let mut expected = Vec::new();
-    simulate(
+    let levels = [0.0, 300.0, -250.0, -240.0, 100.0];
+    let expected = moved_finely(
         &constant,
-        &Grid::new(FINE_S, 0.0, FINE_S),
-        &start,
-        &fine,
-        |k, y| {
-            if k % period == 0 {
-                expected.push(y);
-            }
-        },
+        levels.map(|level| (level, pulse_end.later_s(level))),
     );
-    let mut found = Vec::new();
-    let grid = Grid::new(2e-3, 0.0, 0.1e-3);
-    simulate(&servo, &grid, &start, &input, |_, y| found.push(y));
-    for (k, (found, expected)) in found.iter().zip(&expected).enumerate() {
-        // The error of the scheme, the square of 0.1 ms times its bandwidth, of 550 units: 0.01. A pulse that acts 0.25 ms later makes it 4.
-        assert!((found - expected).abs() < 0.02, "{k}: {found} {expected}");
-    }
+    let input: Vec<f64> = levels.into_iter().flat_map(|level| [level; HELD]).collect();
+    require_same(&servo, (&input).into(), &expected);
+}
+
+#[test]
+fn a_command_that_comes_into_force_behind_its_sample_acts_later() {
+    let servo = ServoParameters {
+        delay_s: 7.3e-3,
+        ..servos()[0]
+    };
+    let levels = [
+        (0.0, 0.0),
+        (300.0, 0.4e-3),
+        (-250.0, 1.9e-3),
+        (-240.0, 0.0),
+        (100.0, 1.1e-3),
+    ];
+    let expected = moved_finely(&servo, levels);
+    let held = |of: fn((f64, f64)) -> f64| -> Vec<f64> {
+        levels
+            .into_iter()
+            .flat_map(|level| [of(level); HELD])
+            .collect()
+    };
+    let (input, late_s) = (held(|level| level.0), held(|level| level.1));
+    let commands = Commands {
+        levels: &input,
+        late_s: Some(&late_s),
+    };
+    require_same(&servo, commands, &expected);
 }
 
 /// Both are the same sums in another order, as without pulses.

@@ -98,7 +98,7 @@ impl Exported {
     pub fn of(file: &ModelFile, request: &ExportRequest) -> Result<Self> {
         let metadata = file.metadata.clone().with_stated_frame(request.frame_s());
         match request.is_of_servo_model() {
-            true => Self::of_servo_model(file, &metadata, request),
+            true => Self::of_servo_model(file, metadata, request),
             false => Self::of_linear_model(file, metadata, request),
         }
     }
@@ -123,10 +123,11 @@ impl Exported {
 
     fn of_servo_model(
         file: &ModelFile,
-        metadata: &ModelMetadata,
+        metadata: ModelMetadata,
         request: &ExportRequest,
     ) -> Result<Self> {
         let document = file.servo_model()?.ok_or(ExportError::NoServoModel)?;
+        let metadata = &metadata.behind_pulses(document.model.fit.waits_for_pulses);
         let options = ServoExportOptions {
             controller: request.controller,
             step_s: request.step_ms.map(|step| 1e-3 * step),

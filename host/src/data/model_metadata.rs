@@ -6,7 +6,7 @@ use crate::data::table;
 use crate::data::units::Units;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use servoid_identification::servo_model::RecordedMotion;
+use servoid_identification::servo_model::{RecordedMotion, WaitsForPulses};
 
 /// Pulse frames that a servo may have \[s\]; beyond a second it is a slip.
 pub const PULSE_FRAMES_S: std::ops::RangeInclusive<f64> = 0.0..=1.0;
@@ -103,6 +103,19 @@ impl ModelMetadata {
             pulse_frame_s: frame_s.or(self.pulse_frame_s),
             frame_is_stated: frame_s.is_some() && self.pulse_frame_s.is_none(),
             ..self
+        }
+    }
+
+    /// With the pulses that a servo model has the commands at, where its recording did not.
+    #[must_use]
+    pub fn behind_pulses(self, found: Option<WaitsForPulses>) -> Self {
+        match found {
+            Some(waits) => Self {
+                pulse_frame_s: self.pulse_frame_s.or(Some(waits.nominal_frame_s())),
+                frame_is_stated: false,
+                ..self
+            },
+            None => self,
         }
     }
 

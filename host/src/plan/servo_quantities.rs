@@ -126,6 +126,12 @@ fn has_holds(reference: &Reference) -> bool {
     !matches!(reference, Reference::Sweep(_) | Reference::Multisine(_))
 }
 
+/// What strokes at top speed show.
+const SPEEDS: [QuantityKind; 2] = [
+    QuantityKind::TopSpeedUpwards,
+    QuantityKind::TopSpeedDownwards,
+];
+
 /// What to record of a servo that ran into a stop.
 const WITHIN_THE_STOPS: &str =
     "take strokes between the stops: lower --amplitude, or write a table of steps";
@@ -177,8 +183,11 @@ fn remedies(
         (!terms.is_limited()).then_some(
             "raise --amplitude, if the servo may turn further: no stroke of this reference shows a limit of the drive or of the speed",
         ),
-        (terms.is_limited() && open(QuantityKind::OF_LIMIT)).then_some(
+        (terms.is_limited() && open(&SPEEDS)).then_some(
             "raise --amplitude and the hold, so that strokes reach the top speed and stay at it",
+        ),
+        (terms.is_limited() && !open(&SPEEDS) && open(QuantityKind::OF_LIMIT)).then_some(
+            "raise --amplitude: of the limit of the drive, the acceleration is open, which larger strokes show for longer",
         ),
         open(QuantityKind::OF_SMALL_SIGNALS).then_some(
             "add small strokes, within the error of full drive: stairs with more --levels have both kinds",

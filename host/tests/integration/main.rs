@@ -27,6 +27,7 @@ mod linearity;
 mod mixes;
 mod models;
 mod no_bounds;
+mod own_pulses;
 #[cfg(unix)]
 mod pages;
 mod plan;

@@ -513,6 +513,21 @@ mod tests {
     }
 
     #[test]
+    fn late_inputs_stay_with_their_samples() {
+        let run = Run::new(vec![0.0, 1.0, 2.0, 3.0], vec![0.0; 4]).unwrap();
+        assert!(run.clone().with_late_inputs(vec![0.0; 3]).is_err());
+        let run = run.with_late_inputs(vec![0.0, 0.1, 0.2, 0.3]).unwrap();
+        assert_eq!(run.part(1..3).late_inputs(), Some(&[0.1, 0.2][..]));
+        assert_eq!(
+            run.with_output(vec![1.0; 4]).late_inputs(),
+            run.late_inputs()
+        );
+        assert_eq!(run.clone().into_owned(), run);
+        // Other inputs are in force at other times.
+        assert_eq!(run.with_input(vec![1.0; 4]).unwrap().late_inputs(), None);
+    }
+
+    #[test]
     fn slices_are_read_where_they_are_and_copied_only_to_be_filled() {
         let (input, output) = ([0.0, 1.0, f64::NAN, 1.0], [0.0, 0.1, 0.2, 0.3]);
         let record = Record::of_run(0.1, &input, &output).unwrap();

@@ -41,7 +41,7 @@ mod starting_points;
 use crate::data::Record;
 use crate::diagnostics::without_offsets_and_trends;
 use crate::error::Error;
-use crate::results::Model;
+use crate::results::{Model, Reason};
 use crate::thresholds::RUNS_FOR_MEAN;
 use fitter::{FittedOrder, Fitter};
 use order::simplest;
@@ -49,6 +49,7 @@ use projection::Projection;
 use report::Circumstances;
 use runs_apart::{Runs, RunsApart};
 use starting_points::Guess;
+use std::borrow::Cow;
 
 pub use discrete::Discrete;
 pub use low_order::{LowOrder, Oscillator};
@@ -119,7 +120,7 @@ fn without_runs_own<'a>(record: &Record<'a>, model: &Model) -> Record<'a> {
 ///
 /// The effect of a response longer than N samples, or with more detail than n frequencies, on the estimate
 /// is then unknown. The bank is taken as a response that is over after N samples. With the structure chosen
-/// from the data (n = N, and N 1.75 times the settling) the two agree. With a short or small bank only
+/// from the data (n = N, and N 1.75 times the settling) the two agree. Of a servo that is not linear there are no intervals. With a short or small bank only
 /// [`fit`] is right.
 ///
 /// ```
@@ -142,7 +143,20 @@ fn without_runs_own<'a>(record: &Record<'a>, model: &Model) -> Record<'a> {
 pub fn of_model(model: &Model, options: &FlightModelOptions) -> Result<FlightModel, Error> {
     match model.band() {
         Some(_) => Err(Error::OfBandAlone),
-        None => choose(Projection::of_model(model)?, Runs::Unknown, model, options),
+        None => choose(
+            Projection::of_model(model)?,
+            Runs::Unknown,
+            &without_bounds_of_motion(model),
+            options,
+        ),
+    }
+}
+
+/// The model, without bounds where the servo is not linear: those of its description are wide enough to hide that an order is rejected by the recording, which alone says so.
+fn without_bounds_of_motion(model: &Model) -> Cow<'_, Model> {
+    match model.linear {
+        true => Cow::Borrowed(model),
+        false => Cow::Owned(model.clone().withdrawn_for(Reason::ErrorsNotNoise)),
     }
 }
 

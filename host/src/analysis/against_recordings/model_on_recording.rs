@@ -2,9 +2,9 @@
 
 use super::beside_pulses::rms_beside_pulses;
 use super::misfit::{Line, Misfit};
-use super::pulses::StatedPulses;
+use super::pulses::{By, StatedPulses};
 use crate::analysis::command_times::pulse_errors::{simulate_with_pulses, with_pulses};
-use crate::analysis::command_times::pulse_search::closest_pulses;
+use crate::analysis::command_times::pulse_search::{ClosestPulses, closest_pulses};
 use crate::data::PredictedRun;
 use crate::data::dataset::Dataset;
 use crate::data::model_file::{ModelFile, ServoModelDocument};
@@ -84,27 +84,49 @@ impl<'d> ModelOnRecording<'d> {
     /// # Errors
     /// The model cannot be held against any run.
     pub(super) fn at_pulses(self, frame_s: f64) -> Result<Self> {
+        let found = self.closest(frame_s)?;
+        let held = found.held(&self.record)?;
+        Ok(Self {
+            record: Cow::Owned(held),
+            ..self.with_servo_at(found, (frame_s, By::Statement))?
+        })
+    }
+
+    /// The same for the servo model alone, which has the commands of its own recording at such pulses: the linear one has the waits in its times.
+    ///
+    /// # Errors
+    /// The model cannot be held against any run.
+    pub(super) fn servo_at_pulses(self, frame_s: f64) -> Result<Self> {
+        let found = self.closest(frame_s)?;
+        self.with_servo_at(found, (frame_s, By::OwnRecording))
+    }
+
+    fn closest(&self, frame_s: f64) -> Result<ClosestPulses> {
+        closest_pulses(&self.record, frame_s, &self.predict()).with_context(|| {
+            "the model can be held against none of the runs, so that no pulses are found: a validation without --frame-ms says why"
+        })
+    }
+
+    fn predict(&self) -> impl Fn(&Run<'d>, usize, [f64; 2]) -> Option<Vec<f64>> {
         let as_rows = |pulses: [f64; 2]| pulses.map(|s| s / self.record.sample_period_s());
-        let predict = |run: &Run<'d>, number: usize, pulses: [f64; 2]| match &self.servo {
+        move |run, number, pulses| match &self.servo {
             Some(servo) => servo.simulate_run(&self.record, (run, number), as_rows(pulses)),
             None => Some(self.linear.simulate(&with_pulses(run, as_rows(pulses))?)),
-        };
-        let found = closest_pulses(&self.record, frame_s, &predict).with_context(|| {
-            "the model can be held against none of the runs, so that no pulses are found: a validation without --frame-ms says why"
-        })?;
-        let held = found.held(&self.record)?;
-        let beside = rms_beside_pulses(&self.record, &found, &predict).unwrap_or_default();
+        }
+    }
+
+    fn with_servo_at(self, found: ClosestPulses, frame: (f64, By)) -> Result<Self> {
+        let beside = rms_beside_pulses(&self.record, &found, &self.predict()).unwrap_or_default();
         let in_force = found.in_force(&self.record)?;
+        let pulses = StatedPulses::of(found, frame, &self.record, beside);
         let servo = self.servo.map(|servo| ServoOnRecording {
             at_pulses: Some(in_force),
             ..servo
         });
-        let pulses = StatedPulses::of(found, frame_s, &self.record, beside);
         Ok(Self {
-            linear: self.linear,
             servo,
-            record: Cow::Owned(held),
             pulses: Some(pulses),
+            ..self
         })
     }
 

@@ -15,6 +15,15 @@ use servoid_identification::results::six_digits;
 /// How far the length of a frame may be from the stated one \[%\].
 const WITHIN_PERCENT: f64 = 100.0 * OF_LENGTH;
 
+/// What says that commands wait for pulses of a length.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum By {
+    /// Who validates.
+    Statement,
+    /// The recording of the servo model, whose commands did.
+    OwnRecording,
+}
+
 /// Pulses that commands of a recording wait for.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct StatedPulses {
@@ -36,13 +45,15 @@ pub struct StatedPulses {
     /// A change of the length that matters \[s\].
     #[serde(skip)]
     frame_step_s: f64,
+    #[serde(skip)]
+    by: By,
 }
 
 impl StatedPulses {
     /// Of the commands of `record`; those within a row of a pulse make up to `rms_beside_pulses`.
     pub(super) fn of(
         found: ClosestPulses,
-        stated_frame_s: f64,
+        (stated_frame_s, by): (f64, By),
         record: &Record,
         rms_beside_pulses: f64,
     ) -> Self {
@@ -55,6 +66,7 @@ impl StatedPulses {
             rmse: [found.rmse, found.largest_rmse],
             rmse_as_stated: found.rmse_as_stated,
             frame_step_s: found.frame_step_s,
+            by,
         }
     }
 
@@ -66,14 +78,21 @@ impl StatedPulses {
         let as_stated = with_unit(four_digits(self.rmse_as_stated), unit.unwrap_or(""));
         let stated_ms = six_digits(1e3 * self.stated_frame_s);
         let decimals = (-(1e3 * self.frame_step_s).log10()).ceil().clamp(0.0, 6.0) as usize;
+        let [as_it_is, what] = match self.by {
+            By::Statement => ["as stated", "what was stated"],
+            By::OwnRecording => [
+                "as in the recording of the servo model",
+                "those in the recording of the servo model",
+            ],
+        };
         let closest = match self.frame_s == self.stated_frame_s {
             true => format!(
-                "With pulses every {stated_ms} ms, as stated, at moments that were looked for, the model is closest: error {least} rms, and up to {largest} \
+                "With pulses every {stated_ms} ms, {as_it_is}, at moments that were looked for, the model is closest: error {least} rms, and up to {largest} \
                  with others. No other length that was tried, within {WITHIN_PERCENT} % of that, is closer."
             ),
             false => format!(
-                "With pulses every {:.decimals$} ms, by the clock of this recording, at moments that were looked for, the model is closest of all lengths that were tried, within {WITHIN_PERCENT} % of what \
-                 was stated: error {least} rms. With {stated_ms} ms it is {as_stated}, and up to {largest} with other moments. Pulses of quite another length show by a smaller error.",
+                "With pulses every {:.decimals$} ms, by the clock of this recording, at moments that were looked for, the model is closest of all lengths that were tried, within {WITHIN_PERCENT} % of \
+                 {what}: error {least} rms. With {stated_ms} ms it is {as_stated}, and up to {largest} with other moments. Pulses of quite another length show by a smaller error.",
                 1e3 * self.frame_s
             ),
         };

@@ -75,9 +75,14 @@ impl Validated {
         let recorded_s = data.about.pulse_frame_s;
         let frame_s = frame_ms.map(|frame_ms| pulses::frame_s(frame_ms, recorded_s));
         let held = ModelOnRecording::of(file, servo.as_ref(), data)?;
-        let held = match frame_s.transpose()? {
-            Some(frame_s) => held.at_pulses(frame_s)?,
-            None => held,
+        let of_model = servo
+            .as_ref()
+            .and_then(|servo| servo.model.fit.waits_for_pulses);
+        let of_model = of_model.filter(|_| data.about.commands_may_wait());
+        let held = match (frame_s.transpose()?, of_model) {
+            (Some(frame_s), _) => held.at_pulses(frame_s)?,
+            (None, Some(waits)) => held.servo_at_pulses(waits.nominal_frame_s())?,
+            (None, None) => held,
         };
         // What follows from a wrong time is no finding on the model.
         let doubtful = unlikely_period(data.record.sample_period_s());
@@ -117,7 +122,7 @@ impl Validated {
                 .map(|servo| servo.model.fit.simulation_percent),
             error_by_octave: error_by_octave(&predicted),
             pulses: held.pulses,
-            model_has_frame: file.metadata.pulse_frame_s.is_some(),
+            model_has_frame: file.metadata.pulse_frame_s.is_some() || of_model.is_some(),
             predicted,
             advice: own.into_iter().chain(of_models).chain(of_files).collect(),
         })

@@ -13,6 +13,9 @@ use servoid_identification::{Record, Run};
 /// The share of its error that a servo leaves at the most where each command waits for its pulse: errors that have another cause stay nearly as they are.
 const LEFT: f64 = 0.5;
 
+/// The same with errors that are looked up, at moments beside the right ones.
+const LEFT_LOOKED_UP: f64 = 0.8;
+
 /// Slopes of the moments along a run that are tried on each side, as parts of a frame from its middle to its ends: what the frame's length leaves open.
 const SLOPES: i32 = 200;
 
@@ -20,6 +23,8 @@ const SLOPES: i32 = 200;
 pub(super) struct AtPulses<'r> {
     pub(super) record: Record<'r>,
     pub(super) waits: WaitsForPulses,
+    /// The error (rms) of the servo that they were looked for with \[output\].
+    rmse: f64,
 }
 
 /// That of `data`, where the errors of its `model`, with the controllers of the runs, show that commands waited.
@@ -35,9 +40,12 @@ pub(super) fn at_pulses<'r>(
         return None;
     }
     let servo = model.clone().sooner(0.5 * FRAME_S);
-    let (frame_s, rmse) = searched(&data.record, &servo, controllers, least_error)?;
-    let shows = rmse < LEFT * model.fit.rmse;
-    shows.then(|| closest(&data.record, &servo, controllers, frame_s))?
+    let (frame_s, looked_up) = searched(&data.record, &servo, controllers, least_error)?;
+    if looked_up > LEFT_LOOKED_UP * model.fit.rmse {
+        return None;
+    }
+    let found = closest(&data.record, &servo, controllers, frame_s)?;
+    (found.rmse < LEFT * model.fit.rmse).then_some(found)
 }
 
 /// The record with its commands at the pulses about every `frame_s` with which `servo` is closest.
@@ -52,6 +60,7 @@ pub(super) fn closest<'r>(
     })?;
     Some(AtPulses {
         record: found.in_force(record).ok()?,
+        rmse: found.rmse,
         waits: WaitsForPulses {
             frame_s: found.frame_s,
             delay_error_s: delay_error_s(record, &found),

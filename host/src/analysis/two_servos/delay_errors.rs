@@ -4,6 +4,7 @@ use crate::data::dataset::{in_ms, own_part_s};
 use crate::data::model_metadata::ModelMetadata;
 use servoid_identification::comparison::{ComparisonOptions, DelayErrors};
 use servoid_identification::results::{Advice, Check, six_digits};
+use servoid_identification::servo_model::{ServoModel, WaitsForPulses};
 
 /// The options of a comparison that allows for what the files of both sides say of their delays.
 pub(crate) fn allowed_for(
@@ -90,6 +91,20 @@ pub(crate) fn advice(sides: [&ModelMetadata; 2]) -> Option<Advice> {
 /// By how much the times of each side may be late alike, by a wait for pulses of its own \[s\].
 pub(super) fn waits_s(sides: [&ModelMetadata; 2]) -> [f64; 2] {
     sides.map(|side| side.common_wait_s)
+}
+
+/// The same of servo models. Beside one whose commands are at their pulses, the delay of another may have a wait in it, where nothing states that its commands did not wait.
+pub(super) fn waits_of_models_s(models: [&ServoModel; 2], sides: [&ModelMetadata; 2]) -> [f64; 2] {
+    let [a, b] = models.map(|model| model.fit.waits_for_pulses);
+    let wait_s =
+        |side: &ModelMetadata, own: Option<WaitsForPulses>, other: Option<WaitsForPulses>| {
+            let may_wait = side.pulse_frame_s.is_none() && !side.exact_command;
+            match (own, other) {
+                (None, Some(other)) if may_wait => side.common_wait_s.max(other.frame_s),
+                _ => side.common_wait_s,
+            }
+        };
+    [wait_s(sides[0], a, b), wait_s(sides[1], b, a)]
 }
 
 /// That each recording may have one wait for pulses in all of its times.

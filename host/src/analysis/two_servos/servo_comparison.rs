@@ -20,7 +20,7 @@ pub fn compared_servos(
         scale_errors::ratio_sd(sides),
         delay_errors::own_error_s(sides),
     );
-    let found = found.with_waits(delay_errors::waits_s(sides));
+    let found = found.with_waits(delay_errors::waits_of_models_s(models, sides));
     let found = match sixty_degrees(sides[0].units()) {
         Some(size) => found.with_stroke(models, size),
         None => found,

@@ -57,6 +57,8 @@ pub(super) fn stroke_panel(servos: &[NamedServo<'_>], units: Units<'_>) -> Panel
 struct Stroke<'a> {
     servo: &'a NamedServo<'a>,
     size: f64,
+    /// The commands that it goes from and to.
+    ends: [f64; 2],
     /// Motion for each unit of the stroke, from its edge on.
     motion: Vec<f64>,
     half_width: Bounds<Vec<f64>>,
@@ -75,6 +77,7 @@ impl<'a> Stroke<'a> {
         Self {
             servo,
             size,
+            ends: [from, to],
             motion: response.value.iter().skip(1).map(each).collect(),
             half_width: response
                 .half_width
@@ -100,7 +103,11 @@ impl<'a> Stroke<'a> {
             .input
             .map(|unit| format!(" {unit}"))
             .unwrap_or_default();
-        let stroke = format!("stroke of {}{unit}", self.size);
+        // The direction decides where a load helps.
+        let [from, to] = self
+            .ends
+            .map(|end| format!("{end:.*}", decimals(self.size)));
+        let stroke = format!("stroke from {from} to {to}{unit}");
         let name = match self.servo.name {
             "" => stroke,
             servo => format!("{servo}: {stroke}"),
@@ -125,6 +132,11 @@ impl<'a> Stroke<'a> {
         let points = times.zip(self.motion.iter().copied());
         panel.curves.push(Curve::solid(name, ink, points));
     }
+}
+
+/// Decimals with which a size has three digits.
+fn decimals(size: f64) -> usize {
+    (2.0 - size.log10().floor()).clamp(0.0, 9.0) as usize
 }
 
 /// A size that reads well.

@@ -221,6 +221,14 @@ pub struct WaitsForPulses {
     pub delay_error_s: f64,
 }
 
+impl WaitsForPulses {
+    /// The length of the frame that a clock of its own makes this of: in whole tenths of a millisecond \[s\].
+    #[must_use]
+    pub fn nominal_frame_s(&self) -> f64 {
+        (1e4 * self.frame_s).round() / 1e4
+    }
+}
+
 /// Terms that were tried.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LadderRung {

@@ -76,6 +76,9 @@ pub fn at_frequencies(
     // What is asked of an amplitude, the linear model of a servo that is not linear does not answer.
     let late = match of.pulse_frame_s {
         Some(_) => AT_PULSES,
+        None if servo.is_some_and(|servo| servo.fit.waits_for_pulses.is_some()) => {
+            MACHINE_AT_PULSES
+        }
         None => AT_ROWS,
     };
     let of_one_size = of_one_size(model, of).map(|_| OF_ONE_SIZE);
@@ -98,6 +101,9 @@ const AT_PULSES: &str = "  Late: behind a smooth command that the servo gets as 
 
 /// The same of any other recording.
 const AT_ROWS: &str = "  Late: behind a smooth command that is sent as those of this recording were. If these stood at their pulses, a\n  command that is held for frames of 20 ms is half a frame later, and more where limits of speed or drive are\n  reached; if they waited for pulses, that is included.\n";
+
+/// The same where a servo model has its commands at pulses that they waited for.
+const MACHINE_AT_PULSES: &str = "  Late: by the servo model, behind a smooth command that the servo gets as it is; one that waits for pulses is half\n  of the time between them later. By the linear model that wait is included.\n";
 
 /// Of the servo as a machine, under a sine of this amplitude.
 fn of_machine(servo: &ServoModel, of: &ModelMetadata, hertz: f64, amplitude: f64) -> String {

@@ -76,8 +76,15 @@ pub fn of_flight_model(flight: &FlightModel, linear: bool) -> String {
         true => String::new(),
         false => format!("  {}\n", wrapped(OF_DESCRIPTION, 2)),
     };
-    text + "  " + &flight.statement + "\n" + &doubt
+    let at_any_sample = match flight.approximation && flight.band_hz.is_none() {
+        true => format!("  {}\n", wrapped(AT_ANY_SAMPLE, 2)),
+        false => String::new(),
+    };
+    text + "  " + &flight.statement + "\n" + &at_any_sample + &doubt
 }
+
+/// Said of an approximation, of which a file has a larger figure.
+const AT_ANY_SAMPLE: &str = "These distances are counted by what the recording determines of a response. A file states the largest at any sample, which may be larger.";
 
 /// Said where strokes go in one direction.
 pub(crate) const STROKES_OF_ONE_DIRECTION: &str =

@@ -171,13 +171,15 @@ pub(super) fn resting_error(model: &ServoModel, units: Units<'_>) -> Option<Stri
         .flatten()
         .is_none_or(|[_, upper]| upper < MOST_OF_REST * value);
     (by_friction.value > 0.0 && is_known).then(|| {
-        let gain = model.parameters(0).gain.abs();
+        // Where the load grows with the angle, an error of the command moves the shaft by less.
+        let angle = value.min(model.held_at_rest());
+        let position = angle * model.parameters(0).gain.abs();
         let command = match units.input == units.output {
             true => format!("{} of the command", with_space(units.input)),
             false => format!(
                 "{} ({}{})",
                 with_space(units.input),
-                digits(gain * value, 2),
+                digits(position, 2),
                 with_space(units.output)
             ),
         };
@@ -261,6 +263,11 @@ fn ends(quantity: &Quantity) -> Option<[f64; 2]> {
 pub(super) fn delay(model: &ServoModel) -> Option<String> {
     let found = determined(model, QuantityKind::Delay)?;
     let (delay, at_once) = (found.value, AT_ONCE * model.sample_period_s);
+    // Of commands that wait for pulses the wait comes before it.
+    let late = match model.fit.waits_for_pulses {
+        Some(_) => "behind its pulse",
+        None => "late",
+    };
     Some(match ends(found) {
         // An end that far off says nothing of the servo, and alarms.
         Some([lower, upper]) if lower < at_once && upper > FAR_OFF * delay && upper > at_once => {
@@ -269,14 +276,14 @@ pub(super) fn delay(model: &ServoModel) -> Option<String> {
         Some([lower, upper]) if upper - lower > VAGUE * delay && upper > at_once => {
             let upper = digits(1e3 * upper, 3);
             match lower < at_once {
-                true => format!("answers at most {upper} ms late"),
-                false => format!("answers {} to {upper} ms late", digits(1e3 * lower, 3)),
+                true => format!("answers at most {upper} ms {late}"),
+                false => format!("answers {} to {upper} ms {late}", digits(1e3 * lower, 3)),
             }
         }
         _ if delay < at_once => "answers at once".to_owned(),
         ends => {
             let width = ends.map(|[lower, upper]| 1e3 * (upper - lower));
-            format!("answers {} ms late", digits_beside(1e3 * delay, 3, width))
+            format!("answers {} ms {late}", digits_beside(1e3 * delay, 3, width))
         }
     })
 }

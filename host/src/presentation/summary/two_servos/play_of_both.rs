@@ -3,7 +3,7 @@
 use crate::data::units::Units;
 use crate::presentation::summary::wording::numbers::{digits, digits_beside, four_digits};
 use servoid_identification::comparison::{MorePlay, QuantityPair, ServoModelComparison};
-use servoid_identification::results::{Interval, with_unit};
+use servoid_identification::results::{Interval, Reason, with_unit};
 use servoid_identification::servo_model::{QuantityKind, Spread};
 
 fn is_play(pair: &QuantityPair) -> bool {
@@ -90,12 +90,16 @@ pub(super) fn play_of_models(
     };
     let of_a = of(pair.a, pair.interval_of_one.a, pair.other_fits.a)?;
     let of_b = of(pair.b, pair.interval_of_one.b, pair.other_fits.b)?;
+    // A model that lacks something of its servo may have a dead band or a load in place of play.
+    let shows = |without_bounds: Option<Reason>, play: f64, rmse: f64| {
+        without_bounds.is_none() && MorePlay::would_show(play, rmse)
+    };
     let in_words = match (of_a, of_b) {
         (Some(of_a), Some(of_b)) => format!("{of_a} in {a} and {of_b} in {b}"),
-        (Some(of_a), None) if MorePlay::would_show(pair.a?, found.rmse.b) => {
+        (Some(of_a), None) if shows(found.without_bounds.b, pair.a?, found.rmse.b) => {
             format!("{of_a} in {a}, and none that shows in {b}")
         }
-        (None, Some(of_b)) if MorePlay::would_show(pair.b?, found.rmse.a) => {
+        (None, Some(of_b)) if shows(found.without_bounds.a, pair.b?, found.rmse.a) => {
             format!("{of_b} in {b}, and none that shows in {a}")
         }
         _ => return None,

@@ -38,16 +38,15 @@ pub fn sentence_on_servo_models(
     let differences = differences(a, b, found, units);
     let known = found.rests_apart.is_known();
     let by_models = play_of_models(a, b, found, units);
-    let may_be_open = !found.rests_apart.differ() && by_models.is_none();
+    let more_play = more_play(a, b, found, units);
+    let may_be_open = !found.rests_apart.differ() && by_models.is_none() && more_play.is_none();
     let like_play = like_play(a, b, found, units);
     let is_asked = like_play.is_none() && differences.is_empty();
     let play = (may_be_open && (known || is_asked))
         .then(|| (found.rests_apart).nothing_sure_in_words([a, b], units.output.unwrap_or("")));
     let by_responses = || step_responses?.worn_in_words([a, b]);
     let by_rests = || (found.rests_apart.differ()).then(|| RESTS_LEAVE_OPEN.to_owned());
-    let worn = more_play(a, b, found, units)
-        .or_else(by_responses)
-        .or_else(by_rests);
+    let worn = more_play.or_else(by_responses).or_else(by_rests);
     let sentences = [
         Some(what_is_sure(a, b, found, differences)),
         worn,

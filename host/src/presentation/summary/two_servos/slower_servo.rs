@@ -4,7 +4,7 @@ use crate::presentation::summary::wording::numbers::digits;
 use servoid_identification::comparison::ServoModelComparison;
 use servoid_identification::servo_model::QuantityKind;
 
-/// Which servo is slower for sure, in both directions, and what makes one so.
+/// Which servo is slower for sure, in one direction or in both, and what makes one so.
 pub(super) fn slower(a: &str, b: &str, found: &ServoModelComparison) -> Option<String> {
     let differences = &found.bounds.valid()?.differences;
     let top_speeds = |kind: QuantityKind| {
@@ -12,21 +12,27 @@ pub(super) fn slower(a: &str, b: &str, found: &ServoModelComparison) -> Option<S
         let (pair, difference) = pairs.find(|(pair, _)| pair.kind() == Some(kind))?;
         pair.a.zip(pair.b).filter(|_| difference.is_sure())
     };
-    let up = top_speeds(QuantityKind::TopSpeedUpwards)?;
-    let down = top_speeds(QuantityKind::TopSpeedDownwards)?;
-    let (slow, quick) = match (up.1 < up.0, down.1 < down.0) {
-        (true, true) => (b, a),
-        (false, false) => (a, b),
+    let up = top_speeds(QuantityKind::TopSpeedUpwards);
+    let down = top_speeds(QuantityKind::TopSpeedDownwards);
+    let is_second = |(of_a, of_b): (f64, f64)| of_b < of_a;
+    let (slow, quick) = match (up.map(is_second), down.map(is_second)) {
         // A load does that to one servo.
-        _ => return None,
+        (Some(up), Some(down)) if up != down => return None,
+        (Some(true), _) | (None, Some(true)) => (b, a),
+        (Some(false), _) | (None, Some(false)) => (a, b),
+        (None, None) => return None,
     };
-    let [up, down] = [up, down].map(|(of_a, of_b)| {
+    let [up, down] = [up, down].map(|of_both| {
+        let (of_a, of_b) = of_both?;
         let part = of_a.min(of_b) / of_a.max(of_b);
-        digits(100.0 * (1.0 - part), 2)
+        Some(digits(100.0 * (1.0 - part), 2))
     });
-    let by = match up == down {
-        true => format!("{up} %"),
-        false => format!("{up} % upwards and {down} % downwards"),
+    let by = match (up, down) {
+        (Some(up), Some(down)) if up == down => format!("{up} %"),
+        (Some(up), Some(down)) => format!("{up} % upwards and {down} % downwards"),
+        (Some(up), None) => format!("{up} % upwards (no difference downwards is sure)"),
+        (None, Some(down)) => format!("{down} % downwards (no difference upwards is sure)"),
+        (None, None) => return None,
     };
     Some(format!(
         "{slow} is slower than {quick} at top speed, by {by}: a lower supply, more load or friction, or a worn motor makes a servo so."
