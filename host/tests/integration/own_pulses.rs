@@ -5,6 +5,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 use serde_json::Value;
+use servoid::data::model_file::ModelFile;
 use servoid_dynamics::{DriveLimit, Grid, ServoParameters, Start, simulate};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -200,6 +201,27 @@ fn known(servo_model: &Value, servo: &ServoParameters) -> Vec<(&'static str, f64
     known.into_iter().flatten().collect()
 }
 
+/// The share of the moments of a new command at which the band of the model holds the motion of the servo, where it has one.
+fn inside(model: &Path, servo: &ServoParameters, row_s: f64) -> Option<f64> {
+    let model = ModelFile::read(model)
+        .unwrap()
+        .servo_model()
+        .unwrap()?
+        .model;
+    let levels = [0.0, 3.0, -12.0, 14.0, 13.0, -5.0, 6.0, 0.0];
+    let held = (0.3 / row_s) as usize;
+    let input: Vec<f64> = levels.iter().flat_map(|level| vec![*level; held]).collect();
+    let response = model.respond(&input, 0);
+    let half_width = response.half_width.into_valid()?;
+    let start = Start::at_rest(servo.resting_output(0.0), Some(0.0));
+    let mut holds = 0;
+    let grid = Grid::new(row_s, 0.0, STEP_S / 4.0);
+    simulate(servo, &grid, &start, &input, |k, y| {
+        holds += usize::from((y - response.value[k]).abs() <= half_width[k]);
+    });
+    Some(holds as f64 / input.len() as f64)
+}
+
 /// Prints how many of `SERVOS` recordings, from the number `FIRST` on, have intervals, and which of these miss the truth.
 #[test]
 #[ignore = "minutes"]
@@ -209,9 +231,11 @@ fn coverage_behind_pulses_of_their_own_clock() {
     let servos = asked("SERVOS").unwrap_or(24);
     let folder = tempfile::tempdir().unwrap();
     let (mut with_intervals, mut intervals, mut missed) = (0, 0, Vec::new());
+    let mut bands = Vec::new();
     for seed in first..first + servos {
         let (servo, recording) = drawn(seed);
         let (model, _) = identified(&recording.write(&servo, folder.path()));
+        bands.extend(inside(&model, &servo, recording.in_a_row as f64 * STEP_S));
         let known = known(&json(&model)["servo_model"], &servo);
         with_intervals += usize::from(!known.is_empty());
         intervals += known.len();
@@ -222,7 +246,12 @@ fn coverage_behind_pulses_of_their_own_clock() {
     }
     let hold = intervals - missed.len();
     println!("{with_intervals} of {servos} recordings have intervals, {hold} of {intervals} hold");
-    println!("missed: {missed:?}");
+    let mean = bands.iter().sum::<f64>() / bands.len() as f64;
+    println!(
+        "missed: {missed:?}; inside of {} bands in the mean: {mean}",
+        bands.len()
+    );
     // 99 % of them, and as many again by chance.
     assert!(missed.len() * 50 <= intervals, "{missed:?}");
+    assert!(mean > 0.98, "{bands:?}");
 }

@@ -1,9 +1,10 @@
 //! The sentences of advice on a comparison.
 
 use super::motion::Motion;
-use super::outcome::{Comparison, DifferenceCurve, Levels, Sides, Subject};
+use super::outcome::{Comparison, DifferenceCurve, Levels, Subject};
 use super::pair::Identified;
 use super::run_means::half_width_by_runs;
+use super::sides::Sides;
 use super::verdict::Verdict;
 use crate::data::References;
 use crate::nonlinear::Limits;

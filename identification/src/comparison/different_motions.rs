@@ -1,8 +1,9 @@
 //! Whether the references of two sides may be what makes their responses differ.
 
 use super::motion::{Motion, larger_by, strokes_differ};
-use super::outcome::{Comparison, Sides};
+use super::outcome::Comparison;
 use super::pair::Identified;
+use super::sides::Sides;
 use super::stroke_sizes::StrokeSizes;
 use super::verdict::Verdict;
 use crate::numerics::{four_digits, with_unit};

@@ -49,6 +49,7 @@ mod scatter_of_curves;
 mod servo_models;
 mod shift;
 mod shift_alone;
+mod sides;
 mod stroke_sizes;
 mod verdict;
 mod wear;
@@ -62,7 +63,7 @@ pub use motion::Motion;
 pub use options::{ComparisonOptions, DelayErrors};
 pub use outcome::{
     Asymmetry, Comparison, ComparisonBounds, CurveBounds, DifferenceCurve, DifferencePercent,
-    Direction, Levels, MetricDifference, SCHEMA, Sides, Subject,
+    Direction, Levels, MetricDifference, SCHEMA, Subject,
 };
 pub use over_prediction::OverPrediction;
 pub use rests_apart::RestsApart;
@@ -70,4 +71,5 @@ pub use servo_models::{
     QuantityDifference, QuantityDifferences, QuantityPair, ServoModelComparison, SpeedLimitsOfBoth,
     StrokeTimes, compare_servo_models,
 };
+pub use sides::Sides;
 pub use verdict::Verdict;

@@ -1,7 +1,7 @@
 //! Which of two servos has more play: that is wear of the gears, or of what is between them and the sensor.
 
-use super::outcome::Sides;
 use super::servo_models::{QuantityDifference, QuantityPair, ServoModelComparison};
+use super::sides::Sides;
 use crate::results::Interval;
 use crate::servo_model::QuantityKind;
 

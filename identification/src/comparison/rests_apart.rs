@@ -2,7 +2,7 @@
 //!
 //! A step response is of whole strokes, of which play is a small share: a worn servo responds as a new one does. Where it rests shows the wear.
 
-use super::outcome::Sides;
+use super::sides::Sides;
 use crate::numerics::{pointwise_critical, with_unit};
 use crate::results::Interval;
 use serde::{Deserialize, Serialize};

@@ -12,8 +12,8 @@
 //! angles](super::at_one_angle). For independent records it is wider than it would have to be.
 
 use super::at_one_angle::{by_angles, with_shift};
-use super::outcome::Sides;
 use super::rests_apart::RestsApart;
+use super::sides::Sides;
 use crate::nonlinear::SpeedLimits;
 use crate::numerics::pointwise_critical;
 use crate::options::Options;

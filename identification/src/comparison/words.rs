@@ -3,10 +3,10 @@
 use super::different_motions::references_of_models_in_words;
 use super::options::ComparisonOptions;
 use super::outcome::{
-    Comparison, ComparisonBounds, DifferenceCurve, Direction, Levels, MetricDifference, Sides,
-    Subject,
+    Comparison, ComparisonBounds, DifferenceCurve, Direction, Levels, MetricDifference, Subject,
 };
 use super::shift_alone::ShiftIs;
+use super::sides::Sides;
 use super::verdict::Verdict;
 use super::wear::NAMES_IN_SUMMARY;
 use crate::numerics::{command_in_words, four_digits, pointwise_critical, six_digits};

@@ -61,6 +61,7 @@ pub const ROOMS: [(&str, &[&str]); 11] = [
     (
         "dynamics/src",
         &[
+            "commands",
             "dual",
             "equation",
             "stepper",

@@ -92,13 +92,17 @@ impl<'d> ModelOnRecording<'d> {
         })
     }
 
-    /// The same for the servo model alone, which has the commands of its own recording at such pulses: the linear one has the waits in its times.
+    /// The same for the servo model alone, which has the commands of its own recording at such pulses: the linear one has the waits in its times. As recorded, where the model is closer so: not all commands wait.
     ///
     /// # Errors
     /// The model cannot be held against any run.
     pub(super) fn servo_at_pulses(self, frame_s: f64) -> Result<Self> {
         let found = self.closest(frame_s)?;
-        self.with_servo_at(found, (frame_s, By::OwnRecording))
+        let as_recorded = self.of_servo()?;
+        match as_recorded.is_some_and(|as_recorded| as_recorded.rmse <= found.rmse) {
+            true => Ok(self),
+            false => self.with_servo_at(found, (frame_s, By::OwnRecording)),
+        }
     }
 
     fn closest(&self, frame_s: f64) -> Result<ClosestPulses> {

@@ -298,7 +298,7 @@ mod tests {
         // Looked up at moments that are a twenty-fourth of a frame apart.
         let (looked_up_s, error) = least_error(&record, stated_s, &predict).unwrap();
         assert!((looked_up_s / frame_s - 1.0).abs() < 1e-3, "{looked_up_s}");
-        assert!(error < 0.3 * found.rmse_as_stated, "{error} {found:?}");
+        assert!(error < 0.5 * found.rmse_as_stated, "{error} {found:?}");
         // What is left of a step is a share of what a whole frame makes.
         assert!(found.rmse < 0.2 * found.rmse_as_stated, "{found:?}");
         assert!(found.rmse_as_stated < found.largest_rmse, "{found:?}");

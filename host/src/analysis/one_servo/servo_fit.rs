@@ -191,8 +191,7 @@ fn fit(
     };
     let model = found(&data.record).map_err(|error| error.to_string())?;
     let (model, record) = behind_pulses(data, model, &options.controllers, found);
-    let of_pulses_s = (model.fit.waits_for_pulses).map_or(0.0, |waits| waits.delay_error_s);
-    let model = model.with_delay_error(data.about.sensor_delay_uncertainty_s + of_pulses_s);
+    let model = model.with_delay_error(data.about.sensor_delay_uncertainty_s);
     let (hysteresis, apart) = Hysteresis::with_rests_apart(&data.record, linear.model(), level);
     let simulated = model.simulate(&record, &options.controllers);
     let most_apart = apart.and_then(|apart| apart.value).unwrap_or_default();
@@ -224,9 +223,8 @@ fn behind_pulses<'r>(
     found: impl Fn(&Record) -> Result<ServoModel, Error>,
 ) -> (ServoModel, Record<'r>) {
     let servo_at = |pulses: waits::AtPulses<'r>| {
-        let mut model = found(&pulses.record).ok()?;
-        model.fit.waits_for_pulses = Some(pulses.waits);
-        Some((model, pulses.record))
+        let model = found(&pulses.record).ok()?;
+        Some((model.behind_pulses(pulses.waits), pulses.record))
     };
     let better = || {
         let (first, record) = servo_at(waits::at_pulses(data, &of_rows, controllers)?)?;
@@ -234,15 +232,14 @@ fn behind_pulses<'r>(
             return Some((first, record));
         }
         // The pulses that were found with a servo that had waits in its errors.
-        let frame_s = first.fit.waits_for_pulses?.frame_s;
-        let pulses = waits::closest(&data.record, &first, controllers, frame_s)?;
+        let pulses = waits::closest(&data.record, &first, controllers)?;
         let (second, record_of_second) = servo_at(pulses)?;
         match second.fit.rmse < first.fit.rmse {
             true => Some((second, record_of_second)),
             false => Some((first, record)),
         }
     };
-    let better = better().filter(|(model, _)| model.fit.rmse < of_rows.fit.rmse);
+    let better = better().filter(|(model, _)| waits::were_waits(model, &of_rows));
     better.unwrap_or_else(|| (of_rows, data.record.clone()))
 }
 
@@ -273,8 +270,7 @@ fn predict(held_out: &HeldOut, options: &Options, search: &dyn Watch) -> Option<
         .and_then(|name| names.iter().position(|known| *known == name));
     let controllers: Vec<usize> = controller.into_iter().collect();
     let waits = servo.model.fit.waits_for_pulses;
-    let at_pulses =
-        waits.and_then(|waits| waits::closest(&whole, &servo.model, &controllers, waits.frame_s));
+    let at_pulses = waits.and_then(|_| waits::closest(&whole, &servo.model, &controllers));
     let behind_pulses = at_pulses.map_or_else(|| whole.clone(), |found| found.record);
     let by_servo = servo.model.simulate(&behind_pulses, &controllers).pop()?;
     let by_linear = linear.simulate(&from_rest(&held_out.run, &linear));

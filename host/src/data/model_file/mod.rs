@@ -231,10 +231,12 @@ impl ModelFile {
         let beside = BesideServoModel::deserialize(&self.servo_model).map_err(malformed)?;
         match model.is_consistent() {
             true => Ok(Some(ServoModelDocument {
+                is_of_rows: self.metadata.pulse_frame_s.is_none()
+                    && !self.metadata.exact_command
+                    && model.fit.waits_for_pulses.is_none(),
                 model: model.with_todays_quantities(),
                 controller_names: beside.controller_names,
                 stroke_of_60_degrees_s: beside.stroke_of_60_degrees_s,
-                is_of_rows: self.metadata.pulse_frame_s.is_none() && !self.metadata.exact_command,
                 polled: self.metadata.polled,
                 common_wait_s: self.metadata.common_wait_s,
             })),

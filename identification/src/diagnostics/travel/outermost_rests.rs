@@ -21,12 +21,13 @@ mod tests {
 
     #[test]
     fn each_is_the_median_of_the_ends_of_holds() {
-        // Rests at 1 under a command of 0, at 5 under 4 but once, and moves in between.
+        // Rests at 1 under a command of 0, at 5 under 4 but once, and moves in between. What led to the first hold is not known.
         let hold = |command: f64, from: f64, rest: f64| {
             let way = move |k: u32| if k < 4 { from } else { rest };
             (0..8).map(move |k| (command, way(k)))
         };
         let all = [
+            (3.0, 9.0, 4.0),
             (0.0, 9.0, 1.0),
             (4.0, 1.0, 5.0),
             (2.0, 5.0, 3.0),

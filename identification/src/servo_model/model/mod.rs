@@ -486,6 +486,28 @@ impl ServoModel {
         self
     }
 
+    /// The servo of a record whose commands are at pulses that were found by its motion. What they leave open of the delay is in its covariance, and in those of the servos that are possible as well: with it, responses and draws have it, too.
+    #[must_use]
+    pub fn behind_pulses(mut self, waits: WaitsForPulses) -> Self {
+        // Nothing says where between its ends, so that two standard deviations have them.
+        let variance = (0.5 * waits.delay_error_s).powi(2);
+        let add = |coordinates: &[Coordinate], rows: &mut [Vec<f64>]| {
+            let delay = coordinates.iter().position(|at| *at == Coordinate::Delay);
+            if let Some(own) = delay.and_then(|at| rows.get_mut(at)?.get_mut(at)) {
+                *own += variance;
+            }
+        };
+        if let Bounds::Valid(covariance) = &mut self.covariance {
+            add(&self.coordinates, &mut covariance.rows);
+        }
+        for other in &mut self.alternatives {
+            add(&other.coordinates, &mut other.covariance);
+        }
+        widen_delay(&mut self.quantities, waits.delay_error_s);
+        self.fit.waits_for_pulses = Some(waits);
+        self
+    }
+
     /// The same servo with a delay that is so many `seconds` shorter, or none.
     #[must_use]
     pub fn sooner(mut self, seconds: f64) -> Self {

@@ -2,14 +2,14 @@
 
 use super::ServoModel;
 use crate::numerics::halved;
-use servoid_dynamics::{ServoParameters, Stops};
+use servoid_dynamics::{Friction, ServoParameters, Stops};
 
 /// From where on the load stalls the drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stall {
     /// The command from which on the drive is full at rest \[command\].
     pub command: f64,
-    /// Where the servo rests under the last command of the record, in the middle of where friction holds it: it gets no farther \[output\].
+    /// Where the servo comes to rest under the last command of the record, against load and friction: it gets no farther, but for what its speed carries it \[output\].
     pub output: f64,
 }
 
@@ -33,11 +33,24 @@ fn stall(servo: &ServoParameters, middle: f64, end: f64) -> Option<Stall> {
     if stalls_under(free, middle) || !stalls_under(free, end) {
         return None;
     }
-    let output = free.resting_output(end);
-    (output == servo.resting_output(end)).then(|| Stall {
+    (free.resting_output(end) == servo.resting_output(end)).then(|| Stall {
         command: halved(middle, end, |command| !stalls_under(free, command)),
-        output,
+        output: comes_to(free, end, middle),
     })
+}
+
+/// Where a servo comes to rest under the command `end` from the side of `middle`: friction in motion stops it before drive and load balance.
+fn comes_to(servo: &ServoParameters, end: f64, middle: f64) -> f64 {
+    let moving = ServoParameters {
+        friction: servo.friction.map(|friction| Friction {
+            at_rest: None,
+            ..friction
+        }),
+        ..*servo
+    };
+    let [low, high] = moving.staying_angles(end);
+    let angle = if end < middle { high } else { low };
+    angle * servo.gain + servo.offset
 }
 
 /// Whether the drive is full at rest.
@@ -77,6 +90,17 @@ mod tests {
             (found.command - (10.0 + 1000.0 / 900.0)).abs() < 1e-6,
             "{found:?}"
         );
+        // Coulomb friction of 200 leaves 800 of the drive.
+        let rubbing = ServoParameters {
+            friction: Some(Friction {
+                coulomb: 200.0,
+                of_gears: 0.0,
+                at_rest: None,
+            }),
+            ..servo
+        };
+        let found = stall(&rubbing, 0.0, 15.0).unwrap();
+        assert!((found.output - 16.0).abs() < 1e-6, "{found:?}");
         // A stop before that is no stall.
         let stopped = ServoParameters {
             stops: Stops {

@@ -3,7 +3,10 @@
 use super::subject::ServoExport;
 use super::trial_command::{Trial, root_mean_square};
 use crate::presentation::summary::{digits, percent};
-use servoid_identification::results::Bounds;
+use servoid_identification::results::{Bounds, six_digits};
+
+/// Parts of the recorded range over which strokes go: larger ones may be beyond what the recording shows.
+const PARTS: [f64; 4] = [1.0, 0.75, 0.5, 0.25];
 
 /// Digits of what is stated.
 const DIGITS: usize = 3;
@@ -15,8 +18,16 @@ impl ServoExport<'_> {
         let level = percent(self.model.covariance.valid()?.level);
         let step_s = self.model.sample_period_s;
         let any = [f64::NEG_INFINITY, f64::INFINITY];
-        let trial = Trial::of(self, step_s, any).only_staircase();
-        let levels: Vec<String> = trial.levels.iter().map(f64::to_string).collect();
+        let whole = Trial::of(self, step_s, any).only_staircase();
+        let respond = |trial: &Trial| self.model.respond(&trial.command(), self.controller);
+        let shown = |trial: &Trial| respond(trial).half_width.valid().is_some();
+        let smaller = PARTS.map(|part| whole.enlarged(part));
+        let trial = smaller.into_iter().find(shown).unwrap_or(whole);
+        let levels = trial
+            .levels
+            .iter()
+            .map(|level| six_digits(*level).to_string());
+        let levels: Vec<String> = levels.collect();
         let seconds = |steps: usize| digits(steps as f64 * step_s, DIGITS);
         let strokes = format!(
             "under the commands {} {}, held for {} s each and then again for {} s each",
@@ -25,8 +36,7 @@ impl ServoExport<'_> {
             seconds(trial.steps_per_level),
             seconds(trial.steps_of_broken_off)
         );
-        let response = self.model.respond(&trial.command(), self.controller);
-        Some(match response.half_width {
+        Some(match respond(&trial).half_width {
             Bounds::Valid(half_width) => {
                 let widest = half_width.iter().copied().fold(0.0, f64::max);
                 let rms = root_mean_square(&half_width, &vec![0.0; half_width.len()], 0);

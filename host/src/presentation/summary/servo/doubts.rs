@@ -30,7 +30,7 @@ pub(super) fn without_intervals(model: &ServoModel, reason: Reason, units: Units
     let more = match reason {
         Reason::ErrorsNotNoise => &not_noise,
         Reason::QuantisationAboveNoise => {
-            ", and limits, loads and friction of the model may stand for them; a finer sensor, or larger strokes, would help"
+            ", and limits, loads and friction of the model may stand for them, or it lacks something of the servo, which does not show beside them; a finer sensor shows which"
         }
         Reason::NeverAtRest => " (holds in which it comes to rest would)",
         _ => "",

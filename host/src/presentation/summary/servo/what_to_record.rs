@@ -87,7 +87,7 @@ const STAIRS_DO_NOT_SEPARATE: &str = "Dead band and friction rest alike, and sta
     --frequencies 0.1:3 --length 20). Identify it together with this recording, in rows of one period, for the servo model alone: the linear model of two kinds of motion is of neither. A recording that has both shows no more.";
 
 /// What times count from in a file of which nothing is stated.
-const SAY_POLLED: &str = "If a logger with a clock of its own wrote the file, say --polled: without it all times are half a row too early.";
+const SAY_POLLED: &str = "If the logger, and not the pulses, had a clock of its own and looked for the command once in a row, say --polled: without it all times are half a row too early.";
 
 /// What gives intervals in a file of another program, where more of the same does not.
 const WHAT_A_LOGGER_MAY_LACK: &str = "Another recording of this kind, or a longer one, may have intervals where the model has all of the servo: of such servos a few recordings in a hundred have none by chance. Where pulses come on a clock of their own, commands wait for them, which neither \

@@ -32,12 +32,16 @@ pub(crate) fn whole_stroke(model: &ServoModel, units: Units<'_>) -> Option<Strin
         (false, None) if top_speeds(model).is_some() => "the one at top speed".to_owned(),
         (false, None) => "the one at top speed, which this recording does not show".to_owned(),
     };
+    let from = match model.fit.waits_for_pulses {
+        Some(_) => "the pulse with the command",
+        None => "the change of the command",
+    };
     let stroke = match model.covariance.valid() {
         Some(_) => "A stroke",
         None => "By this model, whose figures may be off, a stroke",
     };
     Some(format!(
-        "{stroke} of 60 degrees takes {times}, with delay, acceleration and braking: from the change of the command until the servo stays within 2 % of the stroke from its end.{} \
+        "{stroke} of 60 degrees takes {times}, with delay, acceleration and braking: from {from} until the servo stays within 2 % of the stroke from its end; no interval of that time is known.{} \
          Data sheets leave that out: hold their time for 60 degrees against {at_speed}.",
         beyond.unwrap_or_default()
     ))

@@ -89,7 +89,7 @@ fn strokes_of_both(a: &str, b: &str, found: &ServoModelComparison) -> Option<Str
         None => "",
     };
     Some(format!(
-        "By the models{may_be_off} a stroke of 60 degrees takes {of_a} in {a}, and {of_b} in {b}, until it stays within 2 % of its end: one that overshoots may take longer than a slower one."
+        "By the models{may_be_off} a stroke of 60 degrees takes {of_a} in {a}, and {of_b} in {b}, until it stays within 2 % of its end; no interval of these times is known, and one that overshoots may take longer than a slower one."
     ))
 }
 
@@ -600,7 +600,7 @@ mod tests {
     fn a_load_that_an_interval_shows_in_one_model_alone_is_named() {
         let of =
             "(load at the middle 0.2042 deg; a drive that is weaker to one side looks the same)";
-        let times = "By the models a stroke of 60 degrees takes 239 ms upwards and 171 ms downwards in A, and 200 ms in B, until it stays within 2 % of its end: one that overshoots may take longer than a slower one.";
+        let times = "By the models a stroke of 60 degrees takes 239 ms upwards and 171 ms downwards in A, and 200 ms in B, until it stays within 2 % of its end; no interval of these times is known, and one that overshoots may take longer than a slower one.";
         let ends = |lower: f64| Some(Interval::new(0.2042, lower, 0.3));
         let loaded = sentence(None, Some(0.2042), ends(0.1));
         let said = format!("The model of B has a load {of}, and in that of A none shows. {times}");

@@ -1,7 +1,7 @@
 //! Which of two servos is slower.
 
 use crate::presentation::summary::wording::numbers::digits;
-use servoid_identification::comparison::ServoModelComparison;
+use servoid_identification::comparison::{QuantityPair, ServoModelComparison};
 use servoid_identification::servo_model::QuantityKind;
 
 /// Which servo is slower for sure, in one direction or in both, and what makes one so.
@@ -14,6 +14,13 @@ pub(super) fn slower(a: &str, b: &str, found: &ServoModelComparison) -> Option<S
     };
     let up = top_speeds(QuantityKind::TopSpeedUpwards);
     let down = top_speeds(QuantityKind::TopSpeedDownwards);
+    // A load that one has may be what slows it in one direction.
+    let is_loaded = |pair: &QuantityPair| {
+        pair.kind() == Some(QuantityKind::LoadAtMiddle) && (pair.a.is_some() || pair.b.is_some())
+    };
+    if (up.is_none() || down.is_none()) && found.quantities.iter().any(is_loaded) {
+        return None;
+    }
     let is_second = |(of_a, of_b): (f64, f64)| of_b < of_a;
     let (slow, quick) = match (up.map(is_second), down.map(is_second)) {
         // A load does that to one servo.
