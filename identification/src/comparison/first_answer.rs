@@ -18,7 +18,7 @@ impl ServoModelComparison {
             Some(Verdict::Same) => rests_differ,
             Some(Verdict::Different) => any_differs(),
             Some(Verdict::Undecided) | None => {
-                rests_differ || any_differs() || self.compares() && !show
+                rests_differ || any_differs() || self.plays_are_apart() || self.compares() && !show
             }
         }
     }

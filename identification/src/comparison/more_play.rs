@@ -30,6 +30,17 @@ impl ServoModelComparison {
     }
 }
 
+impl ServoModelComparison {
+    /// Whether one has more play than the other as far as their models say, beyond the errors of both: without intervals that is not sure.
+    #[must_use]
+    pub fn plays_are_apart(&self) -> bool {
+        let mut pairs = self.quantities.iter();
+        let play = pairs.find(|pair| pair.kind() == Some(QuantityKind::Play));
+        let apart = play.and_then(|pair| Some((pair.a? - pair.b?).abs()));
+        apart.is_some_and(|apart| MorePlay::would_show(apart, self.rmse.a.max(self.rmse.b)))
+    }
+}
+
 impl MorePlay {
     /// Whether a model of this rms error that has no play would have one as wide as this.
     #[must_use]
