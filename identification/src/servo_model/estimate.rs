@@ -239,7 +239,9 @@ impl Found {
             .staying_angles(command)
             .map(|angle| angle * servo.gain + servo.offset);
         let (near, far) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
-        let beyond = (near - rest).max(rest - far);
+        // Behind play the output is up to half of it away.
+        let half_play = servo.half_play() * servo.gain.abs();
+        let beyond = (near - rest).max(rest - far) - half_play;
         let goes_on = || beyond > GOES_ON * self.candidates.found.root_mean_square();
         self.best().terms.load == LoadKind::Air || !self.has_noise_alone() && goes_on()
     }

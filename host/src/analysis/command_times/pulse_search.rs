@@ -55,6 +55,23 @@ impl ClosestPulses {
         self.moved(record, |run, pulses| in_force(run, period_s, pulses))
     }
 
+    /// With all pulses so many `seconds` later.
+    pub(crate) fn later(&self, seconds: f64) -> Self {
+        let later = |first_s: &Option<f64>| {
+            first_s.map(|first_s| (first_s + seconds).rem_euclid(self.frame_s))
+        };
+        Self {
+            first_pulse_s: self.first_pulse_s.iter().map(later).collect(),
+            ..self.clone()
+        }
+    }
+
+    /// The frame and the first pulse of the first run \[s\].
+    pub(crate) fn pulses_of_first_run(&self) -> Option<[f64; 2]> {
+        let first_s = self.first_pulse_s.first().copied().flatten()?;
+        Some([self.frame_s, first_s])
+    }
+
     /// With each run as `at` pulses, which are counted in rows.
     fn moved<'r>(
         &self,

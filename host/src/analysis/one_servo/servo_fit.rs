@@ -214,6 +214,10 @@ fn fit(
     })
 }
 
+/// Times that pulses are looked for anew with the servo behind them, while it leaves no more than this share of the errors of the one before.
+const ROUNDS: usize = 3;
+const LESS: f64 = 0.95;
+
 /// The servo behind the pulses that the commands of `data` waited for, with its record, where the errors of the servo of the rows show that they did; else that `of_rows`. `found` finds the servo of a
 /// record.
 fn behind_pulses<'r>(
@@ -227,17 +231,20 @@ fn behind_pulses<'r>(
         Some((model.behind_pulses(pulses.waits), pulses.record))
     };
     let better = || {
-        let (first, record) = servo_at(waits::at_pulses(data, &of_rows, controllers)?)?;
-        if first.covariance.valid().is_some() {
-            return Some((first, record));
+        let mut best = servo_at(waits::at_pulses(data, &of_rows, controllers)?)?;
+        for _ in 0..ROUNDS {
+            // The pulses were found with a servo that had waits in its errors.
+            let frame_s = best.0.fit.waits_for_pulses?.frame_s;
+            let has_intervals = best.0.covariance.valid().is_some();
+            let again = (!has_intervals)
+                .then(|| waits::closest(&data.record, &best.0, controllers, frame_s))
+                .flatten();
+            match again.and_then(servo_at) {
+                Some(next) if next.0.fit.rmse < LESS * best.0.fit.rmse => best = next,
+                _ => break,
+            }
         }
-        // The pulses that were found with a servo that had waits in its errors.
-        let pulses = waits::closest(&data.record, &first, controllers)?;
-        let (second, record_of_second) = servo_at(pulses)?;
-        match second.fit.rmse < first.fit.rmse {
-            true => Some((second, record_of_second)),
-            false => Some((first, record)),
-        }
+        Some(best)
     };
     let better = better().filter(|(model, _)| waits::were_waits(model, &of_rows));
     better.unwrap_or_else(|| (of_rows, data.record.clone()))
@@ -270,7 +277,8 @@ fn predict(held_out: &HeldOut, options: &Options, search: &dyn Watch) -> Option<
         .and_then(|name| names.iter().position(|known| *known == name));
     let controllers: Vec<usize> = controller.into_iter().collect();
     let waits = servo.model.fit.waits_for_pulses;
-    let at_pulses = waits.and_then(|_| waits::closest(&whole, &servo.model, &controllers));
+    let at_pulses =
+        waits.and_then(|waits| waits::closest(&whole, &servo.model, &controllers, waits.frame_s));
     let behind_pulses = at_pulses.map_or_else(|| whole.clone(), |found| found.record);
     let by_servo = servo.model.simulate(&behind_pulses, &controllers).pop()?;
     let by_linear = linear.simulate(&from_rest(&held_out.run, &linear));

@@ -15,6 +15,16 @@ const LEFT: f64 = 0.5;
 /// The same of the servo that has the waits in its figures, which hide a part of what pulses take away.
 const LEFT_AT_FIRST: f64 = 0.8;
 
+/// Lengths of frames about which pulses are looked for, the usual one first \[s\]: each search finds those within half a percent.
+const FRAMES_S: [f64; 5] = [FRAME_S, 0.0198, 0.0202, 0.0196, 0.0204];
+
+/// All pulses are tried so much sooner and later, with a delay that is as much longer or shorter \[s\]: nothing says how much of the delay of the servo at hand is the wait.
+const SHIFT_S: f64 = 4e-3;
+
+/// Steps of that to each side, and of one of these.
+const SHIFTS: i32 = 40;
+const SHIFTS_BESIDE: i32 = 5;
+
 /// Slopes of the moments along a run that are tried on each side, as parts of a frame from its middle to its ends: what the frame's length leaves open.
 const SLOPES: i32 = 200;
 
@@ -40,11 +50,14 @@ pub(super) fn at_pulses<'r>(
     }
     let servo = model.clone().sooner(0.5 * FRAME_S);
     let least = LEFT_AT_FIRST * model.fit.rmse;
-    let looked_up = each_run(&data.record, &servo, controllers, |run, predict| {
-        Some(least_error(run, FRAME_S, predict)?.1)
-    })?;
-    let may_be_pulses = rms_of_runs(&data.record, &looked_up) < least;
-    let found = may_be_pulses.then(|| closest(&data.record, &servo, controllers))??;
+    let may_be_pulses = |frame_s: &f64| {
+        let looked_up = each_run(&data.record, &servo, controllers, |_, run, predict| {
+            Some(least_error(run, *frame_s, predict)?.1)
+        });
+        looked_up.is_some_and(|errors| rms_of_runs(&data.record, &errors) < least)
+    };
+    let frame_s = FRAMES_S.into_iter().find(may_be_pulses)?;
+    let found = closest(&data.record, &servo, controllers, frame_s)?;
     (found.rmse < least).then_some(found)
 }
 
@@ -53,46 +66,75 @@ pub(super) fn were_waits(at_pulses: &ServoModel, of_rows: &ServoModel) -> bool {
     at_pulses.fit.rmse < LEFT * of_rows.fit.rmse
 }
 
-/// The record with the commands of each run at the pulses about every 20 ms with which `servo` is closest. Runs may be of other loggers, and days: each has a length of its own.
+/// The record with the commands of each run at the pulses about every `frame_s` with which `servo` is closest. Runs may be of other loggers, and days: each has a length of its own.
 pub(super) fn closest<'r>(
     record: &Record<'r>,
     servo: &ServoModel,
     controllers: &[usize],
+    frame_s: f64,
 ) -> Option<AtPulses<'r>> {
-    let found = each_run(record, servo, controllers, |run, predict| {
-        let found = closest_pulses(run, FRAME_S, predict)?;
-        let in_force = found.in_force(run).ok()?.runs().first()?.clone();
-        let delay_error_s = delay_error_s(run, &found);
-        Some((in_force, found.rmse, found.frame_s, delay_error_s))
+    let found = each_run(record, servo, controllers, |_, run, predict| {
+        closest_pulses(run, frame_s, predict)
     })?;
-    let errors: Vec<f64> = found.iter().map(|(_, rmse, ..)| *rmse).collect();
-    let frames_s = found.iter().map(|(_, _, frame_s, _)| frame_s);
-    let delay_errors_s = found.iter().map(|(.., delay_error_s)| *delay_error_s);
-    let waits = WaitsForPulses {
-        frame_s: frames_s.sum::<f64>() / found.len() as f64,
-        // The servo has one delay: the run that leaves the least open bounds it.
-        delay_error_s: delay_errors_s.reduce(f64::min)?,
+    let errors_at = |shift_s: f64| {
+        let sooner = servo.clone().sooner(shift_s);
+        each_run(record, &sooner, controllers, |number, run, predict| {
+            let pulses = found.get(number)?.later(shift_s).pulses_of_first_run()?;
+            let run = run.runs().first()?;
+            Some(rms(run.output(), &predict(run, 0, pulses)?))
+        })
     };
-    let rmse = rms_of_runs(record, &errors);
-    let runs = found.into_iter().map(|(run, ..)| run).collect();
+    let rmse_at = |shift_s: &f64| {
+        let errors = errors_at(*shift_s);
+        errors.map_or(f64::INFINITY, |errors| rms_of_runs(record, &errors))
+    };
+    let shift_s = least_of(rmse_at, 0.0, SHIFT_S, SHIFTS);
+    let shift_s = least_of(rmse_at, shift_s, SHIFT_S / f64::from(SHIFTS), SHIFTS_BESIDE);
+    let found: Vec<ClosestPulses> = found.iter().map(|found| found.later(shift_s)).collect();
+    let in_force = record.runs().iter().zip(&found).map(|(run, found)| {
+        let alone = record.try_with_runs(vec![run.clone()]).ok()?;
+        let open_s = delay_error_s(&alone, found);
+        Some((found.in_force(&alone).ok()?.runs().first()?.clone(), open_s))
+    });
+    let (runs, open_s): (Vec<Run>, Vec<f64>) =
+        in_force.collect::<Option<Vec<_>>>()?.into_iter().unzip();
     Some(AtPulses {
         record: record.try_with_runs(runs).ok()?,
-        waits,
-        rmse,
+        waits: WaitsForPulses {
+            frame_s: found.iter().map(|found| found.frame_s).sum::<f64>() / found.len() as f64,
+            // The servo has one delay: the run that leaves the least open bounds it.
+            delay_error_s: open_s.into_iter().reduce(f64::min)?,
+        },
+        rmse: rmse_at(&shift_s),
     })
 }
 
-/// What `of` each run, as a record of its own, is with what `servo` predicts of it; `None` where a run has none.
+/// The value with the least `of` it among those so many steps to each side of the `middle`, up to `reach` from it.
+fn least_of(of: impl Fn(&f64) -> f64, middle: f64, reach: f64, steps: i32) -> f64 {
+    let all = (-steps..=steps).map(|step| middle + reach * f64::from(step) / f64::from(steps));
+    let found = all.map(|value| (of(&value), value));
+    let least = found.min_by(|a, b| a.0.total_cmp(&b.0));
+    least.map_or(middle, |(_, value)| value)
+}
+
+/// The root mean square of what is known of the differences of two columns.
+fn rms(measured: &[f64], predicted: &[f64]) -> f64 {
+    let squares = measured.iter().zip(predicted).map(|(a, b)| (a - b).powi(2));
+    let known: Vec<f64> = squares.filter(|square| square.is_finite()).collect();
+    (known.iter().sum::<f64>() / known.len() as f64).sqrt()
+}
+
+/// What `of` each run, with its number and as a record of its own, is with what `servo` predicts of it; `None` where a run has none.
 fn each_run<'r, T>(
     record: &Record<'r>,
     servo: &ServoModel,
     controllers: &[usize],
-    of: impl Fn(&Record<'r>, Predict<'_, 'r>) -> Option<T>,
+    of: impl Fn(usize, &Record<'r>, Predict<'_, 'r>) -> Option<T>,
 ) -> Option<Vec<T>> {
     let of_run = |(number, run): (usize, &Run<'r>)| {
         let alone = record.try_with_runs(vec![run.clone()]).ok()?;
         let controller = controllers.get(number..=number).unwrap_or_default();
-        of(&alone, &|run, _, pulses| {
+        of(number, &alone, &|run, _, pulses| {
             let pulses = pulses.map(|time_s| time_s / record.sample_period_s());
             simulate_with_pulses(servo, controller, &alone, run, pulses)
         })

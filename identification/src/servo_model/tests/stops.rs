@@ -51,3 +51,38 @@ fn a_load_that_stalls_the_drive_is_no_stop() {
     assert!(found.stops.are_none(), "{:?}", found.stops);
     assert!(found.fit.held_out_percent > 98.0, "{:?}", found.fit);
 }
+
+/// Nothing says that there is a stop, and one command alone goes beyond it: the load of a spring stands for it, in errors that are no noise, until it is tried.
+#[test]
+fn a_stop_that_one_command_meets_is_found_beside_a_spring() {
+    let terms = Terms {
+        limit: true,
+        friction: true,
+        load: LoadKind::Spring,
+        ..Terms::default()
+    };
+    let stiff = |at: Coordinate| match at {
+        Coordinate::Spring => 0.2,
+        Coordinate::Friction => 0.6,
+        at => value(at),
+    };
+    let mut servo = point(terms, stiff);
+    servo.stops.upper = Some(servo.physics(0, |_, value| value).resting_output(3.1));
+    // The first stroke alone goes to 5, all others to 3 at the most.
+    let mut input = strokes(6000);
+    let beyond = input.iter().position(|level| *level == 5.0).unwrap();
+    let behind = beyond
+        + input[beyond..]
+            .iter()
+            .take_while(|level| **level == 5.0)
+            .count();
+    for level in &mut input[behind..] {
+        *level = level.min(3.0);
+    }
+    let record = Record::of_run(PERIOD_S, &input, noisy(&servo, &input, 10)).unwrap();
+    let found = fit(&record, &ServoModelOptions::default()).unwrap();
+    let (upper, truth) = (found.stops.upper.unwrap(), servo.stops.upper.unwrap());
+    // The median of a few dozen samples in noise of 0.03.
+    assert!((upper - truth).abs() < 0.03, "{upper} {truth}");
+    assert!(found.fit.held_out_percent > 98.0, "{:?}", found.fit);
+}
