@@ -141,6 +141,7 @@ impl Exported {
         let mut remarks = vec![format!("largest difference from the servo model: {share}")];
         remarks.extend(written.remarks);
         remarks.extend(metadata.frame_remark());
+        remarks.extend(export.hold_remark(request.target));
         let mut warnings = export.warnings(request.target);
         warnings.extend(written.warnings);
         let difference = Map::from_iter([

@@ -50,9 +50,9 @@ pub(super) struct ExportArgs {
     #[arg(long, value_name = "NAME")]
     name: Option<String>,
     /// Pulse frame, which holds a command (ms); 0 where commands take effect at once. Without it, that of the
-    /// model: 20 ms where it is from recordings of servoid, unknown otherwise. State it only where the recorded
-    /// commands were written at the pulses that carried them: elsewhere the mean wait for a pulse, half a frame,
-    /// is in the model's delay already
+    /// model: 20 ms where it is from recordings of servoid, for a servo model also that of pulses that 'servoid identify'
+    /// found, unknown otherwise. State it only where the recorded commands were written at the pulses that carried
+    /// them: elsewhere the mean wait for a pulse, half a frame, is in the model's delay already
     #[arg(long, value_name = "MS", allow_negative_numbers = true, value_parser = super::value_parsers::finite)]
     frame_ms: Option<f64>,
     #[command(flatten)]

@@ -18,7 +18,9 @@ use crate::nonlinear::SpeedLimits;
 use crate::numerics::pointwise_critical;
 use crate::options::Options;
 use crate::results::{Bounds, Interval, Reason};
-use crate::servo_model::{Quantity, QuantityKind, ServoModel, Spread, Stops, StopsDocument, Unit};
+use crate::servo_model::{
+    Quantity, QuantityKind, ServoModel, Spread, Stops, StopsDocument, Unit, WaitsForPulses,
+};
 use serde::{Deserialize, Serialize};
 
 /// Two servo models beside each other.
@@ -56,6 +58,9 @@ pub struct ServoModelComparison {
     /// Why a side has no intervals; left out where both have them.
     #[serde(default, skip_serializing_if = "Sides::have_none")]
     pub without_bounds: Sides<Option<Reason>>,
+    /// The pulses that the commands of each side waited for, at which its model has them; left out where neither has any.
+    #[serde(default, skip_serializing_if = "Sides::have_none")]
+    pub waits_for_pulses: Sides<Option<WaitsForPulses>>,
 }
 
 /// The speeds of the larger strokes of both sides, as they were measured: no model is asked.
@@ -237,6 +242,7 @@ pub fn compare_servo_models(
         rmse: Sides::of([a, b], |model| model.fit.rmse),
         at_other_angles: pairs.iter().any(widens),
         without_bounds: Sides::of([a, b], |model| model.covariance.withdrawn()),
+        waits_for_pulses: Sides::of([a, b], |model| model.fit.waits_for_pulses),
         bounds: levels.map(|level| QuantityDifferences {
             level,
             differences: differences(level),

@@ -12,7 +12,7 @@ pub(super) struct Times {
     pub(super) open_s: f64,
     /// Whether the recording is read as one whose commands were polled.
     pub(super) polled: bool,
-    /// Whether commands are taken to wait for pulses.
+    /// Whether commands are taken to wait for pulses, or known not to.
     pub(super) frame_is_stated: bool,
     /// What commands within a row of a pulse may make of the error (rms), where they are.
     pub(super) beside_pulses: f64,
@@ -144,8 +144,9 @@ fn cause(
                     in_unit(misfit.left_of_offset)
                 ),
                 None if open_s > 0.0 && !polled && !frame_is_stated => {
-                    format!("{BETWEEN_ROWS} {ANOTHER_MOTION}")
+                    format!("{BETWEEN_ROWS} {FOR_PULSES} {ANOTHER_MOTION}")
                 }
+                None if !frame_is_stated => format!("{FOR_PULSES} {ANOTHER_MOTION}"),
                 None => ANOTHER_MOTION.to_owned(),
             }
         }),
@@ -201,6 +202,9 @@ fn of_spikes(spikes: &Spikes, in_unit: impl Fn(f64) -> String) -> String {
 
 /// Said before it where times are open.
 const BETWEEN_ROWS: &str = "Where the servo followed the command between the rows, and was not held at each, say --polled first: a fast motion is another one then.";
+
+/// Said before it where commands may have waited for pulses, and nobody says that they did not.
+const FOR_PULSES: &str = "Where commands waited for pulses on a clock of their own, --frame-ms 20 looks for these, and the error is less with them.";
 
 /// Said where nothing simpler is the cause.
 pub(super) const ANOTHER_MOTION: &str = "Where servo and noise are the same, the motion is not: identify from recordings of both kinds of motion together, all with rows of one period (strokes as \
@@ -303,6 +307,12 @@ mod tests {
             beside_pulses: 0.0,
         };
         let found = larger_error("linear", [0.8, 0.05], misfit, ("deg", polled)).unwrap();
+        assert_eq!(found.remedy, format!("{FOR_PULSES} {ANOTHER_MOTION}"));
+        let stated = Times {
+            frame_is_stated: true,
+            ..polled
+        };
+        let found = larger_error("linear", [0.8, 0.05], misfit, ("deg", stated)).unwrap();
         assert_eq!(found.remedy, ANOTHER_MOTION);
         // A shift that leaves six times the error of the model's own recording is not all, and half of this one is no more than a slower servo has.
         let in_part = delayed(0.3);

@@ -169,7 +169,7 @@ fn on_models(
     let times = Times {
         open_s: file.metadata.sensor_delay_uncertainty_s + data.about.sensor_delay_uncertainty_s,
         polled: data.about.polled,
-        frame_is_stated: held.pulses.is_some(),
+        frame_is_stated: held.pulses.is_some() || !data.about.commands_may_wait(),
         beside_pulses: (held.pulses.as_ref()).map_or(0.0, |pulses| pulses.rms_beside_pulses),
     };
     let is_linear = file.model.linear && servo.is_none_or(|servo| servo.model.is_linear());

@@ -17,6 +17,9 @@ const STARTS: usize = 20;
 /// Times that they are.
 const HALVED: i32 = 4;
 
+/// The part of a frame to which moments of pulses are known then.
+pub(crate) const RESOLUTION: f64 = 1.0 / (MOMENTS as f64 * (1 << HALVED) as f64);
+
 /// Steps of one size at the most.
 const STEPS: usize = 8;
 

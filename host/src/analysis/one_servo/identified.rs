@@ -162,7 +162,7 @@ fn name_logger(data: &Dataset, model: &mut Model) {
     let not_linear = model.advice.iter_mut();
     for found in not_linear.filter(|found| found.is_of_linearity()) {
         found.remedy += &format!(
-            " Times count from the row in which a command changes. If a logger with a clock of its own wrote the file, say --polled: without it all times are {half_row} too early, \
+            " Times count from the row in which a command changes. If the logger looked for the command once in a row, by a clock of its own and not that of the pulses, say --polled: without it all times are {half_row} too early, \
              which no interval here contains, and the answers of such a servo do not show it."
         );
     }

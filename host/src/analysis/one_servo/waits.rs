@@ -3,8 +3,11 @@
 //! Rows do not say when pulses came, nor how long their frame is by the clock of the recording. A servo model says it: with its delay shorter by the mean wait, pulses are [looked for](crate::analysis::command_times::pulse_search)
 //! with which it is closest. Where that takes most of its errors away, these were the waits.
 
-use crate::analysis::command_times::pulse_errors::{Predict, simulate_with_pulses};
-use crate::analysis::command_times::pulse_search::{ClosestPulses, closest_pulses, least_error};
+use super::pulse_clock::{FittedPulses, PulseClock};
+use crate::analysis::command_times::pulse_errors::{Predict, in_force, simulate_with_pulses};
+use crate::analysis::command_times::pulse_search::{
+    ClosestPulses, RESOLUTION, closest_pulses, least_error,
+};
 use crate::data::dataset::{Dataset, FRAME_S};
 use servoid_identification::servo_model::{ServoModel, WaitsForPulses};
 use servoid_identification::{Record, Run};
@@ -24,9 +27,6 @@ const SHIFT_S: f64 = 4e-3;
 /// Steps of that to each side, and of one of these.
 const SHIFTS: i32 = 40;
 const SHIFTS_BESIDE: i32 = 5;
-
-/// Slopes of the moments along a run that are tried on each side, as parts of a frame from its middle to its ends: what the frame's length leaves open.
-const SLOPES: i32 = 200;
 
 /// A recording with its commands at their pulses.
 pub(super) struct AtPulses<'r> {
@@ -91,19 +91,41 @@ pub(super) fn closest<'r>(
     let shift_s = least_of(rmse_at, 0.0, SHIFT_S, SHIFTS);
     let shift_s = least_of(rmse_at, shift_s, SHIFT_S / f64::from(SHIFTS), SHIFTS_BESIDE);
     let found: Vec<ClosestPulses> = found.iter().map(|found| found.later(shift_s)).collect();
-    let in_force = record.runs().iter().zip(&found).map(|(run, found)| {
-        let alone = record.try_with_runs(vec![run.clone()]).ok()?;
-        let open_s = delay_error_s(&alone, found);
-        Some((found.in_force(&alone).ok()?.runs().first()?.clone(), open_s))
+    let sooner = servo.clone().sooner(shift_s);
+    let noise = rmse_at(&shift_s).powi(2);
+    let fitted = each_run(record, &sooner, controllers, |number, run, _| {
+        let [frame_s, first_s] = found.get(number)?.pulses_of_first_run()?;
+        let controller = controllers.get(number..=number).unwrap_or_default();
+        let squares = |tried: &Run<'r>| {
+            let of_run = record.try_with_runs(vec![tried.clone()]).ok()?;
+            let predicted = sooner.simulate(&of_run, controller).pop()?;
+            Some(rms(tried.output(), &predicted).powi(2) * samples(tried))
+        };
+        let clock = PulseClock { frame_s, first_s };
+        let run = run.runs().first()?;
+        Some(clock.fitted(run, record.sample_period_s(), (&squares, noise)))
+    })?;
+    let open = fitted
+        .iter()
+        .map(FittedPulses::open_shifts)
+        .collect::<Option<Vec<_>>>()?;
+    // The servo has one delay, and all pulses are so much sooner or later alike.
+    let least = open.iter().map(|[least, _]| *least).reduce(f64::max)?;
+    let most = open.iter().map(|[_, most]| *most).reduce(f64::min)?;
+    let clocks = fitted
+        .iter()
+        .map(|fitted| fitted.later(f64::midpoint(least, most)));
+    let clocks: Vec<PulseClock> = clocks.collect();
+    let in_rows = |time_s: f64| time_s / record.sample_period_s();
+    let runs = record.runs().iter().zip(&clocks).map(|(run, clock)| {
+        let pulses = [clock.frame_s, clock.first_s].map(in_rows);
+        in_force(run, record.sample_period_s(), pulses)
     });
-    let (runs, open_s): (Vec<Run>, Vec<f64>) =
-        in_force.collect::<Option<Vec<_>>>()?.into_iter().unzip();
     Some(AtPulses {
-        record: record.try_with_runs(runs).ok()?,
+        record: record.try_with_runs(runs.collect::<Option<_>>()?).ok()?,
         waits: WaitsForPulses {
-            frame_s: found.iter().map(|found| found.frame_s).sum::<f64>() / found.len() as f64,
-            // The servo has one delay: the run that leaves the least open bounds it.
-            delay_error_s: open_s.into_iter().reduce(f64::min)?,
+            frame_s: clocks.iter().map(|clock| clock.frame_s).sum::<f64>() / clocks.len() as f64,
+            delay_error_s: 0.5 * (most - least).abs() + RESOLUTION * frame_s,
         },
         rmse: rmse_at(&shift_s),
     })
@@ -142,47 +164,16 @@ fn each_run<'r, T>(
     record.runs().iter().enumerate().map(of_run).collect()
 }
 
+/// The known samples of a run.
+fn samples(run: &Run) -> f64 {
+    run.output().iter().filter(|y| !y.is_nan()).count() as f64
+}
+
 /// The root mean square of errors over all runs, from those of each.
 fn rms_of_runs(record: &Record, errors: &[f64]) -> f64 {
-    let samples = |run: &Run| run.output().iter().filter(|y| !y.is_nan()).count() as f64;
     let both = record.runs().iter().map(samples).zip(errors);
     let (squares, all) = both.fold((0.0, 0.0), |(squares, all), (samples, error)| {
         (squares + samples * error * error, all + samples)
     });
     (squares / all).sqrt()
-}
-
-/// By how much all pulses may come sooner or later, at the most \[s\], each change of a run with the same pulse as with those that were `found`: a delay that is longer or shorter by as much makes the same motion.
-fn delay_error_s(record: &Record<'_>, found: &ClosestPulses) -> f64 {
-    let mut runs = record.runs().iter().zip(&found.first_pulse_s);
-    let of_run = runs.next().and_then(|(run, first_s)| {
-        let pulses = [found.frame_s, (*first_s)?];
-        Some(farthest_shift_s(run, record.sample_period_s(), pulses))
-    });
-    of_run.unwrap_or_default()
-}
-
-fn farthest_shift_s(run: &Run<'_>, period_s: f64, [frame_s, first_s]: [f64; 2]) -> f64 {
-    let pairs = run.input().iter().zip(run.input().iter().skip(1));
-    let changes = (1..)
-        .zip(pairs)
-        .filter(|(_, (before, after))| (*after - *before).abs() > 0.0);
-    let half_s = 0.5 * run.len() as f64 * period_s;
-    // Where along the run from -1 to 1, and the wait.
-    let waits: Vec<(f64, f64)> = changes
-        .map(|(row, _)| {
-            let at_s = f64::from(row) * period_s;
-            (at_s / half_s - 1.0, (first_s - at_s).rem_euclid(frame_s))
-        })
-        .collect();
-    let farthest = |slope: i32| {
-        let slope_s = frame_s * f64::from(slope) / f64::from(SLOPES);
-        let sooner = waits.iter().map(|(along, wait)| -wait - slope_s * along);
-        let later = waits
-            .iter()
-            .map(|(along, wait)| frame_s - wait - slope_s * along);
-        let ends = [sooner.reduce(f64::max)?, later.reduce(f64::min)?];
-        (ends[0] < ends[1]).then(|| ends[1].max(-ends[0]))
-    };
-    (-SLOPES..=SLOPES).filter_map(farthest).fold(0.0, f64::max)
 }

@@ -298,6 +298,25 @@ impl ServoExport<'_> {
         )
     }
 
+    /// What who uses the file has to do about the pulse frame, where there is one.
+    #[must_use]
+    pub fn hold_remark(&self, target: Target) -> Option<String> {
+        let frame_s = self.frame_s();
+        let ms = |seconds: f64| number((seconds * 1e7).round() / 1e4);
+        (frame_s > 0.0).then_some(())?;
+        match target {
+            Target::Jsbsim => None,
+            Target::Ardupilot => Some(format!(
+                "SIM_SERVO_DELAY has the mean wait for a pulse, {} ms, which the largest difference above is without",
+                ms(0.5 * frame_s)
+            )),
+            _ => Some(format!(
+                "a servo gets a new command once in {} ms: put a sample and hold of that before the file",
+                ms(frame_s)
+            )),
+        }
+    }
+
     /// What a file does about the pulse frame.
     pub(super) fn frame(&self, does: Frame) -> String {
         let frame = number((self.frame_s() * 1e7).round() / 1e4);

@@ -57,6 +57,7 @@ pub fn sentence_on_servo_models(
         load_of_one(a, b, found, units),
         speeds_of_both([a, b], found, units),
         strokes_of_both(a, b, found),
+        behind_pulses(a, b, found),
     ];
     let sentences: Vec<String> = sentences.into_iter().flatten().collect();
     sentences.join(" ")
@@ -77,6 +78,20 @@ fn speeds_of_both(
     let [a, b] = [of(names[0], speeds.a)?, of(names[1], speeds.b)?];
     Some(format!(
         "By the recordings larger strokes go {a}, and {b}: these have no intervals, and strokes that are larger on one side make a tenth and more of a difference by themselves."
+    ))
+}
+
+/// That delays count from pulses, where commands waited for them.
+fn behind_pulses(a: &str, b: &str, found: &ServoModelComparison) -> Option<String> {
+    let waits = found.waits_for_pulses;
+    let of = match (waits.a, waits.b) {
+        (Some(_), Some(_)) => "both".to_owned(),
+        (Some(_), None) => a.to_owned(),
+        (None, Some(_)) => b.to_owned(),
+        (None, None) => return None,
+    };
+    Some(format!(
+        "Commands of {of} waited for pulses on a clock of their own: the delay as a machine counts from the pulse, and times and shifts of step responses have the waits in them."
     ))
 }
 
@@ -562,6 +577,7 @@ mod tests {
             }),
             bounds: bounds.map_or(Bounds::Withdrawn(Reason::ErrorsNotNoise), Bounds::Valid),
             without_bounds: Sides::default(),
+            waits_for_pulses: Sides::default(),
         };
         let units = Units {
             input: Some("deg"),
