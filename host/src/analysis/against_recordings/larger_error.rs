@@ -144,9 +144,9 @@ fn cause(
                     in_unit(misfit.left_of_offset)
                 ),
                 None if open_s > 0.0 && !polled && !frame_is_stated => {
-                    format!("{BETWEEN_ROWS} {FOR_PULSES} {ANOTHER_MOTION}")
+                    format!("{BETWEEN_ROWS} {ANOTHER_MOTION}")
                 }
-                None if !frame_is_stated => format!("{FOR_PULSES} {ANOTHER_MOTION}"),
+                None if !frame_is_stated => format!("{ANOTHER_MOTION} {FOR_PULSES}"),
                 None => ANOTHER_MOTION.to_owned(),
             }
         }),
@@ -203,8 +203,8 @@ fn of_spikes(spikes: &Spikes, in_unit: impl Fn(f64) -> String) -> String {
 /// Said before it where times are open.
 const BETWEEN_ROWS: &str = "Where the servo followed the command between the rows, and was not held at each, say --polled first: a fast motion is another one then.";
 
-/// Said before it where commands may have waited for pulses, and nobody says that they did not.
-const FOR_PULSES: &str = "Where commands waited for pulses on a clock of their own, --frame-ms 20 looks for these, and the error is less with them.";
+/// Said behind it where commands may have waited for pulses, and nobody says that they did not.
+const FOR_PULSES: &str = "Where commands of this recording waited for pulses on a clock of their own, --frame-ms 20 looks for these, and the error is less with them.";
 
 /// Said where nothing simpler is the cause.
 pub(super) const ANOTHER_MOTION: &str = "Where servo and noise are the same, the motion is not: identify from recordings of both kinds of motion together, all with rows of one period (strokes as \
@@ -307,7 +307,7 @@ mod tests {
             beside_pulses: 0.0,
         };
         let found = larger_error("linear", [0.8, 0.05], misfit, ("deg", polled)).unwrap();
-        assert_eq!(found.remedy, format!("{FOR_PULSES} {ANOTHER_MOTION}"));
+        assert_eq!(found.remedy, format!("{ANOTHER_MOTION} {FOR_PULSES}"));
         let stated = Times {
             frame_is_stated: true,
             ..polled

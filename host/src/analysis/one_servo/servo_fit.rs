@@ -216,7 +216,7 @@ fn fit(
 
 /// Times that pulses are looked for anew with the servo behind them, while it leaves no more than this share of the errors of the one before.
 const ROUNDS: usize = 3;
-const LESS: f64 = 0.95;
+const LESS: f64 = 0.99;
 
 /// The servo behind the pulses that the commands of `data` waited for, with its record, where the errors of the servo of the rows show that they did; else that `of_rows`. `found` finds the servo of a
 /// record.
@@ -235,10 +235,7 @@ fn behind_pulses<'r>(
         for _ in 0..ROUNDS {
             // The pulses were found with a servo that had waits in its errors.
             let frame_s = best.0.fit.waits_for_pulses?.frame_s;
-            let has_intervals = best.0.covariance.valid().is_some();
-            let again = (!has_intervals)
-                .then(|| waits::closest(&data.record, &best.0, controllers, frame_s))
-                .flatten();
+            let again = waits::closest(&data.record, &best.0, controllers, frame_s);
             match again.and_then(servo_at) {
                 Some(next) if next.0.fit.rmse < LESS * best.0.fit.rmse => best = next,
                 _ => break,

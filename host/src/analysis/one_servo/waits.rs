@@ -125,7 +125,8 @@ pub(super) fn closest<'r>(
         record: record.try_with_runs(runs.collect::<Option<_>>()?).ok()?,
         waits: WaitsForPulses {
             frame_s: clocks.iter().map(|clock| clock.frame_s).sum::<f64>() / clocks.len() as f64,
-            delay_error_s: 0.5 * (most - least).abs() + RESOLUTION * frame_s,
+            // Moments and length of the frame are known to a step of their search.
+            delay_error_s: 0.5 * (most - least).abs() + 2.0 * RESOLUTION * frame_s,
         },
         rmse: rmse_at(&shift_s),
     })

@@ -222,10 +222,10 @@ pub struct WaitsForPulses {
 }
 
 impl WaitsForPulses {
-    /// The length of the frame that a clock of its own makes this of: in whole tenths of a millisecond \[s\].
+    /// The length of the frame in hundredths of a millisecond \[s\]: the clock of another recording has other digits behind that.
     #[must_use]
     pub fn nominal_frame_s(&self) -> f64 {
-        (1e4 * self.frame_s).round() / 1e4
+        (1e5 * self.frame_s).round() / 1e5
     }
 }
 

@@ -52,7 +52,7 @@ fn a_load_that_stalls_the_drive_is_no_stop() {
     assert!(found.fit.held_out_percent > 98.0, "{:?}", found.fit);
 }
 
-/// Nothing says that there is a stop, and one command alone goes beyond it: the load of a spring stands for it, in errors that are no noise, until it is tried.
+/// Nothing says that there is a stop, and one command alone goes beyond it, of a servo whose friction lets it rest beside its commands under a spring.
 #[test]
 fn a_stop_that_one_command_meets_is_found_beside_a_spring() {
     let terms = Terms {

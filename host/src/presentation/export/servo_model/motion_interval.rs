@@ -41,7 +41,7 @@ impl ServoExport<'_> {
                 let widest = half_width.iter().copied().fold(0.0, f64::max);
                 let rms = root_mean_square(&half_width, &vec![0.0; half_width.len()], 0);
                 format!(
-                    "Error of this servo model beside the servo that was recorded: up to {} {unit} at the moment where it is known least, and up to {} {unit} rms, {strokes}; with {level} % confidence at each moment. The largest \
+                    "Error of this servo model beside the servo that was recorded: up to {} {unit} at the moment where it is known least, and up to {} {unit} rms, {strokes}; with {level} % confidence at each moment, and wide where a quantity is open. The largest \
                      difference of this file (below), the noise of the sensor and another delay of another recording are not in it.",
                     digits(widest, DIGITS),
                     digits(rms, DIGITS),

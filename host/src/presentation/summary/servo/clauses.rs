@@ -188,7 +188,12 @@ pub(super) fn resting_error(model: &ServoModel, units: Units<'_>) -> Option<Stri
             .flatten()
             .filter(|[lower, upper]| !gears_are_loaded && upper - lower > value);
         let wide = wide.map_or_else(String::new, |[lower, upper]| {
-            format!(" ({} to {})", digits(lower, 2), digits(upper, 2))
+            format!(
+                " ({} to {}{})",
+                digits(lower, 2),
+                digits(upper, 2),
+                with_space(units.input)
+            )
         });
         let from = match model.terms.load {
             LoadKind::None => "",
