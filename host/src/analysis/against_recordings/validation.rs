@@ -196,7 +196,7 @@ fn on_models(
     });
     // Of a recording that may be in other units, nobody should hear that its motion is another one.
     let is_a_cause =
-        |found: &Advice| predicts_nothing.is_none() || !found.remedy.ends_with(ANOTHER_MOTION);
+        |found: &Advice| predicts_nothing.is_none() || !found.remedy.contains(ANOTHER_MOTION);
     let causes = of_linear.into_iter().chain(of_servo).filter(is_a_cause);
     let causes: Vec<Advice> = causes.collect();
     predicts_nothing.into_iter().chain(causes).collect()
