@@ -138,10 +138,9 @@ fn in_force<'r>(run: &Run<'r>, period_s: f64, changes: &[Change]) -> Option<Run<
         // Rounding keeps none in the row before.
         let row = (at_s / period_s + 1e-9).floor() as usize;
         let level = *run.input().get(change.row)?;
-        levels
-            .iter_mut()
-            .skip(row)
-            .for_each(|of_row| *of_row = level);
+        if let Some(from_here) = levels.get_mut(row..) {
+            from_here.fill(level);
+        }
         if let Some(late_s) = late_s.get_mut(row) {
             *late_s = (at_s - row as f64 * period_s).clamp(0.0, period_s);
         }

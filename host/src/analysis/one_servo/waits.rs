@@ -9,6 +9,7 @@ use crate::analysis::command_times::pulse_search::{
     ClosestPulses, RESOLUTION, closest_pulses, least_error,
 };
 use crate::data::dataset::{Dataset, FRAME_S};
+use servoid_identification::results::Validation;
 use servoid_identification::servo_model::{ServoModel, WaitsForPulses};
 use servoid_identification::{Record, Run};
 
@@ -81,7 +82,9 @@ pub(super) fn closest<'r>(
         each_run(record, &sooner, controllers, |number, run, predict| {
             let pulses = found.get(number)?.later(shift_s).pulses_of_first_run()?;
             let run = run.runs().first()?;
-            Some(rms(run.output(), &predict(run, 0, pulses)?))
+            let pairs = run.output().iter().copied();
+            let judged = Validation::of_pairs(pairs.zip(predict(run, 0, pulses)?))?;
+            Some(judged.rmse)
         })
     };
     let rmse_at = |shift_s: &f64| {
@@ -92,18 +95,18 @@ pub(super) fn closest<'r>(
     let shift_s = least_of(rmse_at, shift_s, SHIFT_S / f64::from(SHIFTS), SHIFTS_BESIDE);
     let found: Vec<ClosestPulses> = found.iter().map(|found| found.later(shift_s)).collect();
     let sooner = servo.clone().sooner(shift_s);
-    let noise = rmse_at(&shift_s).powi(2);
+    let rmse = rmse_at(&shift_s);
     let fitted = each_run(record, &sooner, controllers, |number, run, _| {
         let [frame_s, first_s] = found.get(number)?.pulses_of_first_run()?;
         let controller = controllers.get(number..=number).unwrap_or_default();
         let squares = |tried: &Run<'r>| {
             let of_run = record.try_with_runs(vec![tried.clone()]).ok()?;
-            let predicted = sooner.simulate(&of_run, controller).pop()?;
-            Some(rms(tried.output(), &predicted).powi(2) * samples(tried))
+            let judged = sooner.validate(&of_run, controller).ok()?;
+            Some(judged.rmse.powi(2) * judged.samples_used as f64)
         };
         let clock = PulseClock { frame_s, first_s };
         let run = run.runs().first()?;
-        Some(clock.fitted(run, record.sample_period_s(), (&squares, noise)))
+        Some(clock.fitted(run, record.sample_period_s(), (&squares, rmse.powi(2))))
     })?;
     let open = fitted
         .iter()
@@ -128,7 +131,7 @@ pub(super) fn closest<'r>(
             // Moments and length of the frame are known to a step of their search.
             delay_error_s: 0.5 * (most - least).abs() + 2.0 * RESOLUTION * frame_s,
         },
-        rmse: rmse_at(&shift_s),
+        rmse,
     })
 }
 
@@ -138,13 +141,6 @@ fn least_of(of: impl Fn(&f64) -> f64, middle: f64, reach: f64, steps: i32) -> f6
     let found = all.map(|value| (of(&value), value));
     let least = found.min_by(|a, b| a.0.total_cmp(&b.0));
     least.map_or(middle, |(_, value)| value)
-}
-
-/// The root mean square of what is known of the differences of two columns.
-fn rms(measured: &[f64], predicted: &[f64]) -> f64 {
-    let squares = measured.iter().zip(predicted).map(|(a, b)| (a - b).powi(2));
-    let known: Vec<f64> = squares.filter(|square| square.is_finite()).collect();
-    (known.iter().sum::<f64>() / known.len() as f64).sqrt()
 }
 
 /// What `of` each run, with its number and as a record of its own, is with what `servo` predicts of it; `None` where a run has none.
@@ -165,13 +161,9 @@ fn each_run<'r, T>(
     record.runs().iter().enumerate().map(of_run).collect()
 }
 
-/// The known samples of a run.
-fn samples(run: &Run) -> f64 {
-    run.output().iter().filter(|y| !y.is_nan()).count() as f64
-}
-
 /// The root mean square of errors over all runs, from those of each.
 fn rms_of_runs(record: &Record, errors: &[f64]) -> f64 {
+    let samples = |run: &Run| run.output().iter().filter(|y| !y.is_nan()).count() as f64;
     let both = record.runs().iter().map(samples).zip(errors);
     let (squares, all) = both.fold((0.0, 0.0), |(squares, all), (samples, error)| {
         (squares + samples * error * error, all + samples)

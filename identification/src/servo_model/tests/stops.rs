@@ -26,20 +26,24 @@ fn of_two_stops_the_one_that_the_motion_shows_is_taken() {
     assert!(found.fit.held_out_percent > 98.0, "{:?}", found.fit);
 }
 
-/// Under the command of 5 the spring balances full drive at 3: the rests are all where a stop would be, and there is none.
-#[test]
-fn a_load_that_stalls_the_drive_is_no_stop() {
-    let terms = Terms {
+/// The terms of a servo with friction that turns against a spring.
+fn on_a_spring() -> Terms {
+    Terms {
         limit: true,
         friction: true,
         load: LoadKind::Spring,
         ..Terms::default()
-    };
+    }
+}
+
+/// Under the command of 5 the spring balances full drive at 3: the rests are all where a stop would be, and there is none.
+#[test]
+fn a_load_that_stalls_the_drive_is_no_stop() {
     let stiff = |at: Coordinate| match at {
         Coordinate::Spring => 0.6,
         at => value(at),
     };
-    let servo = point(terms, stiff);
+    let servo = point(on_a_spring(), stiff);
     let input = strokes(2400);
     let record = Record::of_run(PERIOD_S, &input, noisy(&servo, &input, 9)).unwrap();
     let stalled = servo.physics(0, |_, value| value).resting_output(5.0);
@@ -55,18 +59,12 @@ fn a_load_that_stalls_the_drive_is_no_stop() {
 /// Nothing says that there is a stop, and one command alone goes beyond it, of a servo whose friction lets it rest beside its commands under a spring.
 #[test]
 fn a_stop_that_one_command_meets_is_found_beside_a_spring() {
-    let terms = Terms {
-        limit: true,
-        friction: true,
-        load: LoadKind::Spring,
-        ..Terms::default()
-    };
     let stiff = |at: Coordinate| match at {
         Coordinate::Spring => 0.2,
         Coordinate::Friction => 0.6,
         at => value(at),
     };
-    let mut servo = point(terms, stiff);
+    let mut servo = point(on_a_spring(), stiff);
     servo.stops.upper = Some(servo.physics(0, |_, value| value).resting_output(3.1));
     // The first stroke alone goes to 5, all others to 3 at the most.
     let mut input = strokes(6000);

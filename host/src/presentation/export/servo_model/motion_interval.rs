@@ -19,10 +19,14 @@ impl ServoExport<'_> {
         let step_s = self.model.sample_period_s;
         let any = [f64::NEG_INFINITY, f64::INFINITY];
         let whole = Trial::of(self, step_s, any).only_staircase();
-        let respond = |trial: &Trial| self.model.respond(&trial.command(), self.controller);
-        let shown = |trial: &Trial| respond(trial).half_width.valid().is_some();
-        let smaller = PARTS.map(|part| whole.enlarged(part));
-        let trial = smaller.into_iter().find(shown).unwrap_or(whole);
+        let bounds_under = |trial: &Trial| {
+            let response = self.model.respond(&trial.command(), self.controller);
+            response.half_width
+        };
+        let smaller = PARTS.iter().map(|part| whole.enlarged(*part));
+        let mut answered = smaller.map(|trial| (bounds_under(&trial), trial));
+        let shown = answered.find(|(half_width, _)| half_width.valid().is_some());
+        let (half_width, trial) = shown.unwrap_or_else(|| (bounds_under(&whole), whole.clone()));
         let levels = trial
             .levels
             .iter()
@@ -36,7 +40,7 @@ impl ServoExport<'_> {
             seconds(trial.steps_per_level),
             seconds(trial.steps_of_broken_off)
         );
-        Some(match respond(&trial).half_width {
+        Some(match half_width {
             Bounds::Valid(half_width) => {
                 let widest = half_width.iter().copied().fold(0.0, f64::max);
                 let rms = root_mean_square(&half_width, &vec![0.0; half_width.len()], 0);

@@ -302,24 +302,23 @@ impl ServoExport<'_> {
     #[must_use]
     pub fn hold_remark(&self, target: Target) -> Option<String> {
         let frame_s = self.frame_s();
-        let ms = |seconds: f64| number((seconds * 1e7).round() / 1e4);
-        (frame_s > 0.0).then_some(())?;
         match target {
+            _ if frame_s <= 0.0 => None,
             Target::Jsbsim => None,
             Target::Ardupilot => Some(format!(
                 "SIM_SERVO_DELAY has the mean wait for a pulse, {} ms, which the largest difference above is without",
-                ms(0.5 * frame_s)
+                in_ms(0.5 * frame_s)
             )),
             _ => Some(format!(
                 "a servo gets a new command once in {} ms: put a sample and hold of that before the file",
-                ms(frame_s)
+                in_ms(frame_s)
             )),
         }
     }
 
     /// What a file does about the pulse frame.
     pub(super) fn frame(&self, does: Frame) -> String {
-        let frame = number((self.frame_s() * 1e7).round() / 1e4);
+        let frame = in_ms(self.frame_s());
         let unknown = match self.metadata.pulse_frame_s {
             None => format!(": state --frame-ms {WHEN_TO_STATE}"),
             Some(_) => String::new(),
@@ -534,6 +533,11 @@ impl ServoExport<'_> {
             ),
         }
     }
+}
+
+/// Seconds in milliseconds, to a tenth of a microsecond.
+fn in_ms(seconds: f64) -> String {
+    number((seconds * 1e7).round() / 1e4)
 }
 
 /// The command of a trial, in which each number stands.
