@@ -241,10 +241,17 @@ fn settling(record: &Record, model: &Model) -> usize {
     time_to_rest(record).map_or(longest, |seen| {
         // Of holds of several lengths, the response moves again after the shorter ones.
         let holds = [usual_exact_hold(record), shorter_exact_hold(record)];
+        if RESTS * seen <= holds[1] {
+            return seen.min(longest);
+        }
         let followed = holds.map(|hold| followed_in_holds(&model.step.value, hold));
         seen.max(followed[0].min(followed[1])).min(longest)
     })
 }
+
+/// An output that stays where it is for all but this part of a hold is at rest: even motion passes for rest in the second half of a hold alone, and the long end of a linear model of play and friction is
+/// none of the servo.
+const RESTS: usize = 4;
 
 /// Share of a response that has to be over at the end of the usual hold for that to be the answer to one step.
 const ANSWERED: f64 = 0.5;
