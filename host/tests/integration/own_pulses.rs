@@ -7,14 +7,25 @@ use rand_distr::StandardNormal;
 use serde_json::Value;
 use servoid::data::model_file::ModelFile;
 use servoid_dynamics::{DriveLimit, Grid, ServoParameters, Start, simulate};
+use std::f64::consts::TAU;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 /// Steps in which pulses come \[s\].
-const STEP_S: f64 = 1e-4;
+const STEP_S: f64 = 2.5e-5;
+
+/// What a servo is told to do.
+#[derive(Clone, Copy)]
+enum Command {
+    /// Random levels of up to 25 deg, held for random times.
+    Levels,
+    /// Sines of 0.4 to 6 Hz, written anew every 20 ms: such changes wait alike for pulses of exactly that length.
+    Sines,
+}
 
 /// How a servo is recorded, for 48 s.
 struct Recording {
+    command: Command,
     seed: u64,
     /// Steps in a row.
     in_a_row: usize,
@@ -26,15 +37,36 @@ struct Recording {
 }
 
 impl Recording {
-    /// Random levels of up to 25 deg, held for random times, as a logger writes them.
+    /// The rows as a logger writes them.
     fn write(&self, servo: &ServoParameters, folder: &Path) -> PathBuf {
         let mut random = ChaCha8Rng::seed_from_u64(self.seed);
         let row_s = self.in_a_row as f64 * STEP_S;
         let rows_of = |seconds: f64| (seconds / row_s) as usize;
-        let mut rows = vec![0.0; rows_of(0.2)];
+        // Sines come to no rest by themselves.
+        let rest_s = match self.command {
+            Command::Levels => 0.2,
+            Command::Sines => 2.0,
+        };
+        let mut rows = vec![0.0; rows_of(rest_s)];
+        let phases: Vec<f64> = (0..15).map(|_| random.random_range(0.0..TAU)).collect();
         while rows.len() < rows_of(48.0) {
-            let level = f64::from(random.random_range(-250..=250)) / 10.0;
-            let held = rows_of(random.random_range(0.12..0.6));
+            let (level, held) = match self.command {
+                Command::Levels => (
+                    f64::from(random.random_range(-250..=250)) / 10.0,
+                    rows_of(random.random_range(0.12..0.6)),
+                ),
+                Command::Sines => {
+                    let turns = 0.4 * rows.len() as f64 * row_s;
+                    let sines = phases
+                        .iter()
+                        .zip(1..)
+                        .map(|(phase, number)| (TAU * f64::from(number) * turns + phase).sin());
+                    (
+                        (20.0 * sines.sum::<f64>()).round() / 10.0,
+                        rows_of(0.02 + 0.5 * row_s),
+                    )
+                }
+            };
             rows.extend(std::iter::repeat_n(level, held));
         }
         let (mut in_force, mut next_s) = (0.0, self.first_s);
@@ -47,7 +79,7 @@ impl Recording {
         });
         let steps: Vec<f64> = steps.collect();
         let start = Start::at_rest(servo.resting_output(0.0), Some(0.0));
-        let grid = Grid::new(STEP_S, 0.0, STEP_S / 4.0);
+        let grid = Grid::new(STEP_S, 0.0, STEP_S);
         let mut text = "t_s,u_deg,y_deg\n".to_owned();
         simulate(servo, &grid, &start, &steps, |step, y| {
             if step % self.in_a_row == 0 {
@@ -109,7 +141,8 @@ fn a_servo_behind_pulses_of_their_own_clock_is_known_with_intervals() {
     let [first, second] = days.map(|(seed, first_s, frame_s)| {
         let recording = Recording {
             seed,
-            in_a_row: 40,
+            in_a_row: 160,
+            command: Command::Levels,
             frame_s,
             first_s,
             noise: 0.05,
@@ -151,8 +184,36 @@ fn a_servo_behind_pulses_of_their_own_clock_is_known_with_intervals() {
     assert!(one_line.contains(frame), "{one_line}");
 }
 
+#[test]
+fn a_linear_servo_behind_pulses_is_linear() {
+    let folder = tempfile::tempdir().unwrap();
+    let servo = ServoParameters {
+        delay_s: 0.0073,
+        ..ServoParameters::linear(2500.0, 70.0)
+    };
+    let recording = Recording {
+        seed: 4,
+        in_a_row: 200,
+        command: Command::Sines,
+        frame_s: 0.02007,
+        first_s: 0.0044,
+        noise: 0.05,
+    };
+    let (model, said) = identified(&recording.write(&servo, folder.path()));
+    assert!(said.starts_with("This servo is linear"), "{said}");
+    assert!(
+        said.contains("Commands waited for pulses 20.1 ms apart"),
+        "{said}"
+    );
+    let document = json(&model);
+    assert_eq!(document["linear"], true);
+    let [lower, upper] = ends(&document["servo_model"], "delay").unwrap();
+    assert!(lower < 0.0073 && 0.0073 < upper, "{lower} .. {upper}");
+    assert!(upper - lower < 1e-3, "{lower} .. {upper}");
+}
+
 /// A servo with a limit of the drive and perhaps play, and a recording of it.
-fn drawn(seed: u64) -> (ServoParameters, Recording) {
+fn drawn(seed: u64, command: Command) -> (ServoParameters, Recording) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut between = |low: f64, high: f64| random.random_range(low..high);
     let bandwidth = between(25.0, 60.0);
@@ -171,10 +232,16 @@ fn drawn(seed: u64) -> (ServoParameters, Recording) {
         }),
         ..ServoParameters::linear(bandwidth * bandwidth, damping)
     };
+    // Crystals, and the ceramic resonators of small boards.
+    let off = match command {
+        Command::Levels => 2e-4,
+        Command::Sines => 0.02,
+    };
     let recording = Recording {
         seed,
-        in_a_row: [20, 30, 40, 50][seed as usize % 4],
-        frame_s: 0.02 * (1.0 + between(-2e-4, 2e-4)),
+        in_a_row: [80, 120, 160, 200][seed as usize % 4],
+        command,
+        frame_s: 0.02 * (1.0 + between(-1.0, 1.0) * off),
         first_s: between(0.0, 0.02),
         noise: between(0.03, 0.1),
     };
@@ -216,25 +283,29 @@ fn inside(model: &Path, servo: &ServoParameters, row_s: f64) -> Option<f64> {
     let half_width = response.half_width.into_valid()?;
     let start = Start::at_rest(servo.resting_output(0.0), Some(0.0));
     let mut holds = 0;
-    let grid = Grid::new(row_s, 0.0, STEP_S / 4.0);
+    let grid = Grid::new(row_s, 0.0, STEP_S);
     simulate(servo, &grid, &start, &input, |k, y| {
         holds += usize::from((y - response.value[k]).abs() <= half_width[k]);
     });
     Some(holds as f64 / input.len() as f64)
 }
 
-/// Prints how many of `SERVOS` recordings, from the number `FIRST` on, have intervals, and which of these miss the truth.
+/// Prints how many of `SERVOS` recordings, from the number `FIRST` on and with `SINES` of sums of sines, have intervals, and which of these miss the truth.
 #[test]
 #[ignore = "minutes"]
 fn coverage_behind_pulses_of_their_own_clock() {
     let asked = |name: &str| std::env::var(name).ok()?.parse().ok();
     let first = asked("FIRST").unwrap_or(1001);
     let servos = asked("SERVOS").unwrap_or(24);
+    let command = match std::env::var("SINES") {
+        Ok(_) => Command::Sines,
+        Err(_) => Command::Levels,
+    };
     let folder = tempfile::tempdir().unwrap();
     let (mut with_intervals, mut intervals, mut missed) = (0, 0, Vec::new());
     let mut bands = Vec::new();
     for seed in first..first + servos {
-        let (servo, recording) = drawn(seed);
+        let (servo, recording) = drawn(seed, command);
         let (model, _) = identified(&recording.write(&servo, folder.path()));
         bands.extend(inside(&model, &servo, recording.in_a_row as f64 * STEP_S));
         let known = known(&json(&model)["servo_model"], &servo);

@@ -44,16 +44,17 @@ pub(super) struct FittedPulses {
 
 impl PulseClock {
     /// These pulses, with the changes of `run` that they are near to waiting for the one before or behind, where the run follows the motion better so: `squares` are its squared errors with the commands that it is given,
-    /// of which those of a sample of `noise` are chance.
+    /// of which those of a sample of `noise` are chance. As far as its pulses are known, they may contradict each other by `apart_s`.
     pub(super) fn fitted<'r>(
         self,
         run: &Run<'r>,
         period_s: f64,
         (squares, noise): (SquaresOf<'_, 'r>, f64),
+        apart_s: f64,
     ) -> FittedPulses {
         let own = self.changes(run, period_s);
         let mut changes = own.clone();
-        let with = |changes: &[Change]| squares(&in_force(run, period_s, changes)?);
+        let with = |changes: &[Change]| squares(&with_waits(run, period_s, changes)?);
         if let Some(mut least) = with(&changes) {
             for k in 0..changes.len() {
                 let Some(other) = changes.get(k).and_then(|change| self.beside(change)) else {
@@ -75,7 +76,7 @@ impl PulseClock {
         };
         // Those of no clock are those of a model that lacks something.
         let found = fitted(changes);
-        match found.open_shifts() {
+        match found.open_shifts(apart_s) {
             Some(_) => found,
             None => fitted(own),
         }
@@ -109,20 +110,31 @@ impl PulseClock {
 }
 
 impl FittedPulses {
-    /// How much later all pulses may come, from the least to the most \[s\]; `None` where no shift gives each change its pulse.
-    pub(super) fn open_shifts(&self) -> Option<[f64; 2]> {
+    /// How much later all pulses may come, from the least to the most \[s\]: the most may be sooner than the least by `apart_s`, as far as pulses are known. `None` where no shift gives each change its pulse.
+    pub(super) fn open_shifts(&self, apart_s: f64) -> Option<[f64; 2]> {
         let waits = || self.changes.iter().map(|change| change.wait_s);
         let least = -waits().reduce(f64::min)?;
         let most = self.clock.frame_s - waits().reduce(f64::max)?;
-        (least < most).then_some([least, most])
+        (least < most + apart_s).then_some([least, most])
     }
 
-    /// The pulses so much later.
-    pub(super) fn later(&self, shift_s: f64) -> PulseClock {
-        PulseClock {
-            first_s: self.clock.first_s + shift_s,
-            ..self.clock
-        }
+    pub(super) fn frame_s(&self) -> f64 {
+        self.clock.frame_s
+    }
+
+    /// The `run` with each command in force from its pulse on, where all come so much later than they were taken to.
+    pub(super) fn in_force<'r>(
+        &self,
+        run: &Run<'r>,
+        period_s: f64,
+        later_s: f64,
+    ) -> Option<Run<'r>> {
+        let later = |change: &Change| Change {
+            wait_s: change.wait_s + later_s,
+            ..*change
+        };
+        let changes: Vec<Change> = self.changes.iter().map(later).collect();
+        with_waits(run, period_s, &changes)
     }
 }
 
@@ -130,7 +142,7 @@ impl FittedPulses {
 const BY_NOISE: f64 = 10.0;
 
 /// The run with each change of the command so long after its row as it waits.
-fn in_force<'r>(run: &Run<'r>, period_s: f64, changes: &[Change]) -> Option<Run<'r>> {
+fn with_waits<'r>(run: &Run<'r>, period_s: f64, changes: &[Change]) -> Option<Run<'r>> {
     let mut levels = vec![run.input_at_rest().or(run.input().first().copied())?; run.len()];
     let mut late_s = vec![0.0; run.len()];
     for change in changes {
@@ -161,7 +173,7 @@ mod tests {
     /// Squared errors as if the recorded motion were the command in force with these pulses.
     fn squares(truth: PulseClock) -> impl Fn(&Run<'static>) -> Option<f64> {
         let of = |run: &Run<'static>, clock: PulseClock| {
-            in_force(run, 0.002, &clock.changes(run, 0.002))
+            with_waits(run, 0.002, &clock.changes(run, 0.002))
         };
         let in_truth = of(&run(), truth).unwrap();
         move |tried: &Run<'static>| {
@@ -178,17 +190,15 @@ mod tests {
         };
         let truth = clock(0.0131);
         for off in [-0.0012, 0.0, 0.0012] {
-            let fitted = clock(0.0131 + off).fitted(&run(), 0.002, (&squares(truth), 0.0));
-            let [least, most] = fitted.open_shifts().unwrap();
-            let (found, open_s) = (
-                fitted.later(f64::midpoint(least, most)),
-                0.5 * (most - least),
-            );
+            let fitted = clock(0.0131 + off).fitted(&run(), 0.002, (&squares(truth), 0.0), 0.0);
+            let [least, most] = fitted.open_shifts(0.0).unwrap();
+            let open_s = 0.5 * (most - least);
+            let found_s = fitted.clock.first_s + f64::midpoint(least, most);
             // Rows are 2 ms, so that changes at all of them leave that much.
-            let apart = (found.first_s - truth.first_s + 0.01).rem_euclid(found.frame_s) - 0.01;
+            let apart = (found_s - truth.first_s + 0.01).rem_euclid(truth.frame_s) - 0.01;
             assert!(
                 apart.abs() <= open_s + 1e-9 && open_s < 0.0021,
-                "{off}: {found:?} {open_s}"
+                "{off}: {found_s} {open_s}"
             );
         }
     }

@@ -1,6 +1,6 @@
 //! The servo model beside the linear one: when it is wanted, its fit, and its prediction of a stretch that it has not seen.
 
-use super::identified::identified;
+use super::identified::{explained_by_pulses, identified};
 use super::waits;
 use crate::data::dataset::Dataset;
 use crate::data::held_out::{HeldOut, HeldOutPrediction};
@@ -110,6 +110,9 @@ pub fn find(
         .take_while(|item| item.precedence() == Precedence::InPlaceOfTheAnswer);
     let at = causes.count();
     linear.advice.splice(at..at, doubt);
+    if let Some(servo) = servo {
+        explained_by_pulses(linear, &servo.model);
+    }
     found
 }
 
@@ -204,13 +207,18 @@ fn fit(
         apart.filter(|_| options.against.is_none_or(Reason::leaves_rests)),
     );
     let stroke = sixty_degrees(data.about.units());
+    let at_pulses = model.fit.waits_for_pulses.is_some();
     Ok(ServoModelDocument {
         stroke_of_60_degrees_s: stroke.and_then(|size| model.stroke_times_s(size)),
-        is_of_rows: data.about.commands_may_wait() && model.fit.waits_for_pulses.is_none(),
+        is_of_rows: data.about.commands_may_wait() && !at_pulses,
         model,
         controller_names: names,
         polled: data.about.polled,
-        common_wait_s: data.about.common_wait_s,
+        // A delay behind pulses has no wait in it.
+        common_wait_s: match at_pulses {
+            true => 0.0,
+            false => data.about.common_wait_s,
+        },
     })
 }
 

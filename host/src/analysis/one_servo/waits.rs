@@ -4,7 +4,7 @@
 //! with which it is closest. Where that takes most of its errors away, these were the waits.
 
 use super::pulse_clock::{FittedPulses, PulseClock};
-use crate::analysis::command_times::pulse_errors::{Predict, in_force, simulate_with_pulses};
+use crate::analysis::command_times::pulse_errors::{Predict, simulate_with_pulses};
 use crate::analysis::command_times::pulse_search::{
     ClosestPulses, RESOLUTION, closest_pulses, least_error,
 };
@@ -21,6 +21,9 @@ const LEFT_AT_FIRST: f64 = 0.8;
 
 /// Lengths of frames about which pulses are looked for, the usual one first \[s\]: each search finds those within half a percent.
 const FRAMES_S: [f64; 5] = [FRAME_S, 0.0198, 0.0202, 0.0196, 0.0204];
+
+/// How much of the delay of the servo at hand may be the wait \[s\]. Friction stands for waits, too: it is looked for without friction as well, whose delay may be too short then.
+const SOONER_S: [f64; 4] = [0.01, 0.005, 0.0, -0.005];
 
 /// All pulses are tried so much sooner and later, with a delay that is as much longer or shorter \[s\]: nothing says how much of the delay of the servo at hand is the wait.
 const SHIFT_S: f64 = 4e-3;
@@ -44,22 +47,25 @@ pub(super) fn at_pulses<'r>(
     controllers: &[usize],
 ) -> Option<AtPulses<'r>> {
     let about = &data.about;
-    // Waits that all changes have in common are in no error.
-    let may_wait = about.commands_may_wait() && !about.moving_command && about.common_wait_s == 0.0;
-    if !may_wait || model.covariance.valid().is_some() {
+    if !about.commands_may_wait() || model.covariance.valid().is_some() {
         return None;
     }
-    let servo = model.clone().sooner(0.5 * FRAME_S);
-    let least = LEFT_AT_FIRST * model.fit.rmse;
-    let may_be_pulses = |frame_s: &f64| {
-        let looked_up = each_run(&data.record, &servo, controllers, |_, run, predict| {
+    let servos = [model.clone(), model.clone().without_friction()];
+    let started = |servo: &ServoModel| SOONER_S.map(|sooner_s| servo.clone().sooner(sooner_s));
+    let starts: Vec<ServoModel> = servos.iter().flat_map(started).collect();
+    let looked_up = |(servo, frame_s): &(&ServoModel, f64)| {
+        let errors = each_run(&data.record, servo, controllers, |_, run, predict| {
             Some(least_error(run, *frame_s, predict)?.1)
-        });
-        looked_up.is_some_and(|errors| rms_of_runs(&data.record, &errors) < least)
+        })?;
+        Some(rms_of_runs(&data.record, &errors))
     };
-    let frame_s = FRAMES_S.into_iter().find(may_be_pulses)?;
-    let found = closest(&data.record, &servo, controllers, frame_s)?;
-    (found.rmse < least).then_some(found)
+    let tried = starts
+        .iter()
+        .flat_map(|servo| FRAMES_S.map(|frame_s| (servo, frame_s)));
+    let errors = tried.filter_map(|tried| Some((looked_up(&tried)?, tried)));
+    let (_, (servo, frame_s)) = errors.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let found = closest(&data.record, servo, controllers, frame_s)?;
+    (found.rmse < LEFT_AT_FIRST * model.fit.rmse).then_some(found)
 }
 
 /// Whether the servo with commands at their pulses leaves so much less of the errors of that `of_rows` that these were waits.
@@ -77,62 +83,85 @@ pub(super) fn closest<'r>(
     let found = each_run(record, servo, controllers, |_, run, predict| {
         closest_pulses(run, frame_s, predict)
     })?;
-    let errors_at = |shift_s: f64| {
-        let sooner = servo.clone().sooner(shift_s);
-        each_run(record, &sooner, controllers, |number, run, predict| {
-            let pulses = found.get(number)?.later(shift_s).pulses_of_first_run()?;
+    let (shift_s, rmse) = closest_shift(record, servo, controllers, &found);
+    let found: Vec<ClosestPulses> = found.iter().map(|found| found.later(shift_s)).collect();
+    let sooner = servo.clone().sooner(shift_s);
+    // Moments and length of the frame are known to a step of their search each, and the least and the most shift to two of both.
+    let step_s = 2.0 * RESOLUTION * frame_s;
+    let apart_s = 2.0 * step_s;
+    let fitted = fitted(record, &sooner, controllers, (&found, rmse), apart_s)?;
+    let [least, most] = open_to_all(&fitted, apart_s)?;
+    let later_s = f64::midpoint(least, most);
+    let runs = record.runs().iter().zip(&fitted);
+    let runs = runs.map(|(run, fitted)| fitted.in_force(run, record.sample_period_s(), later_s));
+    let frames_s: Vec<f64> = fitted.iter().map(FittedPulses::frame_s).collect();
+    Some(AtPulses {
+        record: record.try_with_runs(runs.collect::<Option<_>>()?).ok()?,
+        waits: WaitsForPulses {
+            frame_s: frames_s.iter().sum::<f64>() / frames_s.len() as f64,
+            delay_error_s: 0.5 * (most - least).abs() + step_s,
+        },
+        rmse,
+    })
+}
+
+/// By how much later the pulses that were `found` of each run come where `servo`, with a delay that is as much shorter, is closest to the record \[s\], and its error (rms) then \[output\].
+fn closest_shift(
+    record: &Record,
+    servo: &ServoModel,
+    controllers: &[usize],
+    found: &[ClosestPulses],
+) -> (f64, f64) {
+    let rmse_at = |shift_s: &f64| {
+        let sooner = servo.clone().sooner(*shift_s);
+        let errors = each_run(record, &sooner, controllers, |number, run, predict| {
+            let pulses = found.get(number)?.later(*shift_s).pulses_of_first_run()?;
             let run = run.runs().first()?;
             let pairs = run.output().iter().copied();
             let judged = Validation::of_pairs(pairs.zip(predict(run, 0, pulses)?))?;
             Some(judged.rmse)
-        })
-    };
-    let rmse_at = |shift_s: &f64| {
-        let errors = errors_at(*shift_s);
+        });
         errors.map_or(f64::INFINITY, |errors| rms_of_runs(record, &errors))
     };
     let shift_s = least_of(rmse_at, 0.0, SHIFT_S, SHIFTS);
     let shift_s = least_of(rmse_at, shift_s, SHIFT_S / f64::from(SHIFTS), SHIFTS_BESIDE);
-    let found: Vec<ClosestPulses> = found.iter().map(|found| found.later(shift_s)).collect();
-    let sooner = servo.clone().sooner(shift_s);
-    let rmse = rmse_at(&shift_s);
-    let fitted = each_run(record, &sooner, controllers, |number, run, _| {
+    (shift_s, rmse_at(&shift_s))
+}
+
+/// The pulses that were `found` of each run, with its changes at those with which `servo` follows the motion; `rmse` is its error with the pulses as they were found.
+fn fitted(
+    record: &Record,
+    servo: &ServoModel,
+    controllers: &[usize],
+    (found, rmse): (&[ClosestPulses], f64),
+    apart_s: f64,
+) -> Option<Vec<FittedPulses>> {
+    each_run(record, servo, controllers, |number, run, _| {
         let [frame_s, first_s] = found.get(number)?.pulses_of_first_run()?;
         let controller = controllers.get(number..=number).unwrap_or_default();
-        let squares = |tried: &Run<'r>| {
+        let squares = |tried: &Run| {
             let of_run = record.try_with_runs(vec![tried.clone()]).ok()?;
-            let judged = sooner.validate(&of_run, controller).ok()?;
+            let judged = servo.validate(&of_run, controller).ok()?;
             Some(judged.rmse.powi(2) * judged.samples_used as f64)
         };
         let clock = PulseClock { frame_s, first_s };
         let run = run.runs().first()?;
-        Some(clock.fitted(run, record.sample_period_s(), (&squares, rmse.powi(2))))
-    })?;
-    let open = fitted
-        .iter()
-        .map(FittedPulses::open_shifts)
-        .collect::<Option<Vec<_>>>()?;
-    // The servo has one delay, and all pulses are so much sooner or later alike.
-    let least = open.iter().map(|[least, _]| *least).reduce(f64::max)?;
-    let most = open.iter().map(|[_, most]| *most).reduce(f64::min)?;
-    let clocks = fitted
-        .iter()
-        .map(|fitted| fitted.later(f64::midpoint(least, most)));
-    let clocks: Vec<PulseClock> = clocks.collect();
-    let in_rows = |time_s: f64| time_s / record.sample_period_s();
-    let runs = record.runs().iter().zip(&clocks).map(|(run, clock)| {
-        let pulses = [clock.frame_s, clock.first_s].map(in_rows);
-        in_force(run, record.sample_period_s(), pulses)
-    });
-    Some(AtPulses {
-        record: record.try_with_runs(runs.collect::<Option<_>>()?).ok()?,
-        waits: WaitsForPulses {
-            frame_s: clocks.iter().map(|clock| clock.frame_s).sum::<f64>() / clocks.len() as f64,
-            // Moments and length of the frame are known to a step of their search.
-            delay_error_s: 0.5 * (most - least).abs() + 2.0 * RESOLUTION * frame_s,
-        },
-        rmse,
+        Some(clock.fitted(
+            run,
+            record.sample_period_s(),
+            (&squares, rmse.powi(2)),
+            apart_s,
+        ))
     })
+}
+
+/// How much later the pulses of all runs may come, as [of one](FittedPulses::open_shifts) \[s\]: the servo has one delay, and all are so much sooner or later alike.
+fn open_to_all(fitted: &[FittedPulses], apart_s: f64) -> Option<[f64; 2]> {
+    let of_runs = fitted.iter().map(|fitted| fitted.open_shifts(apart_s));
+    let of_runs: Vec<[f64; 2]> = of_runs.collect::<Option<_>>()?;
+    let open_to_both = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [a.max(c), b.min(d)];
+    let open = of_runs.into_iter().reduce(open_to_both);
+    open.filter(|[least, most]| *least < most + apart_s)
 }
 
 /// The value with the least `of` it among those so many steps to each side of the `middle`, up to `reach` from it.

@@ -101,6 +101,7 @@ pub(super) fn waits_of_models_s(models: [&ServoModel; 2], sides: [&ModelMetadata
             let may_wait = side.pulse_frame_s.is_none() && !side.exact_command;
             match (own, other) {
                 (None, Some(other)) if may_wait => side.common_wait_s.max(other.frame_s),
+                (Some(_), _) => 0.0,
                 _ => side.common_wait_s,
             }
         };

@@ -73,6 +73,10 @@ use Coordinate::{
 pub(crate) const FRICTION_SPEED_SHARE: f64 = 0.05;
 
 impl Coordinate {
+    pub(crate) fn is_of_friction(self) -> bool {
+        matches!(self, Self::Friction | FrictionAtRest | FrictionOfGears)
+    }
+
     /// Whether a step of the fit may move it by one at the most: a factor of e.
     pub(super) fn is_logarithm(self) -> bool {
         matches!(

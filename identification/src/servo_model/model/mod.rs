@@ -508,6 +508,17 @@ impl ServoModel {
         self
     }
 
+    /// The same servo without friction, for which late commands pass.
+    #[must_use]
+    pub fn without_friction(mut self) -> Self {
+        for (coordinate, value) in self.coordinates.iter().zip(&mut self.values) {
+            if coordinate.is_of_friction() {
+                *value = 0.0;
+            }
+        }
+        self
+    }
+
     /// The same servo with a delay that is so many `seconds` shorter, or none.
     #[must_use]
     pub fn sooner(mut self, seconds: f64) -> Self {
