@@ -34,7 +34,7 @@ pub(super) struct Validate {
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
     /// Time between pulses (ms), where the commands of the recording waited for them, as those of a receiver or a flight controller do: each
-    /// acts from the next pulse on. When pulses came is looked for, and the exact time between them within 0.5 % of this: those with which the model is closest
+    /// acts from the next pulse on. When pulses came is looked for, and the exact time between them within 2.5 % of this: those with which the model is closest
     /// are taken. Only for a model whose own recording has commands at their pulses: elsewhere half a frame is in its delay already
     #[arg(long, value_name = "MS")]
     frame_ms: Option<f64>,

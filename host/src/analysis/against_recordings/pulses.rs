@@ -3,8 +3,7 @@
 //! The servo of a receiver or a flight controller sees a command with the next pulse, and a log has the command with the row in which it was written. When pulses
 //! came is not in it, nor how long their frame is by the clock of the log: both are [looked for](crate::analysis::command_times::pulse_search).
 
-use crate::analysis::command_times::pulse_errors::OF_LENGTH;
-use crate::analysis::command_times::pulse_search::ClosestPulses;
+use crate::analysis::command_times::pulse_search::{ClosestPulses, OF_STATED};
 use crate::data::model_metadata::{PULSE_FRAMES_S, SHORTEST_FRAME_S};
 use crate::presentation::summary::{four_digits, with_unit};
 use anyhow::{Result, bail};
@@ -13,7 +12,7 @@ use servoid_identification::Record;
 use servoid_identification::results::six_digits;
 
 /// How far the length of a frame may be from the stated one \[%\].
-const WITHIN_PERCENT: f64 = 100.0 * OF_LENGTH;
+const WITHIN_PERCENT: f64 = 100.0 * OF_STATED;
 
 /// What says that commands wait for pulses of a length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

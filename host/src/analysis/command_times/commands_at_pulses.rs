@@ -36,12 +36,43 @@ pub(crate) fn is_linear_at_pulses(
 ) -> bool {
     let moved: Option<Vec<Run>> = runs.iter().map(|run| run.at_pulses(record)).collect();
     let moved = moved.and_then(|runs| record.try_with_runs(runs).ok());
-    let found = moved.and_then(|moved| identify_explained(&moved, options).ok());
+    moved.is_some_and(|moved| is_linear(&moved, options))
+}
+
+/// The same where commands of `record` are in force from their pulses on, within the rows.
+pub(crate) fn is_linear_in_force(record: &Record<'_>, options: &Options) -> bool {
+    let period_s = record.sample_period_s();
+    let means: Option<Vec<Run>> = (record.runs().iter())
+        .map(|run| with_means(run, period_s))
+        .collect();
+    let means = means.and_then(|runs| record.try_with_runs(runs).ok());
+    means.is_some_and(|means| is_linear(&means, options))
+}
+
+/// Whether no errors that follow the motion are left to a model of `record`.
+fn is_linear(record: &Record<'_>, options: &Options) -> bool {
+    let found = identify_explained(record, options).ok();
     found.is_some_and(|Identification { explanation, .. }| {
         let linearity = explanation.linearity;
         explanation.model_errors.is_none()
             && linearity.is_some_and(|found| !found.errors_follow_motion())
     })
+}
+
+/// The `run` with the mean of the command in force in each row.
+fn with_means<'r>(run: &Run<'r>, period_s: f64) -> Option<Run<'r>> {
+    let Some(late_s) = run.late_inputs() else {
+        return Some(run.clone());
+    };
+    let mut before = run.input_at_rest().or(run.input().first().copied())?;
+    let rows = run.input().iter().zip(late_s);
+    let means = rows.map(|(input, late_s)| {
+        let mean = input + (before - input) * late_s / period_s;
+        before = *input;
+        mean
+    });
+    let means: Vec<f64> = means.collect();
+    run.with_input(means).ok()
 }
 
 /// The `run`, with a change of the command at each row taking effect so many rows later as `wait_rows` says.

@@ -10,7 +10,7 @@ use servoid_identification::{Record, Run};
 /// Moments of pulses in a frame that are tried, evenly spaced.
 pub(crate) const MOMENTS: usize = 24;
 
-/// How far a length may be from the stated one, as a share of it: the ceramic resonator of an Arduino keeps within half a percent.
+/// How far a length may be from the one that a table is of, as a share of it.
 pub(crate) const OF_LENGTH: f64 = 0.005;
 
 /// Frames of a block: with each length within [`OF_LENGTH`], pulses walk by less than a seventh of a frame in it.

@@ -8,6 +8,12 @@
 use super::pulse_errors::{ErrorTable, MOMENTS, OF_LENGTH, Predict, in_force, with_pulses};
 use servoid_identification::{Error, Record, Run};
 
+/// Lengths about which tables are made, in stated ones: each has all within half a percent. The ceramic resonator of an Arduino keeps within half a percent, and libraries and receivers count frames of 20 ms with one or two more.
+const TABLES: [f64; 5] = [1.0, 0.99, 1.01, 0.98, 1.02];
+
+/// How far a length may be from the stated one, as a share of it.
+pub(crate) const OF_STATED: f64 = 0.02 + OF_LENGTH;
+
 /// Of the lengths that are looked up, so many are predicted.
 const PREDICTED: usize = 100;
 
@@ -155,9 +161,45 @@ impl<'a, 'r> LookedUp<'a, 'r> {
     }
 }
 
+/// The length among those of [`TABLES`] within half a percent of which `record` is closest to what is predicted with frames of `stated_s`, and the error (rms) there \[s, output\], as far as errors that are looked up say. `None` where no run can be predicted.
+pub(crate) fn nearest_length<'r>(
+    record: &Record<'r>,
+    stated_s: f64,
+    predict: Predict<'_, 'r>,
+) -> Option<(f64, f64)> {
+    let lengths = TABLES.map(|share| share * stated_s);
+    let errors = lengths.into_iter().filter_map(|length_s| {
+        let (_, error) = least_error(record, length_s, predict)?;
+        Some((length_s, error))
+    });
+    errors.min_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// The closest pulses to the runs of a record, in frames of `stated_s` to [`OF_STATED`] of that. `None` where no run can be predicted.
+pub(crate) fn closest_pulses_of_all<'r>(
+    record: &Record<'r>,
+    stated_s: f64,
+    predict: Predict<'_, 'r>,
+) -> Option<ClosestPulses> {
+    let as_stated = closest_pulses(record, stated_s, predict)?;
+    let (length_s, _) = nearest_length(record, stated_s, predict)?;
+    if length_s == stated_s {
+        return Some(as_stated);
+    }
+    let found = closest_pulses(record, length_s, predict)?;
+    Some(match found.rmse < as_stated.rmse {
+        true => ClosestPulses {
+            rmse_as_stated: as_stated.rmse_as_stated,
+            largest_rmse: as_stated.largest_rmse,
+            ..found
+        },
+        false => as_stated,
+    })
+}
+
 /// The length of a frame about `stated_s` with which a record is closest to what is predicted, and the error (rms) \[output\], as far as errors that are looked up say: at moments that are a part of a frame
 /// apart. `None` where no run can be predicted.
-pub(crate) fn least_error<'r>(
+fn least_error<'r>(
     record: &Record<'r>,
     stated_s: f64,
     predict: Predict<'_, 'r>,

@@ -14,7 +14,7 @@ use crate::data::sensor_preset::is_of_data_sheet;
 use crate::presentation::summary::percent;
 use anyhow::{Context, Result};
 use servoid_identification::results::{Advice, Check, Interval, Model, Reason, pointwise_critical};
-use servoid_identification::servo_model::ServoModel;
+use servoid_identification::servo_model::{ServoModel, WaitsForPulses};
 use servoid_identification::{Identification, Options, identify_explained};
 use servoid_protocol::hello::INTERNAL_CLOCK_ERROR;
 use std::ops::RangeInclusive;
@@ -141,31 +141,32 @@ fn explained_by_waits(model: &mut Model) {
     }
 }
 
-/// The same of pulses that a `servo` model found: the linear one has each command in its row, has no bounds for that reason where it has none, and is not linear only as far as the servo behind these pulses is not.
-pub(super) fn explained_by_pulses(model: &mut Model, servo: &ServoModel) {
+/// The same of pulses that a `servo` model found: the linear one has each command in its row, has no bounds for that reason where it has none, and whether it `is_linear` a linear model of the commands at their pulses says.
+pub(super) fn explained_by_pulses(model: &mut Model, servo: &ServoModel, is_linear: bool) {
     let waits = servo.fit.waits_for_pulses;
     let Some(waits) = waits.filter(|_| !model.advice.iter().any(Advice::is_of_waits)) else {
         return;
     };
-    let errors_are_not_noise = servo.covariance.withdrawn() == Some(Reason::ErrorsNotNoise);
-    model.linear = servo.is_linear() && !errors_are_not_noise;
+    model.linear = is_linear;
     model.advice.retain(|item| !item.is_of_errors_in_motion());
-    model.advice.insert(
-        0,
-        Advice::new(
-            Check::CommandEdges,
-            format!(
-                "Commands waited for pulses {:.1} ms apart, and here each is in force from its row on: errors that follow the motion are of these waits, and of what is not linear in the servo.",
-                1e3 * waits.frame_s
-            ),
-            waits.frame_s,
-            0.0,
-            "Take the servo model, which has each command at its pulse. For a linear model with bounds, write each command at the pulse with which it begins.",
-        ),
-    );
+    model.advice.insert(0, by_pulses(waits));
     if model.bounds.valid().is_none() {
         *model = model.clone().withdrawn_for(Reason::CommandsWait);
     }
+}
+
+/// That a linear model has commands in their rows that waited for pulses.
+pub(crate) fn by_pulses(waits: WaitsForPulses) -> Advice {
+    Advice::new(
+        Check::CommandEdges,
+        format!(
+            "Commands waited for pulses {:.1} ms apart, and in the linear model each is in force from its row on: errors that follow the motion are of these waits, and of what is not linear in the servo.",
+            1e3 * waits.frame_s
+        ),
+        waits.frame_s,
+        0.0,
+        "Take the servo model, which has each command at its pulse. For a linear model with bounds, write each command at the pulse with which it begins.",
+    )
 }
 
 /// Of errors that follow the motion in a file of another program: that commands may have waited for pulses. Under holds of one length such waits creep from command to

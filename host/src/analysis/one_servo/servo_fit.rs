@@ -2,6 +2,7 @@
 
 use super::identified::{explained_by_pulses, identified};
 use super::waits;
+use crate::analysis::command_times::commands_at_pulses::is_linear_in_force;
 use crate::data::dataset::Dataset;
 use crate::data::held_out::{HeldOut, HeldOutPrediction};
 use crate::data::model_file::ServoModelDocument;
@@ -91,15 +92,20 @@ pub fn find(
 ) -> FoundServo {
     let data = &without_spikes(data, linear);
     let linear = &mut linear.model;
-    let found = std::thread::scope(|threads| {
+    let (found, at_pulses) = std::thread::scope(|threads| {
         let predicting =
             held_out.then(|| threads.spawn(|| predict(&HeldOut::of(data)?, options, search)));
-        let model = fit(data, Linear::Beside(linear), options.level, search);
+        let fitted = fit(data, Linear::Beside(linear), options.level, search);
         let predicted = predicting.and_then(|thread| thread.join().ok().flatten());
-        FoundServo {
+        let (model, at_pulses) = match fitted {
+            Ok(fitted) => (Ok(fitted.servo), fitted.at_pulses),
+            Err(reason) => (Err(reason), None),
+        };
+        let found = FoundServo {
             held_out: predicted.filter(|_| model.is_ok()),
             model,
-        }
+        };
+        (found, at_pulses)
     });
     let servo = found.model.as_ref().ok();
     let doubt = servo.and_then(|servo| no_prediction(&data.record, linear, &servo.model));
@@ -110,8 +116,9 @@ pub fn find(
         .take_while(|item| item.precedence() == Precedence::InPlaceOfTheAnswer);
     let at = causes.count();
     linear.advice.splice(at..at, doubt);
-    if let Some(servo) = servo {
-        explained_by_pulses(linear, &servo.model);
+    if let Some((servo, at_pulses)) = servo.zip(at_pulses) {
+        let is_linear = is_linear_in_force(&at_pulses, options);
+        explained_by_pulses(linear, &servo.model, is_linear);
     }
     found
 }
@@ -136,7 +143,7 @@ pub fn find_both(
         let linear = identified(data, name, options).map_err(|error| format!("{error:#}"))?;
         let data = without_spikes(data, &linear);
         let linear = Linear::OfRecord(&linear.model);
-        fit(&data, linear, options.level, search)
+        Ok(fit(&data, linear, options.level, search)?.servo)
     };
     std::thread::scope(|threads| {
         let first = threads.spawn(|| of(a, name_a));
@@ -163,13 +170,20 @@ impl<'a> Linear<'a> {
     }
 }
 
+/// A servo model that was found.
+struct Fitted<'r> {
+    servo: ServoModelDocument,
+    /// The record with its commands at their pulses, where they waited for them.
+    at_pulses: Option<Record<'r>>,
+}
+
 /// The servo model, or the reason why there is none.
-fn fit(
-    data: &Dataset,
+fn fit<'r>(
+    data: &Dataset<'r>,
     linear: Linear<'_>,
     level: f64,
     search: &dyn Watch,
-) -> Result<ServoModelDocument, String> {
+) -> Result<Fitted<'r>, String> {
     let names = data.controllers.names();
     let units = data.about.units();
     let options = ServoModelOptions {
@@ -208,7 +222,7 @@ fn fit(
     );
     let stroke = sixty_degrees(data.about.units());
     let at_pulses = model.fit.waits_for_pulses.is_some();
-    Ok(ServoModelDocument {
+    let servo = ServoModelDocument {
         stroke_of_60_degrees_s: stroke.and_then(|size| model.stroke_times_s(size)),
         is_of_rows: data.about.commands_may_wait() && !at_pulses,
         model,
@@ -219,6 +233,10 @@ fn fit(
             true => 0.0,
             false => data.about.common_wait_s,
         },
+    };
+    Ok(Fitted {
+        servo,
+        at_pulses: at_pulses.then_some(record),
     })
 }
 
@@ -273,7 +291,8 @@ fn from_rest<'a>(run: &Run<'a>, linear: &Model) -> Run<'a> {
 fn predict(held_out: &HeldOut, options: &Options, search: &dyn Watch) -> Option<HeldOutPrediction> {
     let linear = identify(&held_out.rest.record, options).ok()?;
     let of_record = Linear::OfRecord(&linear);
-    let servo = fit(&held_out.rest, of_record, options.level, search).ok()?;
+    let fitted = fit(&held_out.rest, of_record, options.level, search);
+    let servo = fitted.ok()?.servo;
     let record = &held_out.rest.record;
     let whole = record.try_with_runs(vec![held_out.run.clone()]).ok()?;
     let names = &servo.controller_names;

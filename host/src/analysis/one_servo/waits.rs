@@ -6,21 +6,18 @@
 use super::pulse_clock::{FittedPulses, PulseClock};
 use crate::analysis::command_times::pulse_errors::{Predict, simulate_with_pulses};
 use crate::analysis::command_times::pulse_search::{
-    ClosestPulses, RESOLUTION, closest_pulses, least_error,
+    ClosestPulses, RESOLUTION, closest_pulses_of_all, nearest_length,
 };
 use crate::data::dataset::{Dataset, FRAME_S};
-use servoid_identification::results::Validation;
+use servoid_identification::results::{Bounds, Validation};
 use servoid_identification::servo_model::{ServoModel, WaitsForPulses};
 use servoid_identification::{Record, Run};
 
-/// The share of its error that a servo leaves at the most where each command waits for its pulse, found anew: errors that have another cause stay nearly as they are.
+/// The share of what a servo lacks that it lacks at the most where each command waits for its pulse, found anew: errors that have another cause stay nearly as they are, or grow.
 const LEFT: f64 = 0.5;
 
-/// The same of the servo that has the waits in its figures, which hide a part of what pulses take away.
-const LEFT_AT_FIRST: f64 = 0.8;
-
-/// Lengths of frames about which pulses are looked for, the usual one first \[s\]: each search finds those within half a percent.
-const FRAMES_S: [f64; 5] = [FRAME_S, 0.0198, 0.0202, 0.0196, 0.0204];
+/// The share of its error that the servo at hand may have behind the pulses: it has waits in its figures, and may be off by as much as them. From far more no servo was found.
+const LEFT_AT_FIRST: f64 = 1.2;
 
 /// How much of the delay of the servo at hand may be the wait \[s\]. Friction stands for waits, too: it is looked for without friction as well, whose delay may be too short then.
 const SOONER_S: [f64; 4] = [0.01, 0.005, 0.0, -0.005];
@@ -53,24 +50,27 @@ pub(super) fn at_pulses<'r>(
     let servos = [model.clone(), model.clone().without_friction()];
     let started = |servo: &ServoModel| SOONER_S.map(|sooner_s| servo.clone().sooner(sooner_s));
     let starts: Vec<ServoModel> = servos.iter().flat_map(started).collect();
-    let looked_up = |(servo, frame_s): &(&ServoModel, f64)| {
+    let looked_up = |servo: &ServoModel| {
         let errors = each_run(&data.record, servo, controllers, |_, run, predict| {
-            Some(least_error(run, *frame_s, predict)?.1)
+            Some(nearest_length(run, FRAME_S, predict)?.1)
         })?;
         Some(rms_of_runs(&data.record, &errors))
     };
-    let tried = starts
+    let errors = starts
         .iter()
-        .flat_map(|servo| FRAMES_S.map(|frame_s| (servo, frame_s)));
-    let errors = tried.filter_map(|tried| Some((looked_up(&tried)?, tried)));
-    let (_, (servo, frame_s)) = errors.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    let found = closest(&data.record, servo, controllers, frame_s)?;
+        .filter_map(|servo| Some((looked_up(servo)?, servo)));
+    let (_, servo) = errors.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let found = closest(&data.record, servo, controllers, FRAME_S)?;
     (found.rmse < LEFT_AT_FIRST * model.fit.rmse).then_some(found)
 }
 
-/// Whether the servo with commands at their pulses leaves so much less of the errors of that `of_rows` that these were waits.
+/// Whether the servo with commands at their pulses lacks so much less than that `of_rows` that these were waits.
 pub(super) fn were_waits(at_pulses: &ServoModel, of_rows: &ServoModel) -> bool {
-    at_pulses.fit.rmse < LEFT * of_rows.fit.rmse
+    let lacking = |model: &ServoModel| match model.covariance {
+        Bounds::Valid(_) => 0.0,
+        Bounds::Withdrawn(_) => model.fit.lacking.unwrap_or(model.fit.rmse),
+    };
+    at_pulses.fit.rmse < of_rows.fit.rmse && lacking(at_pulses) < LEFT * lacking(of_rows)
 }
 
 /// The record with the commands of each run at the pulses about every `frame_s` with which `servo` is closest. Runs may be of other loggers, and days: each has a length of its own.
@@ -81,7 +81,7 @@ pub(super) fn closest<'r>(
     frame_s: f64,
 ) -> Option<AtPulses<'r>> {
     let found = each_run(record, servo, controllers, |_, run, predict| {
-        closest_pulses(run, frame_s, predict)
+        closest_pulses_of_all(run, frame_s, predict)
     })?;
     let (shift_s, rmse) = closest_shift(record, servo, controllers, &found);
     let found: Vec<ClosestPulses> = found.iter().map(|found| found.later(shift_s)).collect();

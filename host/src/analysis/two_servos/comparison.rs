@@ -3,12 +3,12 @@
 use super::delay_errors;
 use super::scale_errors;
 use super::servo_comparison::compared_servos;
-use crate::analysis::one_servo::identified::identified;
+use crate::analysis::one_servo::identified::{by_pulses, identified};
 use crate::analysis::one_servo::servo_fit::{self, ServoModelSearch};
 use crate::data::dataset::Dataset;
 use crate::data::fingerprint;
 use crate::data::mixed_units::advice_on_units;
-use crate::data::model_file::ModelFile;
+use crate::data::model_file::{ModelFile, ServoModelDocument};
 use crate::data::model_metadata::{ModelMetadata, UnitsDiffer};
 use crate::presentation::summary;
 use anyhow::{Context, Result, anyhow, bail};
@@ -71,6 +71,19 @@ fn say_waits(found: &mut Comparison, sides: [&ModelMetadata; 2]) {
     if is_of_runs || found.may_be_waits {
         (found.advice).splice(0..0, delay_errors::advice_on_waits(sides));
     }
+}
+
+/// That commands of a side waited for pulses, by its servo model, where the linear models do not say it.
+fn say_pulses(advice: &mut Vec<Advice>, servos: &[ServoModelDocument; 2]) {
+    if advice.iter().any(Advice::is_of_waits) {
+        return;
+    }
+    let of_side = |(servo, side): (&ServoModelDocument, &str)| {
+        let waits = servo.model.fit.waits_for_pulses?;
+        Some(by_pulses(waits).said_of(side))
+    };
+    let found: Vec<Advice> = servos.iter().zip(SIDES).filter_map(of_side).collect();
+    advice.splice(0..0, found);
 }
 
 /// That commands of a side change between the rows, or wait for pulses, by its model alone, which is linear beside that: the models of a comparison know no frames.
@@ -315,6 +328,9 @@ impl Compared {
         let wanted = |found| servo_fit::are_compared(search, found);
         let servos = (found.compared().map_or(machines, wanted))
             .then(|| servo_fit::find_both([a, b], names, &identification, &watch()));
+        if let Some(Ok(servos)) = &servos {
+            say_pulses(found.advice(), servos);
+        }
         let (servo_model, no_servo_model) = match servos {
             Some(Ok([a, b])) => (Some(compared_servos([&a.model, &b.model], sides)), None),
             Some(Err(reason)) => (None, Some(reason)),

@@ -57,7 +57,7 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// How far the farther end is from `value`, which is off by so much or more.
+    /// How far the farther end is from `value`: by how much that is off, nobody knows.
     #[must_use]
     pub fn farthest_from(self, value: f64) -> f64 {
         (value - self.least).abs().max((self.most - value).abs())

@@ -27,6 +27,9 @@ const PROMISING: f64 = 1.2;
 /// Share of the held-out errors that a term must take away for another one to be tried after it.
 const WORTH_ANOTHER: f64 = 0.01;
 
+/// Share of a spring that holds the drive in the stiffness of servo and spring together.
+const HARD_SPRING: f64 = 0.3;
+
 /// Steps of a descent without a fold.
 const FOLD_STEPS: usize = 6;
 
@@ -427,10 +430,14 @@ impl Ladder<'_> {
         match terms.load {
             LoadKind::None | LoadKind::Constant | LoadKind::Pendulum => vec![plain],
             LoadKind::Spring => {
-                // The middle of the motion keeps its load.
+                // The middle of the motion keeps its load. A spring that holds the drive is in another valley than a soft one.
                 let before = plain.get(Coordinate::ConstantLoad).unwrap_or(0.0);
-                let of_spring = fresh(Coordinate::Spring) * self.shown.middle;
-                vec![varied(Coordinate::ConstantLoad, before - of_spring)]
+                let spring = |share: f64| {
+                    let mut point = varied(Coordinate::Spring, share);
+                    point.set(Coordinate::ConstantLoad, before - share * self.shown.middle);
+                    point
+                };
+                vec![spring(fresh(Coordinate::Spring)), spring(HARD_SPRING)]
             }
             LoadKind::TiltedPendulum => {
                 let quarter = std::f64::consts::FRAC_PI_2 / self.arm.radians(self.shown.gain);

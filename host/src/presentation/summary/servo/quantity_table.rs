@@ -116,7 +116,7 @@ fn quantity_row(quantity: &Quantity, units: Units<'_>) -> QuantityRow {
         false => "-".to_owned(),
     };
     let spread = quantity.other_fits.filter(|_| quantity.determined);
-    let spread = spread.and_then(|fits| or_more(scale * fits.farthest_from(quantity.value)));
+    let spread = spread.and_then(|fits| of_other_fits(scale * fits.farthest_from(quantity.value)));
     QuantityRow {
         name: quantity.name.clone(),
         value,
@@ -134,9 +134,9 @@ fn quantity_row(quantity: &Quantity, units: Units<'_>) -> QuantityRow {
     }
 }
 
-/// By how much other fits are off, as a number that nobody takes for an end of an interval: "off by 0.31 or more". Nothing where there is no other fit.
-pub(crate) fn or_more(off: f64) -> Option<String> {
-    (off > 0.0).then(|| format!("off by {} or more", digits(off, 2)))
+/// How far away other fits are, as a number that nobody takes for an end of an interval, nor for the least error: "other fits up to 0.31 away". Nothing where there is no other fit.
+pub(crate) fn of_other_fits(off: f64) -> Option<String> {
+    (off > 0.0).then(|| format!("other fits up to {} away", digits(off, 2)))
 }
 
 /// The ends of the interval of a quantity that the record determines.

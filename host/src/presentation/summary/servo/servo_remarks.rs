@@ -92,8 +92,8 @@ const AS_RECORDED: &str = "Intervals are of the servo as it was recorded: where 
     many, may lie outside.";
 
 /// What stands in the place of intervals where none hold.
-const OTHER_FITS: &str = "\"Off by … or more\" is how far other fits, to parts of the recording and with other terms, are from the figure. That is no interval: what the model lacks is \
-    in all of them, and the figure may be off by several times as much.";
+const OTHER_FITS: &str = "\"Other fits up to …\" is how far fits to parts of the recording and with other terms are from the figure. That is no interval: what the model lacks is \
+    in all of them, and the figure may be off by less, or by several times as much.";
 
 /// What a dead band is beside friction, of which servos have several kinds.
 fn how_held_apart(model: &ServoModel) -> Option<String> {

@@ -102,7 +102,7 @@ const ONE_BY_ONE: &str = "Identify the runs one by one: each may have intervals,
     what changes between the runs, such as the supply voltage or the temperature.";
 
 /// What is known without intervals.
-const WITHOUT_INTERVALS: &str = "What is known without intervals: the other fits show by how much figures are off at least, and 'servoid validate' how well the model predicts a recording \
+const WITHOUT_INTERVALS: &str = "What is known without intervals: how far other fits are from the figures, and by 'servoid validate' how well the model predicts a recording \
     that it has not seen.";
 
 /// Said last: whoever has followed the advice would be sent from one recording to the next otherwise.

@@ -78,7 +78,7 @@ pub(super) fn play_of_models(
         let off = fits?.farthest_from(value);
         (off < value / 2.0).then(|| {
             format!(
-                "{}, off by {} or more and without an interval,",
+                "{}, other fits up to {} away and no interval,",
                 value_in_unit(digits(value, 2)),
                 digits(off, 2)
             )

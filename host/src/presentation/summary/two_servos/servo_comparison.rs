@@ -6,7 +6,9 @@ use crate::data::units::Units;
 use crate::presentation::summary::response::metrics::TableRow;
 use crate::presentation::summary::servo::clauses::LOOKS_LIKE_A_LOAD;
 use crate::presentation::summary::servo::measured_limits::limits_of_strokes_in_words;
-use crate::presentation::summary::servo::quantity_table::{or_more, scale_and_unit, under_load};
+use crate::presentation::summary::servo::quantity_table::{
+    of_other_fits, scale_and_unit, under_load,
+};
 use crate::presentation::summary::servo::servo_remarks::stops_in_words;
 use crate::presentation::summary::wording::layout::wrapped;
 use crate::presentation::summary::wording::numbers::{digits, digits_beside, four_digits, percent};
@@ -331,7 +333,7 @@ pub(crate) fn how_servo_models_are_compared(found: &ServoModelComparison) -> Str
              recordings would need."
         }
         Bounds::Withdrawn(_) => {
-            "Without intervals on both sides nothing is said about the difference. \"Off by … or more\" is how far other fits are from the figure, and no interval: what a model lacks is in all of them, and it may be off by several times as much."
+            "Without intervals on both sides nothing is said about the difference. \"Other fits up to …\" is how far these are from the figure, and no interval: what a model lacks is in all of them, and it may be off by less, or by several times as much."
         }
     };
     let longest_s = found.waits_s[0].max(found.waits_s[1]);
@@ -410,8 +412,9 @@ pub(crate) fn servo_model_rows(found: &ServoModelComparison, units: Units<'_>) -
             Some(_) if value.is_none() => "not determined".to_owned(),
             _ => String::new(),
         };
-        let other_fits =
-            |of: Option<Spread>, value: Option<f64>| or_more(scale * of?.farthest_from(value?));
+        let other_fits = |of: Option<Spread>, value: Option<f64>| {
+            of_other_fits(scale * of?.farthest_from(value?))
+        };
         let sure = bounds.and_then(|bounds| bounds.differences.get(index));
         let [of_a, of_b, apart] = match sure {
             Some(found) => [found.a, found.b, found.difference],

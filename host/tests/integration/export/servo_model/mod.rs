@@ -6,6 +6,7 @@ mod c;
 mod jsbsim;
 mod motion_interval;
 mod mujoco;
+mod rates;
 mod refusals;
 mod scripts;
 mod smooth;

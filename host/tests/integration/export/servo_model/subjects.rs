@@ -36,6 +36,26 @@ pub static AIRCRAFT: LazyLock<Identified> = LazyLock::new(|| {
     }
 });
 
+/// What a servo model is exported to.
+pub const TARGETS: [&str; 7] = [
+    "c",
+    "python",
+    "julia",
+    "matlab",
+    "jsbsim",
+    "ardupilot",
+    "mujoco",
+];
+
+/// A model of the aircraft's servo, changed by `change`, in a folder.
+pub fn changed(folder: &Path, change: impl Fn(&mut Value)) -> PathBuf {
+    let mut document = crate::support::json(&AIRCRAFT.file);
+    change(&mut document["servo_model"]);
+    let file = folder.join("changed.json");
+    std::fs::write(&file, document.to_string()).unwrap();
+    file
+}
+
 /// A servo that is made of chosen terms.
 #[derive(Clone, Copy)]
 pub struct Servo {
