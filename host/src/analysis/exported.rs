@@ -110,7 +110,13 @@ impl Exported {
     ) -> Result<Self> {
         let (fitted, servo) = (file.flight_model()?, file.servo_model()?);
         let (name, source) = (&request.name, &request.source);
-        let of_frame = metadata.frame_remark();
+        let waits = servo
+            .as_ref()
+            .and_then(|servo| servo.model.fit.waits_for_pulses);
+        let of_frame = match waits {
+            Some(waits) => Some(ModelMetadata::wait_remark(waits)),
+            None => metadata.frame_remark(),
+        };
         let export = Export::new(name, source, &file.model, fitted, metadata)
             .beside(servo.as_ref().map(|servo| &servo.model));
         Ok(Self {

@@ -325,5 +325,5 @@ fn coverage_behind_pulses_of_their_own_clock() {
     );
     // 99 % of them, and as many again by chance.
     assert!(missed.len() * 50 <= intervals, "{missed:?}");
-    assert!(mean > 0.98, "{bands:?}");
+    assert!(bands.is_empty() || mean > 0.98, "{bands:?}");
 }

@@ -6,6 +6,7 @@
 use super::text::number;
 use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::summary::four_digits;
+use servoid_identification::servo_model::WaitsForPulses;
 
 /// The condition under which a stated frame is right, and why.
 pub(super) const WHEN_TO_STATE: &str = "only where the commands were recorded at their pulses, as servoid does; elsewhere that wait is in the model already, most of it in the delay";
@@ -16,6 +17,15 @@ impl ModelMetadata {
     pub fn frame_remark(&self) -> Option<String> {
         (self.pulse_frame_s.is_none())
             .then(|| format!("no frame hold is assumed: state --frame-ms {WHEN_TO_STATE}"))
+    }
+
+    /// That the wait for pulses which the servo model found is in the linear model.
+    #[must_use]
+    pub fn wait_remark(waits: WaitsForPulses) -> String {
+        format!(
+            "the commands of the recording waited for pulses {} ms apart: half of that on average is in this model, so no --frame-ms is right of it; in the servo model it is not",
+            four_digits(1e3 * waits.frame_s)
+        )
     }
 
     /// What the rows of a command that moves on between them leave open of the delay.

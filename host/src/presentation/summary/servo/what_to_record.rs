@@ -91,7 +91,7 @@ const SAY_POLLED: &str = "If the logger, and not the pulses, had a clock of its 
 
 /// What gives intervals in a file of another program, where more of the same does not.
 const WHAT_A_LOGGER_MAY_LACK: &str = "Another recording of this kind, or a longer one, may have intervals where the model has all of the servo: of such servos a few recordings in a hundred have none by chance. Where pulses come on a clock of their own, commands wait for them: under random levels that are held \
-    for random times, in a recording of their own, such pulses are mostly found where they come about every 20 ms, and none were here; or change the command with the pulse, and write it in the row of that moment, as servoid's own board does. Where the output is behind a linkage that is not linear, the supply changes along a recording, friction at rest is gone at once, or gusts load the shaft, \
+    for random times, in a recording of their own, such pulses are mostly found where they come about every 20 ms, and none were found here, which does not say that there are none; or change the command with the pulse, and write it in the row of that moment, as servoid's own board does. Where the output is behind a linkage that is not linear, the supply changes along a recording, friction at rest is gone at once, or gusts load the shaft, \
     which the model lacks, fewer recordings have them, or hardly any. Steps of a sensor that are larger than its noise may hide them, too. Runs between which the servo changed a little, as by its supply, may have them by themselves, and not together.";
 
 /// The same of a recording of servoid, whose commands change with the pulse.
