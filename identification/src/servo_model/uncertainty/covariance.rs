@@ -160,8 +160,7 @@ pub(crate) fn uncertainty(problem: &Problem<'_>, point: &Point, blocks: usize) -
     let mut unseen = Vec::new();
     if let Some(lower) = cholesky(&part(&normal)) {
         unseen = compensated(&normal, &has_slopes, &lower);
-        let inverse = inverse_of_square(&lower);
-        let of_kept = &inverse * middle * &inverse;
+        let of_kept = sandwich(&lower, &middle);
         for (a, &i) in kept.iter().enumerate() {
             for (b, &j) in kept.iter().enumerate() {
                 covariance[(i, j)] = of_kept[(a, b)];
@@ -182,6 +181,22 @@ pub(crate) fn uncertainty(problem: &Problem<'_>, point: &Point, blocks: usize) -
         has_hidden_part: hidden_parts.iter().any(|part| part.is_seen),
         discrepancy,
     }
+}
+
+/// H⁻¹ M H⁻¹ for H = LL' with the `lower` L, as the square of H⁻¹R for the `middle` M = RR': where the slopes of two coordinates are hardly different, a product of inverses is rounding, and may have variances below 0.
+fn sandwich(lower: &Mat<f64>, middle: &Mat<f64>) -> Mat<f64> {
+    let Some(root) = cholesky(middle) else {
+        let inverse = inverse_of_square(lower);
+        return &inverse * middle * &inverse;
+    };
+    let size = root.nrows();
+    let solved = |j: usize| {
+        let column: Vec<f64> = (0..size).map(|i| root[(i, j)]).collect();
+        backward_solve(lower, &forward_solve(lower, &column))
+    };
+    let columns: Vec<Vec<f64>> = (0..size).map(solved).collect();
+    let half = Mat::from_fn(size, size, |i, j| columns[j][i]);
+    &half * half.transpose()
 }
 
 /// Root mean square of all that are known.
