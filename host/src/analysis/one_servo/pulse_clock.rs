@@ -14,6 +14,9 @@ use servoid_identification::Run;
 /// A change within this part of a frame of a pulse may have met the one before it or behind it, as far as a search by the whole motion says.
 const BESIDE: f64 = 0.1;
 
+/// So many of these are tried at the most, as each takes a simulation of the run: commands that move on with every row meet each pulse within a row, and are hardly another then.
+const MOST_BESIDE: usize = 200;
+
 /// The squared errors of a run with the commands that it is given.
 pub(super) type SquaresOf<'a, 'r> = &'a dyn Fn(&Run<'r>) -> Option<f64>;
 
@@ -56,10 +59,7 @@ impl PulseClock {
         let mut changes = own.clone();
         let with = |changes: &[Change]| squares(&with_waits(run, period_s, changes)?);
         if let Some(mut least) = with(&changes) {
-            for k in 0..changes.len() {
-                let Some(other) = changes.get(k).and_then(|change| self.beside(change)) else {
-                    continue;
-                };
+            for (k, other) in self.beside_pulses(&own) {
                 let mut tried = changes.clone();
                 if let Some(change) = tried.get_mut(k) {
                     change.wait_s = other;
@@ -96,6 +96,18 @@ impl PulseClock {
             }
         };
         changed.map(change).collect()
+    }
+
+    /// The changes that are near a pulse, by their place, with their wait for the other one beside it; the nearest first.
+    fn beside_pulses(&self, changes: &[Change]) -> Vec<(usize, f64)> {
+        let near = changes.iter().enumerate();
+        let mut near: Vec<(usize, f64)> = near
+            .filter_map(|(k, change)| Some((k, self.beside(change)?)))
+            .collect();
+        let beyond = |wait_s: f64| (wait_s - self.frame_s).max(-wait_s);
+        near.sort_by(|a, b| beyond(a.1).total_cmp(&beyond(b.1)));
+        near.truncate(MOST_BESIDE);
+        near
     }
 
     /// The wait of a change for the other pulse beside it, where one is near.

@@ -344,3 +344,23 @@ fn larger(base: &Mat<f64>, other: &Mat<f64>) -> Mat<f64> {
         (0..base.nrows()).map(term).sum::<f64>()
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two slopes that differ by a millionth of themselves: their squares H = [[1, 1], [1, 1 + ε²]], and M = H. Then H⁻¹ M H⁻¹ is H⁻¹, by hand [[1 + 1/ε², -1/ε²], [-1/ε², 1/ε²]].
+    #[test]
+    fn slopes_that_are_hardly_different_leave_variances_above_zero() {
+        let own: f64 = 1e-12;
+        let square = Mat::from_fn(2, 2, |i, j| if i + j == 2 { 1.0 + own } else { 1.0 });
+        let found = sandwich(&cholesky(&square).unwrap(), &square);
+        let by_hand = [[1.0 + 1.0 / own, -1.0 / own], [-1.0 / own, 1.0 / own]];
+        for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            // 1 + ε² is rounded to 1e-16, a ten-thousandth of ε².
+            let off = (found[(i, j)] / by_hand[i][j] - 1.0).abs();
+            assert!(off < 1e-3, "{i} {j}: {} {off}", found[(i, j)]);
+        }
+        assert_eq!(found[(0, 1)], found[(1, 0)]);
+    }
+}
