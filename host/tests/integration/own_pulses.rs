@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 /// Steps in which pulses come \[s\].
 const STEP_S: f64 = 2.5e-5;
 
-/// What a servo is told to do.
+/// The command of a servo.
 #[derive(Clone, Copy)]
 enum Command {
     /// Random levels of up to 25 deg, held for random times.

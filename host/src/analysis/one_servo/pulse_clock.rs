@@ -45,6 +45,15 @@ pub(super) struct FittedPulses {
     changes: Vec<Change>,
 }
 
+/// The rows at which the command of `run` changes.
+pub(super) fn changes(run: &Run) -> impl Iterator<Item = usize> {
+    let pairs = run.input().iter().zip(run.input().iter().skip(1));
+    let changed = (1..)
+        .zip(pairs)
+        .filter(|(_, (before, after))| (*after - *before).abs() > 0.0);
+    changed.map(|(row, _)| row)
+}
+
 impl PulseClock {
     /// These pulses, with the changes of `run` that they are near to waiting for the one before or behind, where the run follows the motion better so: `squares` are its squared errors with the commands that it is given,
     /// of which those of a sample of `noise` are chance. As far as its pulses are known, they may contradict each other by `apart_s`.
@@ -83,11 +92,7 @@ impl PulseClock {
     }
 
     fn changes(&self, run: &Run, period_s: f64) -> Vec<Change> {
-        let pairs = run.input().iter().zip(run.input().iter().skip(1));
-        let changed = (1..)
-            .zip(pairs)
-            .filter(|(_, (before, after))| (*after - *before).abs() > 0.0);
-        let change = |(row, _): (usize, _)| {
+        let change = |row: usize| {
             let at_s = row as f64 * period_s;
             Change {
                 row,
@@ -95,7 +100,7 @@ impl PulseClock {
                 wait_s: (self.first_s - at_s).rem_euclid(self.frame_s),
             }
         };
-        changed.map(change).collect()
+        changes(run).map(change).collect()
     }
 
     /// The changes that are near a pulse, by their place, with their wait for the other one beside it; the nearest first.

@@ -3,7 +3,7 @@
 //! Rows do not say when pulses came, nor how long their frame is by the clock of the recording. A servo model says it: with its delay shorter by the mean wait, pulses are [looked for](crate::analysis::command_times::pulse_search)
 //! with which it is closest. Where that takes most of its errors away, these were the waits.
 
-use super::pulse_clock::{FittedPulses, PulseClock};
+use super::pulse_clock::{FittedPulses, PulseClock, changes};
 use crate::analysis::command_times::pulse_errors::{Predict, simulate_with_pulses};
 use crate::analysis::command_times::pulse_search::{
     ClosestPulses, RESOLUTION, closest_pulses_of_all, nearest_length,
@@ -18,6 +18,9 @@ const LEFT: f64 = 0.5;
 
 /// The share of its error that the servo at hand may have behind the pulses: it has waits in its figures, and may be off by as much as them. From far more no servo was found.
 const LEFT_AT_FIRST: f64 = 1.2;
+
+/// Changes of the command that a run has at the least: length and moment of its frame, and the delay, give fewer changes nearly any times.
+const FEWEST_CHANGES: usize = 20;
 
 /// How much of the delay of the servo at hand may be the wait \[s\]. Friction stands for waits, too: it is looked for without friction as well, whose delay may be too short then.
 const SOONER_S: [f64; 4] = [0.01, 0.005, 0.0, -0.005];
@@ -44,7 +47,12 @@ pub(super) fn at_pulses<'r>(
     controllers: &[usize],
 ) -> Option<AtPulses<'r>> {
     let about = &data.about;
-    if !about.commands_may_wait() || model.covariance.valid().is_some() {
+    let change_often = data
+        .record
+        .runs()
+        .iter()
+        .all(|run| changes(run).count() >= FEWEST_CHANGES);
+    if !(about.commands_may_wait() && change_often) || model.covariance.valid().is_some() {
         return None;
     }
     let servos = [model.clone(), model.clone().without_friction()];

@@ -28,7 +28,7 @@ const PROMISING: f64 = 1.2;
 const WORTH_ANOTHER: f64 = 0.01;
 
 /// Share of a spring that holds the drive in the stiffness of servo and spring together.
-const HARD_SPRING: f64 = 0.3;
+const HARD_SPRING: f64 = 0.2;
 
 /// Steps of a descent without a fold.
 const FOLD_STEPS: usize = 6;
