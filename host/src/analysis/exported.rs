@@ -2,7 +2,7 @@
 
 use crate::data::model_file::ModelFile;
 use crate::data::model_metadata::{ModelMetadata, PULSE_FRAMES_S, SHORTEST_FRAME_S};
-use crate::presentation::export::servo_model::{ServoExport, ServoExportOptions};
+use crate::presentation::export::servo_model::{JSBSIM_STEP_S, ServoExport, ServoExportOptions};
 use crate::presentation::export::{Export, ExportError, Target};
 use anyhow::Result;
 use serde_json::{Map, Value, json};
@@ -133,7 +133,13 @@ impl Exported {
         request: &ExportRequest,
     ) -> Result<Self> {
         let document = file.servo_model()?.ok_or(ExportError::NoServoModel)?;
-        let metadata = &metadata.behind_pulses(document.model.fit.waits_for_pulses);
+        let metadata = metadata.behind_pulses(document.model.fit.waits_for_pulses);
+        let step_s = request.step_ms.map_or(JSBSIM_STEP_S, |step| 1e-3 * step);
+        let frame = match request.target {
+            Target::Jsbsim => metadata.with_frame_in_steps(step_s),
+            _ => metadata.with_frame_as_it_is(),
+        };
+        let metadata = &frame.metadata;
         let options = ServoExportOptions {
             controller: request.controller,
             step_s: request.step_ms.map(|step| 1e-3 * step),
@@ -147,9 +153,11 @@ impl Exported {
         let mut remarks = vec![format!("largest difference from the servo model: {share}")];
         remarks.extend(written.remarks);
         remarks.extend(metadata.frame_remark());
+        remarks.extend(frame.remark);
         remarks.extend(export.hold_remark(request.target));
         let mut warnings = export.warnings(request.target);
         warnings.extend(written.warnings);
+        warnings.extend(frame.warning);
         let difference = Map::from_iter([
             ("trial".to_owned(), json!(written.trial)),
             (

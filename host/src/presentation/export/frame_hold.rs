@@ -8,6 +8,18 @@ use crate::data::model_metadata::ModelMetadata;
 use crate::presentation::summary::four_digits;
 use servoid_identification::servo_model::WaitsForPulses;
 
+/// How far a frame is moved to be a whole number of steps, as a share of it: clocks of loggers and servos differ by as much.
+const OF_FRAME: f64 = 0.02;
+
+/// A frame as a program with steps has it.
+pub(crate) struct FrameInSteps {
+    pub(crate) metadata: ModelMetadata,
+    /// That it is another one than that of the servo, as a sentence.
+    pub(crate) remark: Option<String>,
+    /// That pulses come within its steps, as a sentence.
+    pub(crate) warning: Option<String>,
+}
+
 /// The condition under which a stated frame is right, and why.
 pub(super) const WHEN_TO_STATE: &str = "only where the commands were recorded at their pulses, as servoid does; elsewhere that wait is in the model already, most of it in the delay";
 
@@ -36,6 +48,46 @@ impl ModelMetadata {
                 number((self.sensor_delay_uncertainty_s * 1e7).round() / 1e4)
             )
         })
+    }
+
+    /// With a frame of a whole number of steps, where one is near. A pulse within a step has the mean of two commands there, which a limit of the rate does not pass on as such: behind reversals that go on, the position moves away from that of the servo.
+    pub(crate) fn with_frame_in_steps(self, step_s: f64) -> FrameInSteps {
+        let frame_s = self.pulse_frame_s.unwrap_or_default();
+        let whole_s = (frame_s / step_s).round() * step_s;
+        let off = (whole_s / frame_s - 1.0).abs();
+        let in_ms = |time_s: f64| four_digits(1e3 * time_s);
+        let is_whole = frame_s <= 0.0 || off < f64::EPSILON.sqrt();
+        if is_whole {
+            return self.with_frame_as_it_is();
+        }
+        if off < OF_FRAME {
+            let mut moved = self;
+            moved.pulse_frame_s = Some(whole_s);
+            return FrameInSteps {
+                remark: Some(format!(
+                    "the frame of {} ms is one of {} ms in this file, a whole number of its steps",
+                    in_ms(frame_s),
+                    in_ms(whole_s)
+                )),
+                ..moved.with_frame_as_it_is()
+            };
+        }
+        FrameInSteps {
+            warning: Some(format!(
+                "pulses come within the steps of this file: in reversals that go on it moves farther away from the servo than is stated; steps of {} ms divide the frame (--step-ms)",
+                in_ms(frame_s / (frame_s / step_s).ceil())
+            )),
+            ..self.with_frame_as_it_is()
+        }
+    }
+
+    /// With its frame as it is, of a program whose commands are held by whoever steps it.
+    pub(crate) fn with_frame_as_it_is(self) -> FrameInSteps {
+        FrameInSteps {
+            metadata: self,
+            remark: None,
+            warning: None,
+        }
     }
 
     /// That a stated hold may count twice, in a model whose delay is `delay_s` where that is known: no more than this is counted twice.

@@ -25,7 +25,7 @@ use crate::presentation::template::fill;
 use servoid_identification::servo_model::ServoParameters;
 
 /// Step of the emulation without a choice \[s\]: the longest that the file advises.
-const STEP_S: f64 = 0.002;
+pub(crate) const STEP_S: f64 = 0.002;
 
 /// Delays that are tried, up to that of the servo.
 const DELAYS: usize = 8;

@@ -28,6 +28,7 @@ mod trial_command;
 mod worst_command;
 
 pub use exported::ExportedServo;
+pub(crate) use jsbsim::STEP_S as JSBSIM_STEP_S;
 pub use subject::{ServoExport, ServoExportOptions};
 pub use trial_command::{Held, Trial};
 

@@ -97,6 +97,10 @@ impl ServoExport<'_> {
         let unit = self.output_unit();
         let explained = four_digits(found.explained);
         Some(match found.shown {
+            Some(shown) if found.explained >= shown => format!(
+                "rests under one command are as much as {} {unit} apart in the recording, which this servo model has by a dead band, friction or play that may be another of these: strokes of that size may be quite different",
+                four_digits(shown)
+            ),
             Some(shown) => format!(
                 "rests under one command are as much as {} {unit} apart in the recording, of which this servo model explains {explained} {unit}: what makes the rest of it makes strokes of that size quite different",
                 four_digits(shown)

@@ -183,10 +183,10 @@ pub(super) fn resting_error(model: &ServoModel, units: Units<'_>) -> Option<Stri
                 with_space(units.output)
             ),
         };
-        // A number that may be twice as large, or none, is not said without its interval.
+        // A number that may be a quarter larger or less is not said without its interval.
         let wide = bounds
             .flatten()
-            .filter(|[lower, upper]| !gears_are_loaded && upper - lower > value);
+            .filter(|[lower, upper]| !gears_are_loaded && upper - lower > value / 2.0);
         let wide = wide.map_or_else(String::new, |[lower, upper]| {
             format!(
                 " ({} to {}{})",

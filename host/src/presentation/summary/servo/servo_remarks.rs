@@ -175,7 +175,7 @@ fn rests_in_words(model: &ServoModel, units: Units<'_>) -> Option<String> {
     let (value, [lower, upper]) = (apart.value?, apart.ends()?);
     let shown = |number: f64| digits_beside(number, 3, Some(upper - lower));
     Some(format!(
-        "Its rests under one command are up to {} apart ({} .. {}), wherever it came from: play, a dead band or friction keep them so.",
+        "Its rests under one command are up to {} apart ({} .. {}), by the strokes that the recording makes again: play, a dead band or friction keep them so, and other strokes may leave them farther apart.",
         with_unit(shown(value), units.output.unwrap_or_default()),
         shown(lower),
         shown(upper)
