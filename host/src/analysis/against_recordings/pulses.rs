@@ -58,7 +58,7 @@ impl StatedPulses {
     ) -> Self {
         Self {
             rms_beside_pulses,
-            changes_whole_frames_apart: are_whole_frames_apart(record, stated_frame_s),
+            changes_whole_frames_apart: are_whole_frames_apart(record, found.frame_s),
             frame_s: found.frame_s,
             stated_frame_s,
             first_pulse_s: found.first_pulse_s,
@@ -142,9 +142,10 @@ fn are_whole_frames_apart(record: &Record, frame_s: f64) -> bool {
         let pairs = input.iter().zip(input.iter().skip(1)).enumerate();
         let changes = pairs.filter(|(_, (before, now))| before != now);
         let changes: Vec<usize> = changes.map(|(row, _)| row).collect();
-        (changes.iter().zip(changes.iter().skip(1)))
-            .map(|(earlier, later)| (later - earlier) as f64 / rows_of_frame)
-            .collect()
+        // From the first one on: holds of one length are all as far from whole frames.
+        let first = changes.first().copied().unwrap_or_default();
+        let later = changes.iter().skip(1).map(|row| row - first);
+        later.map(|rows| rows as f64 / rows_of_frame).collect()
     };
     let all: Vec<f64> = (record.runs().iter())
         .flat_map(|run| apart(run.input()))

@@ -196,15 +196,29 @@ fn share_of_usual_hold(answers: &[TimedAnswer]) -> f64 {
 
 /// Whether so many holds of `record` are of one length that it shows no frame of pulses.
 pub(crate) fn has_equal_holds(record: &Record<'_>) -> bool {
-    let inputs = record.runs().iter().map(Run::input);
-    let holds = inputs.flat_map(|input| input.chunk_by(|a, b| a == b));
-    share_of_most_frequent(holds.map(|hold| hold.len() as i64).collect()) > MOST_EQUAL
+    equal_hold(record).is_some()
 }
 
-fn share_of_most_frequent(mut lengths: Vec<i64>) -> f64 {
+/// That length \[samples\].
+pub(crate) fn equal_hold(record: &Record<'_>) -> Option<usize> {
+    let inputs = record.runs().iter().map(Run::input);
+    let holds = inputs.flat_map(|input| input.chunk_by(|a, b| a == b));
+    let (length, share) = most_frequent(holds.map(|hold| hold.len() as i64).collect())?;
+    (share > MOST_EQUAL).then_some(length as usize)
+}
+
+fn share_of_most_frequent(lengths: Vec<i64>) -> f64 {
+    most_frequent(lengths).map_or(0.0, |(_, share)| share)
+}
+
+/// The most frequent of these lengths, and its share.
+fn most_frequent(mut lengths: Vec<i64>) -> Option<(i64, f64)> {
     lengths.sort_unstable();
-    let most = lengths.chunk_by(|a, b| a == b).map(<[i64]>::len).max();
-    most.unwrap_or(0) as f64 / lengths.len().max(1) as f64
+    let all = lengths.len() as f64;
+    let most = lengths
+        .chunk_by(|a, b| a == b)
+        .max_by_key(|alike| alike.len())?;
+    Some((*most.first()?, most.len() as f64 / all))
 }
 
 #[cfg(test)]

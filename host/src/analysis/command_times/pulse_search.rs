@@ -7,9 +7,13 @@
 
 use super::pulse_errors::{ErrorTable, MOMENTS, OF_LENGTH, Predict, in_force, with_pulses};
 use servoid_identification::{Error, Record, Run};
+use std::ops::RangeInclusive;
 
 /// Lengths about which tables are made, in stated ones: each has all within half a percent. The ceramic resonator of an Arduino keeps within half a percent, and libraries and receivers count frames of 20 ms with one or two more.
 const TABLES: [f64; 5] = [1.0, 0.99, 1.01, 0.98, 1.02];
+
+/// Errors that are looked up and less than this times the least are alike, as far as moments say that are a part of a frame apart.
+const ALIKE: f64 = 1.1;
 
 /// How far a length may be from the stated one, as a share of it.
 pub(crate) const OF_STATED: f64 = 0.02 + OF_LENGTH;
@@ -23,7 +27,10 @@ const STARTS: usize = 20;
 /// Times that they are.
 const HALVED: i32 = 4;
 
-/// The part of a frame to which moments of pulses are known then.
+/// Times that they are of the closest of all.
+const FURTHER: i32 = 3;
+
+/// The part of a frame to which moments of pulses are known at the least.
 pub(crate) const RESOLUTION: f64 = 1.0 / (MOMENTS as f64 * (1 << HALVED) as f64);
 
 /// Steps of one size at the most.
@@ -172,7 +179,10 @@ pub(crate) fn nearest_length<'r>(
         let (_, error) = least_error(record, length_s, predict)?;
         Some((length_s, error))
     });
-    errors.min_by(|a, b| a.1.total_cmp(&b.1))
+    let errors: Vec<(f64, f64)> = errors.collect();
+    let least = errors.iter().map(|(_, error)| *error).reduce(f64::min)?;
+    // Of lengths with which holds of one length end alike, the one that is stated, or is next to it.
+    errors.into_iter().find(|(_, error)| *error < ALIKE * least)
 }
 
 /// The closest pulses to the runs of a record, in frames of `stated_s` to [`OF_STATED`] of that. `None` where no run can be predicted.
@@ -230,6 +240,8 @@ pub(crate) fn closest_pulses<'r>(
     let starts = std::iter::once(as_stated.clone()).chain(starts);
     let refined = starts.filter_map(|start| start.refined(step_s, &error));
     let found = refined.min_by(|a, b| a.sum().total_cmp(&b.sum()))?;
+    // A fast servo goes a tenth of a degree in a step of the others.
+    let found = found.halved(HALVED + 1..=HALVED + FURTHER, step_s, &error);
     let rms = |squares: f64| (squares / looked_up.samples()).sqrt();
     let mut middle_s = found.middle_s.iter();
     let first = looked_up.tables.iter().map(|table| {
@@ -271,9 +283,15 @@ impl Pulses {
 
     /// With steps of length and moments that are taken as long as they help, and then halved.
     fn refined(&self, frame_step_s: f64, error: ErrorOfRun) -> Option<Self> {
-        let mut closest = self.predicted(self.frame_s, error)?;
+        let closest = self.predicted(self.frame_s, error)?;
+        Some(closest.halved(1..=HALVED, frame_step_s, error))
+    }
+
+    /// The same with steps that are halved so many times.
+    fn halved(&self, times: RangeInclusive<i32>, frame_step_s: f64, error: ErrorOfRun) -> Self {
+        let mut closest = self.clone();
         let steps_s = [frame_step_s, self.frame_s / MOMENTS as f64];
-        for halved in 1..=HALVED {
+        for halved in times {
             let steps_s = steps_s.map(|step_s| step_s * 0.5_f64.powi(halved));
             for _ in 0..STEPS {
                 let before = closest.sum();
@@ -283,7 +301,7 @@ impl Pulses {
                 }
             }
         }
-        Some(closest)
+        closest
     }
 
     /// A step of each moment and then one of the length, where it helps.

@@ -160,8 +160,8 @@ pub(crate) fn by_pulses(waits: WaitsForPulses) -> Advice {
     Advice::new(
         Check::CommandEdges,
         format!(
-            "Commands waited for pulses {:.1} ms apart, and in the linear model each is in force from its row on: errors that follow the motion are of these waits, and of what is not linear in the servo.",
-            1e3 * waits.frame_s
+            "Commands waited for pulses {}, and in the linear model each is in force from its row on: errors that follow the motion are of these waits, and of what is not linear in the servo.",
+            waits.in_words()
         ),
         waits.frame_s,
         0.0,

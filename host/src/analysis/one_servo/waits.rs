@@ -5,8 +5,9 @@
 
 use super::pulse_clock::{FittedPulses, PulseClock, changes};
 use crate::analysis::command_times::pulse_errors::{Predict, simulate_with_pulses};
+use crate::analysis::command_times::pulse_frames::equal_hold;
 use crate::analysis::command_times::pulse_search::{
-    ClosestPulses, RESOLUTION, closest_pulses_of_all, nearest_length,
+    ClosestPulses, OF_STATED, RESOLUTION, closest_pulses_of_all, nearest_length,
 };
 use crate::data::dataset::{Dataset, FRAME_S};
 use servoid_identification::results::{Bounds, Validation};
@@ -108,9 +109,16 @@ pub(super) fn closest<'r>(
         waits: WaitsForPulses {
             frame_s: frames_s.iter().sum::<f64>() / frames_s.len() as f64,
             delay_error_s: 0.5 * (most - least).abs() + step_s,
+            length_is_open: is_open(record, frame_s),
         },
         rmse,
     })
+}
+
+/// Whether holds of one length end alike with frames of several of the lengths that are tried: with one frame more in a hold, or less.
+fn is_open(record: &Record, frame_s: f64) -> bool {
+    let hold_s = equal_hold(record).map(|rows| rows as f64 * record.sample_period_s());
+    hold_s.is_some_and(|hold_s| frame_s / hold_s < 2.0 * OF_STATED)
 }
 
 /// By how much later the pulses that were `found` of each run come where `servo`, with a delay that is as much shorter, is closest to the record \[s\], and its error (rms) then \[output\].

@@ -35,8 +35,8 @@ impl ModelMetadata {
     #[must_use]
     pub fn wait_remark(waits: WaitsForPulses) -> String {
         format!(
-            "the commands of the recording waited for pulses {} ms apart: half of that on average is in this model, so no --frame-ms is right of it; in the servo model it is not",
-            four_digits(1e3 * waits.frame_s)
+            "the commands of the recording waited for pulses {}: half of that on average is in this model, so no --frame-ms is right of it; in the servo model it is not",
+            waits.in_words()
         )
     }
 

@@ -219,13 +219,37 @@ pub struct WaitsForPulses {
     pub frame_s: f64,
     /// By how much all of them may have come sooner or later at the most \[s\]; the interval of the delay contains it.
     pub delay_error_s: f64,
+    /// Whether holds of one length leave open how long the frame is: with others they end at the same moments of a frame.
+    #[serde(default)]
+    pub length_is_open: bool,
 }
 
 impl WaitsForPulses {
-    /// The length of the frame in hundredths of a millisecond \[s\]: the clock of another recording has other digits behind that.
+    /// The length of the frame in hundredths of a millisecond \[s\]: the clock of another recording has other digits behind that. In whole ones where it is open.
     #[must_use]
     pub fn nominal_frame_s(&self) -> f64 {
-        (1e5 * self.frame_s).round() / 1e5
+        let digits = if self.length_is_open { 1e3 } else { 1e5 };
+        (digits * self.frame_s).round() / digits
+    }
+
+    /// How far apart they come.
+    ///
+    /// ```
+    /// # use servoid_identification::servo_model::WaitsForPulses;
+    /// let mut waits = WaitsForPulses { frame_s: 0.020_07, delay_error_s: 1e-4, length_is_open: false };
+    /// assert_eq!(waits.in_words(), "20.1 ms apart");
+    /// waits.length_is_open = true;
+    /// assert_eq!(waits.in_words(), "about 20 ms apart (holds of one length leave open how far exactly)");
+    /// ```
+    #[must_use]
+    pub fn in_words(&self) -> String {
+        match self.length_is_open {
+            true => format!(
+                "about {:.0} ms apart (holds of one length leave open how far exactly)",
+                1e3 * self.frame_s
+            ),
+            false => format!("{:.1} ms apart", 1e3 * self.frame_s),
+        }
     }
 }
 

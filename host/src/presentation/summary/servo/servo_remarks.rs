@@ -185,10 +185,17 @@ fn rests_in_words(model: &ServoModel, units: Units<'_>) -> Option<String> {
 /// That the commands waited for pulses, at which the model has them.
 fn behind_pulses(model: &ServoModel) -> Option<String> {
     let waits = model.fit.waits_for_pulses?;
+    let delay = model.quantity(QuantityKind::Delay);
+    let has_interval =
+        delay.is_some_and(|delay| delay.determined && delay.interval.valid().is_some());
+    let contained = match has_interval {
+        true => ", which the interval of the delay contains, and none narrower than that",
+        false => "",
+    };
     Some(format!(
-        "The commands of this recording waited for pulses {:.1} ms apart, on a clock of their own: the moments of these pulses were looked for and are those with which the model is closest. All of them may have come up to {:.2} ms sooner or later alike, which the interval of the delay contains, and none narrower than that. The delay counts from the pulse, \
+        "The commands of this recording waited for pulses {}, on a clock of their own: the moments of these pulses were looked for and are those with which the model is closest. All of them may have come up to {:.2} ms sooner or later alike{contained}. The delay counts from the pulse, \
          and a command waits for that as well, half of the time between two pulses on average; times of the linear model have this wait in them.",
-        1e3 * waits.frame_s,
+        waits.in_words(),
         1e3 * waits.delay_error_s
     ))
 }

@@ -189,7 +189,7 @@ pub(crate) fn facts_of_comparison(
         if let Some(largest) = side.largest_percent {
             let (largest, p) = (largest.abs(), probability(side.p));
             let apart = format!(
-                "{largest:.1} % of the stroke apart where they differ most ({p} by chance alone in a linear servo; in one with limits strokes of several sizes differ by themselves)"
+                "{largest:.1} % of the stroke apart where they differ most ({p} by chance alone in a linear servo whose commands wait for nothing; in one with limits strokes of several sizes differ by themselves)"
             );
             add(&format!("{name}, up against down strokes"), apart);
         }
