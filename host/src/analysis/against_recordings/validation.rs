@@ -169,7 +169,8 @@ fn on_models(
     let times = Times {
         open_s: file.metadata.sensor_delay_uncertainty_s + data.about.sensor_delay_uncertainty_s,
         polled: data.about.polled,
-        frame_is_stated: held.pulses.is_some() || !data.about.commands_may_wait(),
+        // That commands are exact may be what was said of the model's own recording.
+        frame_is_stated: held.pulses.is_some() || !data.about.is_of_rows(),
         beside_pulses: (held.pulses.as_ref()).map_or(0.0, |pulses| pulses.rms_beside_pulses),
     };
     let is_linear = file.model.linear && servo.is_none_or(|servo| servo.model.is_linear());

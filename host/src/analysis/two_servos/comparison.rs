@@ -331,6 +331,11 @@ impl Compared {
         if let Some(Ok(servos)) = &servos {
             say_pulses(found.advice(), servos);
         }
+        let is_of_runs = (found.compared())
+            .is_some_and(|found| found.of == Subject::Runs && found.verdict == Verdict::Different);
+        if is_of_runs && !found.advice().iter().any(Advice::is_of_waits) {
+            (found.advice()).extend(delay_errors::advice_on_chance(sides));
+        }
         let (servo_model, no_servo_model) = match servos {
             Some(Ok([a, b])) => (Some(compared_servos([&a.model, &b.model], sides)), None),
             Some(Err(reason)) => (None, Some(reason)),

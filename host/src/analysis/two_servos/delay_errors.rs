@@ -96,15 +96,13 @@ pub(super) fn waits_s(sides: [&ModelMetadata; 2]) -> [f64; 2] {
 /// The same of servo models. Beside one whose commands are at their pulses, the delay of another may have a wait in it, where nothing states that its commands did not wait.
 pub(super) fn waits_of_models_s(models: [&ServoModel; 2], sides: [&ModelMetadata; 2]) -> [f64; 2] {
     let [a, b] = models.map(|model| model.fit.waits_for_pulses);
-    let wait_s =
-        |side: &ModelMetadata, own: Option<WaitsForPulses>, other: Option<WaitsForPulses>| {
-            let may_wait = side.pulse_frame_s.is_none() && !side.exact_command;
-            match (own, other) {
-                (None, Some(other)) if may_wait => side.common_wait_s.max(other.frame_s),
-                (Some(_), _) => 0.0,
-                _ => side.common_wait_s,
-            }
-        };
+    let wait_s = |side: &ModelMetadata,
+                  own: Option<WaitsForPulses>,
+                  other: Option<WaitsForPulses>| match (own, other) {
+        (None, Some(other)) if may_wait(side) => side.common_wait_s.max(other.frame_s),
+        (Some(_), _) => 0.0,
+        _ => side.common_wait_s,
+    };
     [wait_s(sides[0], a, b), wait_s(sides[1], b, a)]
 }
 
@@ -125,6 +123,24 @@ pub(super) fn advice_on_waits(sides: [&ModelMetadata; 2]) -> Option<Advice> {
             "Record three runs a side, whose bounds contain the waits. Where each command was changed with its pulse, and written in the row of that moment, say --exact-command.",
         )
     })
+}
+
+/// That the waits of single recordings are in a difference of them, where nothing says that no command waited.
+pub(super) fn advice_on_chance(sides: [&ModelMetadata; 2]) -> Option<Advice> {
+    sides.into_iter().any(may_wait).then(|| {
+        Advice::new(
+            Check::CommandEdges,
+            "Where pulses came on a clock of their own, commands waited for them, and by chance several milliseconds longer in one of these recordings: all differences of time have that, and none of it is of the servos.",
+            1.0,
+            0.0,
+            "Add --servo-model, which looks for such pulses and has delays without waits. Three runs a side have the chance in their bounds. Where each command was changed with its pulse, and written in the row of that moment, say --exact-command.",
+        )
+    })
+}
+
+/// Whether commands of a side may have waited for pulses.
+fn may_wait(side: &ModelMetadata) -> bool {
+    side.pulse_frame_s.is_none() && !side.exact_command
 }
 
 const ONE_SENSOR: &str =
