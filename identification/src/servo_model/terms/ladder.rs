@@ -27,8 +27,8 @@ const PROMISING: f64 = 1.2;
 /// Share of the held-out errors that a term must take away for another one to be tried after it.
 const WORTH_ANOTHER: f64 = 0.01;
 
-/// Shares of springs that hold the drive in the stiffness of servo and spring together: each finds servos that the others miss.
-const HARD_SPRINGS: [f64; 2] = [0.2, 0.4];
+/// Share of a spring that holds the drive in the stiffness of servo and spring together.
+const HARD_SPRING: f64 = 0.3;
 
 /// Steps of a descent without a fold.
 const FOLD_STEPS: usize = 6;
@@ -437,8 +437,7 @@ impl Ladder<'_> {
                     point.set(Coordinate::ConstantLoad, before - share * self.shown.middle);
                     point
                 };
-                let shares = [fresh(Coordinate::Spring)].into_iter().chain(HARD_SPRINGS);
-                shares.map(spring).collect()
+                vec![spring(fresh(Coordinate::Spring)), spring(HARD_SPRING)]
             }
             LoadKind::TiltedPendulum => {
                 let quarter = std::f64::consts::FRAC_PI_2 / self.arm.radians(self.shown.gain);
