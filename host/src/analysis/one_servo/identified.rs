@@ -150,7 +150,7 @@ pub(super) fn explained_by_pulses(model: &mut Model, servo: &ServoModel, is_line
     model.linear = is_linear;
     model.advice.retain(|item| !item.is_of_errors_in_motion());
     model.advice.insert(0, by_pulses(waits));
-    if model.bounds.valid().is_none() {
+    if model.bounds.withdrawn() == Some(Reason::ErrorsNotNoise) {
         *model = model.clone().withdrawn_for(Reason::CommandsWait);
     }
 }

@@ -269,7 +269,10 @@ fn behind_pulses<'r>(
         }
         Some(best)
     };
-    let better = better().filter(|(model, _)| waits::were_waits(model, &of_rows));
+    // Of a command that moves on with every row, any clock takes some errors away: pulses leave noise.
+    let is_sure =
+        |model: &ServoModel| !data.about.moving_command || model.covariance.valid().is_some();
+    let better = better().filter(|(model, _)| waits::were_waits(model, &of_rows) && is_sure(model));
     better.unwrap_or_else(|| (of_rows, data.record.clone()))
 }
 
