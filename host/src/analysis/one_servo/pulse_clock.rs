@@ -6,8 +6,8 @@
 //! -w < s < T - w
 //! ```
 //!
-//! A delay that is as much shorter makes the same motion. So the middle of what is left is taken, and the delay is open by half of it. The length of the frame is not open: the answers along a run show
-//! when pulses come.
+//! A delay that is as much shorter makes the same motion. So the middle of what is left is taken, and the delay is open by half of it. The length of the frame is not open where holds differ: the answers along a run show
+//! when pulses come. Holds of one length end alike with several lengths.
 
 use servoid_identification::Run;
 
