@@ -4,6 +4,7 @@
 //! came is not in it, nor how long their frame is by the clock of the log: both are [looked for](crate::analysis::command_times::pulse_search).
 
 use crate::analysis::command_times::pulse_search::{ClosestPulses, OF_STATED};
+use crate::data::dataset::command_changes;
 use crate::data::model_metadata::{PULSE_FRAMES_S, SHORTEST_FRAME_S};
 use crate::presentation::summary::{four_digits, with_unit};
 use anyhow::{Result, bail};
@@ -139,9 +140,7 @@ const WHOLE_ROWS: f64 = 1e-6;
 fn are_whole_frames_apart(record: &Record, frame_s: f64) -> bool {
     let rows_of_frame = frame_s / record.sample_period_s();
     let apart = |input: &[f64]| -> Vec<f64> {
-        let pairs = input.iter().zip(input.iter().skip(1)).enumerate();
-        let changes = pairs.filter(|(_, (before, now))| before != now);
-        let changes: Vec<usize> = changes.map(|(row, _)| row).collect();
+        let changes: Vec<usize> = command_changes(input).collect();
         // From the first one on: holds of one length are all as far from whole frames.
         let first = changes.first().copied().unwrap_or_default();
         let later = changes.iter().skip(1).map(|row| row - first);

@@ -117,28 +117,41 @@ struct Pulses {
     squares: Vec<f64>,
 }
 
-/// The errors of all runs of a record with pulses of about the stated length, looked up.
+/// The errors of all runs of a record with pulses of about one length, looked up.
 struct LookedUp<'a, 'r> {
     /// That of each run that can be predicted.
     tables: Vec<Option<ErrorTable<'a, 'r>>>,
-    stated_s: f64,
+    about_s: f64,
     /// From one length to the next \[s\]: pulses at the ends of the longest run come by half of the way from one moment to the next.
     step_s: f64,
 }
 
 impl<'a, 'r> LookedUp<'a, 'r> {
-    /// `None` where no run can be predicted.
-    fn of(record: &'a Record<'r>, stated_s: f64, predict: Predict<'_, 'r>) -> Option<Self> {
+    /// About all lengths of [`TABLES`]; none where no run can be predicted.
+    fn of_all(record: &'a Record<'r>, stated_s: f64, predict: Predict<'_, 'r>) -> Vec<Self> {
+        let lengths = TABLES.into_iter().map(|share| share * stated_s);
+        lengths
+            .filter_map(|about_s| Self::of(record, about_s, predict))
+            .collect()
+    }
+
+    fn of(record: &'a Record<'r>, about_s: f64, predict: Predict<'_, 'r>) -> Option<Self> {
         let period_s = record.sample_period_s();
-        let table = |(number, run)| ErrorTable::of(run, number, [stated_s, period_s], predict);
+        let table = |(number, run)| ErrorTable::of(run, number, [about_s, period_s], predict);
         let tables: Vec<_> = (0..).zip(record.runs()).map(table).collect();
         let seconds = tables.iter().flatten().map(ErrorTable::seconds);
         let longest_s = seconds.reduce(f64::max)?;
         Some(Self {
             tables,
-            stated_s,
-            step_s: stated_s * stated_s / (MOMENTS as f64 * longest_s),
+            about_s,
+            step_s: about_s * about_s / (MOMENTS as f64 * longest_s),
         })
+    }
+
+    /// The least (rms) \[output\].
+    fn least_error(&self) -> Option<f64> {
+        let best = best_of(self.tried(), 1).pop()?;
+        Some((best.sum() / self.samples()).sqrt())
     }
 
     fn known(&self) -> Vec<&ErrorTable<'a, 'r>> {
@@ -162,76 +175,47 @@ impl<'a, 'r> LookedUp<'a, 'r> {
 
     /// With all lengths that are tried.
     fn tried(&self) -> Vec<Pulses> {
-        let steps = (OF_LENGTH * self.stated_s / self.step_s).ceil() as i32;
-        let lengths = (-steps..=steps).map(|k| self.stated_s + f64::from(k) * self.step_s);
+        let steps = (OF_LENGTH * self.about_s / self.step_s).ceil() as i32;
+        let lengths = (-steps..=steps).map(|k| self.about_s + f64::from(k) * self.step_s);
         lengths.map(|frame_s| self.closest(frame_s)).collect()
     }
 }
 
-/// The length among those of [`TABLES`] within half a percent of which `record` is closest to what is predicted with frames of `stated_s`, and the error (rms) there \[s, output\], as far as errors that are looked up say. `None` where no run can be predicted.
-pub(crate) fn nearest_length<'r>(
+/// The least error (rms) of `record` from what is predicted with frames of about `stated_s` \[output\], as far as errors that are looked up say: at moments that are a part of a frame apart. `None` where no run can be predicted.
+pub(crate) fn least_error<'r>(
     record: &Record<'r>,
     stated_s: f64,
     predict: Predict<'_, 'r>,
-) -> Option<(f64, f64)> {
-    let lengths = TABLES.map(|share| share * stated_s);
-    let errors = lengths.into_iter().filter_map(|length_s| {
-        let (_, error) = least_error(record, length_s, predict)?;
-        Some((length_s, error))
-    });
-    let errors: Vec<(f64, f64)> = errors.collect();
+) -> Option<f64> {
+    nearest(&LookedUp::of_all(record, stated_s, predict)).map(|(_, error)| error)
+}
+
+/// The errors about the length that is nearest, with the least of them (rms).
+fn nearest<'t, 'a, 'r>(all: &'t [LookedUp<'a, 'r>]) -> Option<(&'t LookedUp<'a, 'r>, f64)> {
+    let errors = all
+        .iter()
+        .filter_map(|looked_up| Some((looked_up, looked_up.least_error()?)));
+    let errors: Vec<_> = errors.collect();
     let least = errors.iter().map(|(_, error)| *error).reduce(f64::min)?;
     // Of lengths with which holds of one length end alike, the one that is stated, or is next to it.
     errors.into_iter().find(|(_, error)| *error < ALIKE * least)
 }
 
 /// The closest pulses to the runs of a record, in frames of `stated_s` to [`OF_STATED`] of that. `None` where no run can be predicted.
-pub(crate) fn closest_pulses_of_all<'r>(
-    record: &Record<'r>,
-    stated_s: f64,
-    predict: Predict<'_, 'r>,
-) -> Option<ClosestPulses> {
-    let as_stated = closest_pulses(record, stated_s, predict)?;
-    let (length_s, _) = nearest_length(record, stated_s, predict)?;
-    if length_s == stated_s {
-        return Some(as_stated);
-    }
-    let found = closest_pulses(record, length_s, predict)?;
-    Some(match found.rmse < as_stated.rmse {
-        true => ClosestPulses {
-            rmse_as_stated: as_stated.rmse_as_stated,
-            largest_rmse: as_stated.largest_rmse,
-            ..found
-        },
-        false => as_stated,
-    })
-}
-
-/// The length of a frame about `stated_s` with which a record is closest to what is predicted, and the error (rms) \[output\], as far as errors that are looked up say: at moments that are a part of a frame
-/// apart. `None` where no run can be predicted.
-fn least_error<'r>(
-    record: &Record<'r>,
-    stated_s: f64,
-    predict: Predict<'_, 'r>,
-) -> Option<(f64, f64)> {
-    let looked_up = LookedUp::of(record, stated_s, predict)?;
-    let best = best_of(looked_up.tried(), 1).pop()?;
-    Some((best.frame_s, (best.sum() / looked_up.samples()).sqrt()))
-}
-
-/// The closest pulses to the runs of a record, in frames of about `stated_s`. `None` where no run can be predicted.
 pub(crate) fn closest_pulses<'r>(
     record: &Record<'r>,
     stated_s: f64,
     predict: Predict<'_, 'r>,
 ) -> Option<ClosestPulses> {
-    let looked_up = LookedUp::of(record, stated_s, predict)?;
+    let all = LookedUp::of_all(record, stated_s, predict);
+    let (looked_up, _) = nearest(&all)?;
     let (known, step_s) = (looked_up.known(), looked_up.step_s);
     let error = |run: usize, pulses: [f64; 2]| {
         let table = known.get(run)?;
         Some(table.squares(&predict(table.run, table.number, pulses)?))
     };
-    let as_stated = looked_up.closest(stated_s).refined(0.0, &error)?;
+    let of_stated = all.first()?;
+    let as_stated = of_stated.closest(stated_s).refined(0.0, &error)?;
     // Looked up errors are those of moments beside the right ones: which of the best is the best, predictions say.
     let predicted = |pulses: Pulses| pulses.predicted(pulses.frame_s, &error);
     let best = best_of(looked_up.tried(), PREDICTED).into_iter();
@@ -248,13 +232,14 @@ pub(crate) fn closest_pulses<'r>(
         let middle_s = table.as_ref().and_then(|_| middle_s.next())?;
         Some(middle_s.rem_euclid(found.frame_s))
     });
+    let largest = of_stated.known().into_iter().map(ErrorTable::largest);
     Some(ClosestPulses {
         frame_s: found.frame_s,
         frame_step_s: step_s,
         first_pulse_s: first.collect(),
         rmse: rms(found.sum()),
         rmse_as_stated: rms(as_stated.sum()),
-        largest_rmse: rms(known.iter().map(|table| table.largest()).sum()),
+        largest_rmse: rms(largest.sum()),
     })
 }
 
@@ -376,8 +361,7 @@ mod tests {
             );
         }
         // Looked up at moments that are a twenty-fourth of a frame apart.
-        let (looked_up_s, error) = least_error(&record, stated_s, &predict).unwrap();
-        assert!((looked_up_s / frame_s - 1.0).abs() < 1e-3, "{looked_up_s}");
+        let error = least_error(&record, stated_s, &predict).unwrap();
         assert!(error < 0.5 * found.rmse_as_stated, "{error} {found:?}");
         // What is left of a step is a share of what a whole frame makes.
         assert!(found.rmse < 0.2 * found.rmse_as_stated, "{found:?}");

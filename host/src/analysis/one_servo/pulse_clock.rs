@@ -9,6 +9,7 @@
 //! A delay that is as much shorter makes the same motion. So the middle of what is left is taken, and the delay is open by half of it. The length of the frame is not open where holds differ: the answers along a run show
 //! when pulses come. Holds of one length end alike with several lengths.
 
+use crate::data::dataset::command_changes;
 use servoid_identification::Run;
 
 /// A change within this part of a frame of a pulse may have met the one before it or behind it, as far as a search by the whole motion says.
@@ -43,15 +44,6 @@ struct Change {
 pub(super) struct FittedPulses {
     clock: PulseClock,
     changes: Vec<Change>,
-}
-
-/// The rows at which the command of `run` changes.
-pub(super) fn changes(run: &Run) -> impl Iterator<Item = usize> {
-    let pairs = run.input().iter().zip(run.input().iter().skip(1));
-    let changed = (1..)
-        .zip(pairs)
-        .filter(|(_, (before, after))| (*after - *before).abs() > 0.0);
-    changed.map(|(row, _)| row)
 }
 
 impl PulseClock {
@@ -100,7 +92,7 @@ impl PulseClock {
                 wait_s: (self.first_s - at_s).rem_euclid(self.frame_s),
             }
         };
-        changes(run).map(change).collect()
+        command_changes(run.input()).map(change).collect()
     }
 
     /// The changes that are near a pulse, by their place, with their wait for the other one beside it; the nearest first.

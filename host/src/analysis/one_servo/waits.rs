@@ -3,13 +3,13 @@
 //! Rows do not say when pulses came, nor how long their frame is by the clock of the recording. A servo model says it: with its delay shorter by the mean wait, pulses are [looked for](crate::analysis::command_times::pulse_search)
 //! with which it is closest. Where that takes most of its errors away, these were the waits.
 
-use super::pulse_clock::{FittedPulses, PulseClock, changes};
+use super::pulse_clock::{FittedPulses, PulseClock};
 use crate::analysis::command_times::pulse_errors::{Predict, simulate_with_pulses};
 use crate::analysis::command_times::pulse_frames::equal_hold;
 use crate::analysis::command_times::pulse_search::{
-    ClosestPulses, OF_STATED, RESOLUTION, closest_pulses_of_all, nearest_length,
+    ClosestPulses, OF_STATED, RESOLUTION, closest_pulses, least_error,
 };
-use crate::data::dataset::{Dataset, FRAME_S};
+use crate::data::dataset::{Dataset, FRAME_S, command_changes};
 use servoid_identification::results::{Bounds, Validation};
 use servoid_identification::servo_model::{ServoModel, WaitsForPulses};
 use servoid_identification::{Record, Run};
@@ -52,7 +52,7 @@ pub(super) fn at_pulses<'r>(
         .record
         .runs()
         .iter()
-        .all(|run| changes(run).count() >= FEWEST_CHANGES);
+        .all(|run| command_changes(run.input()).count() >= FEWEST_CHANGES);
     if !(about.commands_may_wait() && change_often) || model.covariance.valid().is_some() {
         return None;
     }
@@ -61,7 +61,7 @@ pub(super) fn at_pulses<'r>(
     let starts: Vec<ServoModel> = servos.iter().flat_map(started).collect();
     let looked_up = |servo: &ServoModel| {
         let errors = each_run(&data.record, servo, controllers, |_, run, predict| {
-            Some(nearest_length(run, FRAME_S, predict)?.1)
+            least_error(run, FRAME_S, predict)
         })?;
         Some(rms_of_runs(&data.record, &errors))
     };
@@ -90,7 +90,7 @@ pub(super) fn closest<'r>(
     frame_s: f64,
 ) -> Option<AtPulses<'r>> {
     let found = each_run(record, servo, controllers, |_, run, predict| {
-        closest_pulses_of_all(run, frame_s, predict)
+        closest_pulses(run, frame_s, predict)
     })?;
     let (shift_s, rmse) = closest_shift(record, servo, controllers, &found);
     let found: Vec<ClosestPulses> = found.iter().map(|found| found.later(shift_s)).collect();

@@ -6,6 +6,7 @@
 //! simulated bench servo the rest made the model's error 2.6 times larger (0.128 against 0.050 degrees rms).
 
 mod about;
+mod command_changes;
 mod controllers;
 mod error;
 mod from_arrays;
@@ -24,6 +25,7 @@ mod time_column;
 mod wrapped_angle;
 
 pub use about::About;
+pub(crate) use command_changes::command_changes;
 pub use error::{DatasetError, DatasetFault};
 pub use from_arrays::{ArrayRun, Arrays};
 pub use loaded::listed;

@@ -4,6 +4,7 @@
 //! long, so that every time of a recording contains one wait, which no row shows and another recording has otherwise.
 
 use super::about::About;
+use super::command_changes::command_changes;
 use servoid_identification::Run;
 
 /// The time between two pulses of a receiver, or of the servo library of a microcontroller \[s\].
@@ -53,11 +54,9 @@ fn moments(phases: &[f64]) -> usize {
 
 /// When the command changes, in frames from one of them on, 0 to 1.
 fn change_phases(command: &[f64], period_s: f64) -> Vec<f64> {
-    let pairs = command.iter().zip(command.iter().skip(1)).zip(1..);
-    let changes = pairs.filter(|((before, after), _)| (*after - *before).abs() > 0.0);
     // A billionth keeps rounding from making the end of one frame of the beginning of the next.
     let phase = |row: usize| (row as f64 * period_s / FRAME_S + 1e-9).fract();
-    changes.map(|(_, row)| phase(row)).collect()
+    command_changes(command).map(phase).collect()
 }
 
 /// The mean wait is φ - F(φ) and a constant, for pulses that come at φ in each frame and F the share of changes before φ in it: largest less smallest, which is the
