@@ -259,7 +259,7 @@ fn servo_model(plan: &Plan) -> String {
 fn alternatives(plan: &Plan) -> String {
     let [run, band, minute] = ["run, s", "band, %", "in 1 minute"];
     let mut text = format!(
-        "\nAll references at this amplitude with default options, the narrowest first (half the band at its widest, % of the step)\n  {:10} {run:>8} {band:>9} {minute:>13}  questions answered\n",
+        "\nAll references at this amplitude with default options, the narrowest in 1 minute first (half the band at its widest, % of the step; -: not identified)\n  {:10} {run:>8} {band:>9} {minute:>13}  questions answered\n",
         ""
     );
     for alternative in &plan.alternatives {

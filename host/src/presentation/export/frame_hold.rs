@@ -94,12 +94,15 @@ impl ModelMetadata {
     pub(super) fn frame_warning(&self, delay_s: Option<f64>) -> Option<String> {
         let most_s = delay_s.map_or(f64::INFINITY, |delay_s| delay_s.max(0.0));
         match self.pulse_frame_s {
-            Some(frame_s) if self.frame_is_stated && frame_s > 0.0 => Some(format!(
-                "the stated frame of {} ms is right {WHEN_TO_STATE}, and commands with this hold are then {}{} ms too late",
-                four_digits(1e3 * frame_s),
-                if most_s < 0.5 * frame_s { "up to " } else { "" },
-                four_digits(1e3 * most_s.min(0.5 * frame_s))
-            )),
+            // Rows that are stated to be the commands of the servo contain no wait.
+            Some(frame_s) if self.frame_is_stated && frame_s > 0.0 && !self.exact_command => {
+                Some(format!(
+                    "the stated frame of {} ms is right {WHEN_TO_STATE}, and commands with this hold are then {}{} ms too late",
+                    four_digits(1e3 * frame_s),
+                    if most_s < 0.5 * frame_s { "up to " } else { "" },
+                    four_digits(1e3 * most_s.min(0.5 * frame_s))
+                ))
+            }
             _ => None,
         }
     }

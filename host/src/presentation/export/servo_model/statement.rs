@@ -308,7 +308,10 @@ impl ServoExport<'_> {
         let frame_s = self.frame_s();
         match target {
             _ if frame_s <= 0.0 => None,
-            Target::Jsbsim => None,
+            Target::Jsbsim => Some(format!(
+                "this file holds each command for a frame of {} ms: with --frame-ms 0 it takes any at once, for whoever holds them before it",
+                in_ms(frame_s)
+            )),
             Target::Ardupilot => Some(format!(
                 "SIM_SERVO_DELAY has the mean wait for a pulse, {} ms, which the largest difference above is without",
                 in_ms(0.5 * frame_s)

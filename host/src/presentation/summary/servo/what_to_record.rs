@@ -40,14 +40,17 @@ fn beside_what_the_model_lacks(document: &ServoModelDocument) -> Vec<&'static st
     // A motion that goes on shows no rests.
     let has_strokes = model.speed_limits != SpeedLimits::default();
     let comes_to_rest = has_strokes || model.rests_apart.is_some() || model.hysteresis.is_some();
+    let has_open_frame = (model.fit.waits_for_pulses).is_some_and(|waits| waits.length_is_open);
     let advice = [
         shows_no_speed.then_some(SPEED_IS_OPEN),
         (comes_to_rest && holds_alike(model)).then_some(STAIRS_DO_NOT_SEPARATE),
         (document.is_of_rows && !document.polled).then_some(SAY_POLLED),
+        has_open_frame.then_some(HOLDS_OF_ONE_LENGTH),
         Some(match document.is_of_rows {
             true => WHAT_A_LOGGER_MAY_LACK,
             false => WHAT_MAY_BE_LACKING,
         }),
+        Some(RUNS_ALONE),
         Some(WITHOUT_INTERVALS),
     ];
     advice.into_iter().flatten().collect()
@@ -92,10 +95,16 @@ const SAY_POLLED: &str = "If the logger, and not the pulses, had a clock of its 
 /// What gives intervals in a file of another program, where more of the same does not.
 const WHAT_A_LOGGER_MAY_LACK: &str = "Another recording of this kind, or a longer one, may have intervals where the model has all of the servo: of such servos a few recordings in a hundred have none by chance. Where pulses come on a clock of their own, commands wait for them: under random levels that are held \
     for random times, in a recording of their own, such pulses are mostly found where they come about every 20 ms, and none were found here, which does not say that there are none; or change the command with the pulse, and write it in the row of that moment, as servoid's own board does. Where the output is behind a linkage that is not linear, the supply changes along a recording, friction at rest is gone at once, or gusts load the shaft, \
-    which the model lacks, fewer recordings have them, or hardly any. Steps of a sensor that are larger than its noise may hide them, too. Runs between which the servo changed a little, as by its supply, may have them by themselves, and not together.";
+    which the model lacks, fewer recordings have them, or hardly any. Steps of a sensor that are larger than its noise may hide them, too.";
 
 /// The same of a recording of servoid, whose commands change with the pulse.
 const WHAT_MAY_BE_LACKING: &str = "Another recording, or a longer one, may have intervals where the model has all of the servo, of which a few recordings in a hundred have none by chance, and fewer have, or hardly any, where the supply changes along a recording, friction at rest is gone at once, or gusts load the shaft, which it lacks. Steps of a sensor that are larger than its noise may hide intervals, too.";
+
+/// Said of commands that waited for pulses, and were held for one length.
+const HOLDS_OF_ONE_LENGTH: &str = "Holds of one length leave open how far apart the pulses are, and without that when they came: random levels that are held for random times, in a recording of their own, show both, and mostly have intervals.";
+
+/// Said last but one: several runs may be those of a servo that changed a little, as by its supply.
+const RUNS_ALONE: &str = "Several runs together may have no intervals where each alone has them: identify them one by one as well.";
 
 /// Said of a servo that changed between runs, each of which has noise alone.
 const ONE_BY_ONE: &str = "Identify the runs one by one: each may have intervals, and the scatter of their figures is that of the servo, of which intervals of one run say nothing. Look for \
@@ -237,7 +246,12 @@ mod tests {
         let of_logger = advice_on_servo_model(&document(model.clone(), true));
         assert_eq!(
             of_logger,
-            [SAY_POLLED, WHAT_A_LOGGER_MAY_LACK, WITHOUT_INTERVALS]
+            [
+                SAY_POLLED,
+                WHAT_A_LOGGER_MAY_LACK,
+                RUNS_ALONE,
+                WITHOUT_INTERVALS
+            ]
         );
         let polled = ServoModelDocument {
             polled: true,
@@ -245,7 +259,10 @@ mod tests {
         };
         assert!(!advice_on_servo_model(&polled).contains(&SAY_POLLED));
         let of_servoid = advice_on_servo_model(&document(model, false));
-        assert_eq!(of_servoid, [WHAT_MAY_BE_LACKING, WITHOUT_INTERVALS]);
+        assert_eq!(
+            of_servoid,
+            [WHAT_MAY_BE_LACKING, RUNS_ALONE, WITHOUT_INTERVALS]
+        );
     }
 
     fn quantity(name: &str, determined: bool) -> Quantity {

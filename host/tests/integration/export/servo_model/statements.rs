@@ -339,6 +339,9 @@ fn a_stated_frame_is_doubted_where_the_recording_is_not_of_servoid() {
     document.as_object_mut().unwrap().remove("pulse_frame_s");
     let foreign = folder.path().join("foreign.json");
     std::fs::write(&foreign, document.to_string()).unwrap();
+    let exact = folder.path().join("exact.json");
+    document["exact_command"] = true.into();
+    std::fs::write(&exact, document.to_string()).unwrap();
     for more in [&[][..], &["--servo-model"]] {
         let of = |file: &std::path::Path, frame: &[&str]| {
             remarks(&[&["export", arg(file), "--to", "c"], more, frame].concat())
@@ -359,6 +362,7 @@ fn a_stated_frame_is_doubted_where_the_recording_is_not_of_servoid() {
             assert!(!own.contains("in the model already"), "{own}");
         }
         assert!(!of(&foreign, &["--frame-ms", "0"]).contains("in the model already"));
+        assert!(!of(&exact, &["--frame-ms", "20"]).contains("in the model already"));
     }
 }
 
