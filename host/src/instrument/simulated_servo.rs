@@ -183,6 +183,22 @@ pub fn taken_for(text: &str) -> Option<String> {
     ))
 }
 
+/// What the recording of the model in the file `text` names leaves open: the servo has one value of it among many. Empty of a servo that is no model.
+#[must_use]
+pub fn left_open(text: &str) -> Vec<String> {
+    let found = model_of(text)
+        .map(|model| model.quantities)
+        .unwrap_or_default();
+    let open = found.into_iter().filter(|quantity| !quantity.determined);
+    open.map(|quantity| quantity.name).collect()
+}
+
+/// The servo model in the file that `text` names; `None` of another servo.
+fn model_of(text: &str) -> Option<ServoModel> {
+    let path = Path::new(text.split('?').next()?);
+    Some(ModelFile::read(path).ok()?.servo_model().ok()??.model)
+}
+
 /// The noise of the recording that the model in the file `text` names comes from (deg), for a rig of this sampling; `None` of a servo that is no
 /// model, and where `options` choose a noise of their own. Where the recording had another sample period, the noise is white, and as large.
 #[must_use]
@@ -190,8 +206,7 @@ pub fn noise_of_model(text: &str, options: &SimulationOptions, train: PulseTrain
     let ServoKind::Machine(parameters) = &options.servo else {
         return None;
     };
-    let path = Path::new(text.split('?').next()?);
-    let found = ModelFile::read(path).ok()?.servo_model().ok()??.model;
+    let found = model_of(text)?;
     if options.noise != NoiseKind::Full {
         return None;
     }

@@ -104,7 +104,12 @@ impl AssumedServo {
         Ok(
             match simulated_servo::noise_of_model(servo, &options, train) {
                 Some(noise) => Self {
-                    name: format!("the servo model of {servo}"),
+                    name: match simulated_servo::left_open(servo).join(", ") {
+                        open if open.is_empty() => format!("the servo model of {servo}"),
+                        open => format!(
+                            "the servo model of {servo}, with one value among many of what its recording leaves open ({open})"
+                        ),
+                    },
                     ..assumed.with_noise(noise)
                 },
                 None => assumed,

@@ -22,7 +22,9 @@ pub fn of_plan(plan: &Plan) -> String {
         (
             "assumed",
             match noise.is_finite() {
-                true => format!("{servo}, noise {noise:.4} deg rms, {colour}"),
+                true => {
+                    summary::wrapped(&format!("{servo}, noise {noise:.4} deg rms, {colour}"), 14)
+                }
                 false => format!(
                     "{servo}, noise that grows without bound, {colour}: its model describes no noise at rest"
                 ),

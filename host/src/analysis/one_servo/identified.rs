@@ -165,7 +165,7 @@ pub(crate) fn by_pulses(waits: WaitsForPulses) -> Advice {
         ),
         waits.frame_s,
         0.0,
-        "Take the servo model, which has each command at its pulse. For a linear model with bounds, write each command at the pulse with which it begins.",
+        "Take the servo model, which has each command at its pulse. For a linear model without these waits, write each command at the pulse with which it begins.",
     )
 }
 

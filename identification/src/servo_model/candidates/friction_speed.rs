@@ -15,6 +15,7 @@ use crate::servo_model::uncertainty::covariance::{Uncertainty, uncertainty};
 use crate::servo_model::uncertainty::validity::against;
 use crate::thresholds::SERVO_LACK_OF_FIT;
 use rayon::prelude::*;
+use servoid_dynamics::ServoParameters;
 
 /// The speeds, as shares of the top speed.
 const SHARES: [f64; 5] = [FRICTION_SPEED_SHARE, 0.025, 0.012, 0.006, 0.003];
@@ -28,6 +29,50 @@ pub(super) struct WithItsSpeed {
     pub(super) found: Uncertainty,
     /// The same with each of the other speeds; none where something else than its errors speaks against intervals.
     pub(super) others: Vec<Point>,
+}
+
+/// Friction at rest that holds the shaft so many times as far off the command as it is in any rest of the motion is shown by nothing: lost as soon as the shaft turns, it moves where strokes end by less than a
+/// step of the sensor, as noise may ask for. A servo whose strokes rested within 12 us was found with 97 us so, and stood still under strokes of 50.
+const UNSHOWN: f64 = 2.0;
+
+/// A rest lasts so long \[s\]: a shaft that breaks away is sooner gone.
+const REST_S: f64 = 0.02;
+
+/// Whether a rest in the motion of `point`, of which `found` is the uncertainty, shows the friction at rest that it has.
+pub(super) fn shows_friction_at_rest(
+    parts: &[Stretch],
+    point: &Point,
+    found: &Uncertainty,
+    period_s: f64,
+) -> bool {
+    let servo = point.physics(0, |_, value| value);
+    let held = servo.resting_error().unwrap_or(f64::INFINITY) + servo.dead_band.unwrap_or_default();
+    let samples = (REST_S / period_s).ceil() as usize;
+    let motion = found.motion.simulated.iter().zip(&found.motion.at_rest);
+    let rests = parts.iter().zip(motion).map(|(part, (output, at_rest))| {
+        let servo = point.servo_of(part, |_, value| value);
+        largest_rest(&servo, (&part.input, output, at_rest), (samples, period_s))
+    });
+    held <= UNSHOWN * (rests.fold(0.0, f64::max) + servo.half_play())
+}
+
+/// The farthest that the angle of `servo` is off the command in a rest of so many `samples` or more \[command\].
+fn largest_rest(
+    servo: &ServoParameters,
+    (input, output, at_rest): (&[f64], &[f64], &[bool]),
+    (samples, period_s): (usize, f64),
+) -> f64 {
+    // A command within a row acts from the next on.
+    let late = (servo.delay_s.max(0.0) / period_s) as usize + 2;
+    let angle = |y: f64| (y - servo.offset) / servo.gain;
+    let still = at_rest
+        .windows(samples)
+        .map(|rest| rest.iter().all(|at_rest| *at_rest));
+    let errors = input.iter().zip(output.iter().zip(still).skip(late));
+    let of_rests = errors.filter(|(_, (_, still))| *still);
+    of_rests
+        .map(|(u, (y, _))| (u - angle(*y)).abs())
+        .fold(0.0, f64::max)
 }
 
 /// The servos as `point` with each of the other speeds.
@@ -88,6 +133,7 @@ pub(super) fn with_its_speed(
     let leaves_noise = |(parts, point, other): &(Vec<Stretch>, Point, Uncertainty)| {
         (reason.is_some() || found.is_beaten_by(other, SERVO_LACK_OF_FIT))
             && against(parts, point, other).is_none()
+            && shows_friction_at_rest(parts, point, other, descent.grid.period_s)
     };
     let others = with_other_speeds(&descent.problem(parts), &point);
     let all: Vec<_> = others.par_iter().cloned().map(polished).collect();

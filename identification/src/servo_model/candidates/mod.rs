@@ -15,7 +15,7 @@ use crate::servo_model::uncertainty::covariance::{Uncertainty, uncertainty};
 use crate::servo_model::uncertainty::possible_servo::PossibleServo;
 use crate::servo_model::uncertainty::validity::against;
 use crate::thresholds::{SERVO_ALTERNATIVE, SERVO_LACK_OF_FIT};
-use friction_speed::{is_next_to, with_its_speed};
+use friction_speed::{is_next_to, shows_friction_at_rest, with_its_speed};
 use other_fits::fits_of_folds;
 use other_valleys::{with_quick_drive, with_soft_drive, with_unequal_limits};
 use rayon::prelude::*;
@@ -91,9 +91,19 @@ impl Candidates {
         (best, of_other_speeds): (&Point, Vec<Point>),
         blocks: usize,
     ) {
-        let unequal = with_unequal_limits(problem, best);
-        for point in of_other_speeds.into_iter().chain(unequal) {
-            let other = uncertainty(problem, &point, blocks);
+        let with_its_own = |point: Point| (uncertainty(problem, &point, blocks), point);
+        let period_s = problem.grid.period_s;
+        let of_other_speeds =
+            of_other_speeds
+                .into_iter()
+                .map(with_its_own)
+                .filter(|(other, point)| {
+                    shows_friction_at_rest(problem.stretches, point, other, period_s)
+                });
+        let unequal = with_unequal_limits(problem, best)
+            .into_iter()
+            .map(with_its_own);
+        for (other, point) in of_other_speeds.chain(unequal) {
             let is_better = self.found.is_beaten_by(&other, SERVO_LACK_OF_FIT);
             self.level = self
                 .level

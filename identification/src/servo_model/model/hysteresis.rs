@@ -81,13 +81,23 @@ impl ServoModel {
             .then(|| halved(least, largest, |command| of_least * load(command) > 0.0))
     }
 
-    /// How far apart friction, dead band and play of the model may hold rests under one command \[output\], where nothing in the record shows as much: its rests are not half as far apart, and no interval holds
-    /// what the model has. Strokes of less may leave the model where it is.
+    /// How far apart friction, dead band and play of the model may hold rests under one command \[output\], where nothing in the record shows as much: its rests are not half as far apart, and no interval says
+    /// that it is more than they are. Strokes of less may leave the model where it is.
     #[must_use]
     pub fn held_without_evidence(&self) -> Option<f64> {
         let shown = self.rests_apart?.upper?;
         let held = self.held_apart();
-        (self.covariance.valid().is_none() && held > UNSHOWN * shown).then_some(held)
+        (held > UNSHOWN * shown && !self.surely_holds(shown)).then_some(held)
+    }
+
+    /// Whether friction of the model surely holds rests this far apart \[output\]: smaller strokes than those that are made again may show it.
+    fn surely_holds(&self, apart: f64) -> bool {
+        let at_least = || {
+            let resting_error = self.quantity(QuantityKind::RestingError)?;
+            resting_error.interval.valid()?.lower
+        };
+        let gain = self.parameters(0).gain.abs();
+        at_least().is_some_and(|lower| 2.0 * lower * gain > apart)
     }
 
     /// With the rests that its record shows, beside which friction at rest may be left open.

@@ -203,12 +203,12 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
                 .map(|top| top * each.abs() / command.full),
         ),
         behind_in_larger_strokes(share),
-        export.without_play(),
         limit_the_command(export),
     ];
+    let remarks = remarks.into_iter().flatten();
     Ok(ExportedServo::new(text, difference)?
         .lacking(export, "ArduPilot", &LEFT_OUT)?
-        .with(remarks.into_iter().flatten()))
+        .with(remarks.chain(export.without_play_and_dead_band())))
 }
 
 /// The same of a servo that has stops.

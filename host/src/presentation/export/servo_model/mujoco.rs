@@ -298,7 +298,7 @@ pub(super) fn write(export: &ServoExport<'_>) -> Result<ExportedServo, ExportErr
         .with(
             [remark]
                 .into_iter()
-                .chain(export.without_play())
+                .chain(export.without_play_and_dead_band())
                 .chain(rounded_delay(export, joint.late_s(), step_s)),
         ))
 }

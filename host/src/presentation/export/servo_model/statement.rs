@@ -317,7 +317,7 @@ impl ServoExport<'_> {
                 in_ms(0.5 * frame_s)
             )),
             _ => Some(format!(
-                "a servo gets a new command once in {} ms: put a sample and hold of that before the file",
+                "a servo gets a new command once in {} ms: put a sample and hold of that before the file; where steps do not divide it, commands are up to a step late (--step-ms)",
                 in_ms(frame_s)
             )),
         }
@@ -338,7 +338,7 @@ impl ServoExport<'_> {
                 "this file takes the command that stands at each multiple of {frame} ms, and holds it until the next"
             ),
             Frame::BeforeFile => format!(
-                "this file takes it at any step. Put a sample and hold of {frame} ms before it"
+                "this file takes it at any step. Put a sample and hold of {frame} ms before it; where the steps do not divide that, commands are up to a step late"
             ),
             Frame::InDelay(parameter) => format!(
                 "here it is taken at any step, and {parameter} has the mean wait, {} s. The largest difference below is without that, as its command changes with the pulses",

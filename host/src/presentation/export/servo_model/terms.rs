@@ -82,13 +82,23 @@ impl ServoExport<'_> {
         }
     }
 
-    /// That a file goes without the play, which counts in small motion, however small it is beside the largest stroke.
-    pub(super) fn without_play(&self) -> Option<String> {
-        let width = four_digits(self.parameters.play? * self.parameters.gain.abs());
+    /// That a file goes without play and dead band, which count in small motion, however small they are beside the largest stroke.
+    pub(super) fn without_play_and_dead_band(&self) -> Vec<String> {
         let unit = self.output_unit();
-        Some(format!(
-            "the play of {width} {unit} is left out: after each turn the servo stands still until that is crossed, and the file does not"
-        ))
+        let position = |width: f64| four_digits(width * self.parameters.gain.abs());
+        let play = self.parameters.play.map(|width| {
+            format!(
+                "the play of {} {unit} is left out: after each turn the servo stands still until that is crossed, and the file does not",
+                position(width)
+            )
+        });
+        let dead_band = self.parameters.dead_band.map(|width| {
+            format!(
+                "the dead band of {} {unit} to each side is left out: the servo stands still within it, and small motion of the file is earlier and larger",
+                position(width)
+            )
+        });
+        play.into_iter().chain(dead_band).collect()
     }
 
     /// "the full drive, the friction and the stops", of those of `terms` that this servo has.

@@ -140,16 +140,47 @@ pub(super) fn play(model: &ServoModel, units: Units<'_>) -> Option<String> {
     Some(format!("has play of {width}{}", with_space(units.output)))
 }
 
-/// How far friction, a dead band and play leave it off its command, together: what friction leaves begins at the edge of the band, and the output is half the play behind.
+/// How far friction, a dead band and play leave it off its command, together.
 pub(super) fn resting_error(model: &ServoModel, units: Units<'_>) -> Option<String> {
     let by_friction = determined(model, QuantityKind::RestingError)?;
+    let (value, bounds) = off_command(model);
+    // Ends that are far apart say nothing of a servo, and alarm.
+    let is_known = bounds.is_none_or(|[_, upper]| upper < MOST_OF_REST * value);
+    // A number that may be a quarter larger or less is not said without its interval.
+    let wide = bounds.filter(|[lower, upper]| upper - lower > value / 2.0);
+    // A load moves the shaft to one edge of the dead band, and where it grows with the angle an error of the command moves the shaft by less: what is left is a position alone, whose interval is not known.
+    let has_load = model.terms.load != LoadKind::None;
+    let angle = value.min(model.held_at_rest());
+    let position = digits(angle * model.parameters(0).gain.abs(), 2);
+    let position = format!("{position}{}", with_space(units.output));
+    let command = format!("{}{}", digits(value, 2), with_space(units.input));
+    let off = match (
+        has_load && !may_have_no_load(model),
+        units.input == units.output,
+    ) {
+        (true, _) => format!("{position} off where its load holds it"),
+        (false, true) => format!("{command} of the command off"),
+        (false, false) => format!("{command} ({position}) off"),
+    };
+    let is_said = by_friction.value > 0.0 && is_known && !(has_load && wide.is_some());
+    let wide = wide.map_or_else(String::new, |[lower, upper]| {
+        format!(
+            " ({} to {}{})",
+            digits(lower, 2),
+            digits(upper, 2),
+            with_space(units.input)
+        )
+    });
+    is_said.then(|| format!("comes to rest up to {off}{wide}, as by friction, a dead band or play"))
+}
+
+/// How far off the command it may rest, and the ends of the intervals of what makes that, where each has one \[command\]: what friction leaves begins at the edge of the dead band, and the output is half the play behind.
+fn off_command(model: &ServoModel) -> (f64, Option<[f64; 2]>) {
     let half_of_play = 0.5 / model.parameters(0).gain.abs();
     let of = |kind, factor: f64| {
         let found = determined(model, kind)?;
-        Some((
-            factor * found.value,
-            ends(found).map(|of| of.map(|end| factor * end)),
-        ))
+        let ends = ends(found).map(|of| of.map(|end| factor * end));
+        Some((factor * found.value, ends))
     };
     let all = [
         of(QuantityKind::RestingError, 1.0),
@@ -160,51 +191,13 @@ pub(super) fn resting_error(model: &ServoModel, units: Units<'_>) -> Option<Stri
     let gears = determined(model, QuantityKind::FrictionOfGears);
     let gears_are_loaded =
         model.terms.load != LoadKind::None && gears.is_some_and(|found| found.value > 0.0);
-    let value: f64 = match gears_are_loaded {
+    let value = match gears_are_loaded {
         true => model.held_at_rest(),
         false => all.iter().flatten().map(|(value, _)| value).sum(),
     };
     let bounds = all.into_iter().flatten().map(|(_, ends)| ends);
     let bounds = bounds.reduce(|a, b| Some([a?[0] + b?[0], a?[1] + b?[1]]));
-    // Ends that are far apart say nothing of a servo, and alarm.
-    let is_known = bounds
-        .flatten()
-        .is_none_or(|[_, upper]| upper < MOST_OF_REST * value);
-    (by_friction.value > 0.0 && is_known).then(|| {
-        // Where the load grows with the angle, an error of the command moves the shaft by less.
-        let angle = value.min(model.held_at_rest());
-        let position = angle * model.parameters(0).gain.abs();
-        let command = match units.input == units.output {
-            true => format!("{} of the command", with_space(units.input)),
-            false => format!(
-                "{} ({}{})",
-                with_space(units.input),
-                digits(position, 2),
-                with_space(units.output)
-            ),
-        };
-        // A number that may be a quarter larger or less is not said without its interval.
-        let wide = bounds
-            .flatten()
-            .filter(|[lower, upper]| !gears_are_loaded && upper - lower > value / 2.0);
-        let wide = wide.map_or_else(String::new, |[lower, upper]| {
-            format!(
-                " ({} to {}{})",
-                digits(lower, 2),
-                digits(upper, 2),
-                with_space(units.input)
-            )
-        });
-        let from = match model.terms.load {
-            LoadKind::None => "",
-            _ if may_have_no_load(model) => "",
-            _ => " where its load holds it",
-        };
-        format!(
-            "comes to rest up to {}{command} off{from}{wide}, as by friction, a dead band or play",
-            digits(value, 2)
-        )
-    })
+    (value, bounds.flatten())
 }
 
 /// What has the motion of a constant load as well.
