@@ -4,7 +4,8 @@
 //! what errors are left to a model of such a record are noise. A limit of the speed, play and friction stay what they are.
 
 use super::pulse_frames::{PulseFrames, TimedAnswer};
-use servoid_identification::{Identification, Options, Record, Run, identify_explained};
+use servoid_identification::results::Reason;
+use servoid_identification::{Identification, Options, Record, Run, identify, identify_explained};
 
 /// A run whose commands wait for regular pulses.
 pub(crate) struct RunInFrames {
@@ -41,12 +42,20 @@ pub(crate) fn is_linear_at_pulses(
 
 /// The same where commands of `record` are in force from their pulses on, within the rows.
 pub(crate) fn is_linear_in_force(record: &Record<'_>, options: &Options) -> bool {
+    in_means(record).is_some_and(|means| is_linear(&means, options))
+}
+
+/// What speaks against bounds of a linear model of such a record.
+pub(crate) fn reason_in_force(record: &Record<'_>) -> Option<Reason> {
+    let model = identify(&in_means(record)?, &Options::default()).ok()?;
+    model.level().withdrawn()
+}
+
+/// The record with the mean of the command in force in each row.
+fn in_means<'r>(record: &Record<'r>) -> Option<Record<'r>> {
     let period_s = record.sample_period_s();
-    let means: Option<Vec<Run>> = (record.runs().iter())
-        .map(|run| with_means(run, period_s))
-        .collect();
-    let means = means.and_then(|runs| record.try_with_runs(runs).ok());
-    means.is_some_and(|means| is_linear(&means, options))
+    let runs = record.runs().iter().map(|run| with_means(run, period_s));
+    record.try_with_runs(runs.collect::<Option<_>>()?).ok()
 }
 
 /// Whether no errors that follow the motion are left to a model of `record`.

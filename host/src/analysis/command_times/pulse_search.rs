@@ -12,7 +12,7 @@ use std::ops::RangeInclusive;
 /// Lengths about which tables are made, in stated ones: each has all within half a percent. The ceramic resonator of an Arduino keeps within half a percent, and libraries and receivers count frames of 20 ms with one or two more.
 const TABLES: [f64; 5] = [1.0, 0.99, 1.01, 0.98, 1.02];
 
-/// Errors that are looked up and less than this times the least are alike, as far as moments say that are a part of a frame apart.
+/// About a length with an error that is looked up of less than this times the least may be the closest: it is that at moments that are a part of a frame apart.
 const ALIKE: f64 = 1.1;
 
 /// How far a length may be from the stated one, as a share of it.
@@ -173,6 +173,16 @@ impl<'a, 'r> LookedUp<'a, 'r> {
         }
     }
 
+    /// The closest of all lengths that are tried.
+    fn refined(&self, error: ErrorOfRun) -> Option<Pulses> {
+        // Looked up errors are those of moments beside the right ones: which of the best is the best, predictions say.
+        let predicted = |pulses: Pulses| pulses.predicted(pulses.frame_s, error);
+        let best = best_of(self.tried(), PREDICTED).into_iter();
+        let starts = best_of(best.filter_map(predicted).collect(), STARTS).into_iter();
+        let refined = starts.filter_map(|start| start.refined(self.step_s, error));
+        refined.min_by(|a, b| a.sum().total_cmp(&b.sum()))
+    }
+
     /// With all lengths that are tried.
     fn tried(&self) -> Vec<Pulses> {
         let steps = (OF_LENGTH * self.about_s / self.step_s).ceil() as i32;
@@ -187,18 +197,9 @@ pub(crate) fn least_error<'r>(
     stated_s: f64,
     predict: Predict<'_, 'r>,
 ) -> Option<f64> {
-    nearest(&LookedUp::of_all(record, stated_s, predict)).map(|(_, error)| error)
-}
-
-/// The errors about the length that is nearest, with the least of them (rms).
-fn nearest<'t, 'a, 'r>(all: &'t [LookedUp<'a, 'r>]) -> Option<(&'t LookedUp<'a, 'r>, f64)> {
-    let errors = all
-        .iter()
-        .filter_map(|looked_up| Some((looked_up, looked_up.least_error()?)));
-    let errors: Vec<_> = errors.collect();
-    let least = errors.iter().map(|(_, error)| *error).reduce(f64::min)?;
-    // Of lengths with which holds of one length end alike, the one that is stated, or is next to it.
-    errors.into_iter().find(|(_, error)| *error < ALIKE * least)
+    let all = LookedUp::of_all(record, stated_s, predict);
+    let errors = all.iter().filter_map(LookedUp::least_error);
+    errors.reduce(f64::min)
 }
 
 /// The closest pulses to the runs of a record, in frames of `stated_s` to [`OF_STATED`] of that. `None` where no run can be predicted.
@@ -208,34 +209,35 @@ pub(crate) fn closest_pulses<'r>(
     predict: Predict<'_, 'r>,
 ) -> Option<ClosestPulses> {
     let all = LookedUp::of_all(record, stated_s, predict);
-    let (looked_up, _) = nearest(&all)?;
-    let (known, step_s) = (looked_up.known(), looked_up.step_s);
+    let of_stated = all.first()?;
+    let least = (all.iter().filter_map(LookedUp::least_error)).reduce(f64::min)?;
+    let may_be_closest = |looked_up: &&LookedUp| {
+        let error = looked_up.least_error();
+        error.is_some_and(|error| error < ALIKE * least)
+    };
     let error = |run: usize, pulses: [f64; 2]| {
+        let known = of_stated.known();
         let table = known.get(run)?;
         Some(table.squares(&predict(table.run, table.number, pulses)?))
     };
-    let of_stated = all.first()?;
-    let as_stated = of_stated.closest(stated_s).refined(0.0, &error)?;
-    // Looked up errors are those of moments beside the right ones: which of the best is the best, predictions say.
-    let predicted = |pulses: Pulses| pulses.predicted(pulses.frame_s, &error);
-    let best = best_of(looked_up.tried(), PREDICTED).into_iter();
-    let starts = best_of(best.filter_map(predicted).collect(), STARTS);
     // The stated length first: no other is preferred that is no closer.
-    let starts = std::iter::once(as_stated.clone()).chain(starts);
-    let refined = starts.filter_map(|start| start.refined(step_s, &error));
+    let as_stated = of_stated.closest(stated_s).refined(0.0, &error)?;
+    let about = all.iter().filter(may_be_closest);
+    let others = about.filter_map(|looked_up| looked_up.refined(&error));
+    let refined = std::iter::once(as_stated.clone()).chain(others);
     let found = refined.min_by(|a, b| a.sum().total_cmp(&b.sum()))?;
     // A fast servo goes a tenth of a degree in a step of the others.
-    let found = found.halved(HALVED + 1..=HALVED + FURTHER, step_s, &error);
-    let rms = |squares: f64| (squares / looked_up.samples()).sqrt();
+    let found = found.halved(HALVED + 1..=HALVED + FURTHER, of_stated.step_s, &error);
+    let rms = |squares: f64| (squares / of_stated.samples()).sqrt();
     let mut middle_s = found.middle_s.iter();
-    let first = looked_up.tables.iter().map(|table| {
+    let first = of_stated.tables.iter().map(|table| {
         let middle_s = table.as_ref().and_then(|_| middle_s.next())?;
         Some(middle_s.rem_euclid(found.frame_s))
     });
     let largest = of_stated.known().into_iter().map(ErrorTable::largest);
     Some(ClosestPulses {
         frame_s: found.frame_s,
-        frame_step_s: step_s,
+        frame_step_s: of_stated.step_s,
         first_pulse_s: first.collect(),
         rmse: rms(found.sum()),
         rmse_as_stated: rms(as_stated.sum()),

@@ -118,18 +118,24 @@ fn several_controllers(data: &Dataset) -> Option<Advice> {
     })
 }
 
-/// Of an input that follows the output: that the file has another column of commands, where it does.
+/// Of an input that follows the output: that the file has another column of commands, where it does, and that commands may have waited.
 fn name_planned_command(data: &Dataset, advice: &mut [Advice]) {
-    let Some(column) = &data.about.other_input else {
-        return;
-    };
-    for found in advice.iter_mut().filter(|found| found.is_of_feedback()) {
-        found.remedy += &format!(
+    let column = data.about.other_input.as_ref().map(|column| {
+        format!(
             " The file has a column {column:?}, too: where that was planned before, --input {} gives the response of servo and controller together.",
             quoted(column)
-        );
+        )
+    });
+    for found in advice.iter_mut().filter(|found| found.is_of_feedback()) {
+        found.remedy += column.as_deref().unwrap_or_default();
+        if data.about.commands_may_wait() {
+            found.remedy += BY_WAITS;
+        }
     }
 }
+
+/// What makes a command that nothing feeds back look so.
+const BY_WAITS: &str = " A smooth command that was planned before and waited for pulses on a clock of their own may look so, too: 'servoid identify --servo-model' looks for these pulses.";
 
 /// Errors that follow the motion are those of commands that came at other times than their rows, about a mean that the response contains:
 /// nothing else says that the servo is not linear. Where they took the bounds, they are larger than that.
@@ -148,9 +154,12 @@ pub(super) fn explained_by_pulses(model: &mut Model, servo: &ServoModel, is_line
         return;
     };
     model.linear = is_linear;
-    model.advice.retain(|item| !item.is_of_errors_in_motion());
+    let is_of_waits = |item: &Advice| item.is_of_errors_in_motion() || item.is_of_feedback();
+    model.advice.retain(|item| !is_of_waits(item));
+    Advice::name_waits_of_runs(&mut model.advice);
     model.advice.insert(0, by_pulses(waits));
-    if model.bounds.withdrawn() == Some(Reason::ErrorsNotNoise) {
+    let by_waits = [Reason::ErrorsNotNoise, Reason::InputFollowsOutput].map(Some);
+    if by_waits.contains(&model.bounds.withdrawn()) {
         *model = model.clone().withdrawn_for(Reason::CommandsWait);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::identified::{explained_by_pulses, identified};
 use super::waits;
-use crate::analysis::command_times::commands_at_pulses::is_linear_in_force;
+use crate::analysis::command_times::commands_at_pulses::{is_linear_in_force, reason_in_force};
 use crate::data::dataset::Dataset;
 use crate::data::held_out::{HeldOut, HeldOutPrediction};
 use crate::data::model_file::ServoModelDocument;
@@ -202,12 +202,18 @@ fn fit<'r>(
         ),
         stops_at: linear.model().stops.clone(),
     };
-    let found = |record: &Record| match linear {
-        Linear::Beside(linear) => servo_model::fit_beside(record, linear, &options, search),
-        Linear::OfRecord(_) => servo_model::fit_watched(record, &options, search),
+    let found = |record: &Record, against: Option<Reason>| {
+        let options = ServoModelOptions {
+            against,
+            ..options.clone()
+        };
+        match linear {
+            Linear::Beside(linear) => servo_model::fit_beside(record, linear, &options, search),
+            Linear::OfRecord(_) => servo_model::fit_watched(record, &options, search),
+        }
     };
-    let model = found(&data.record).map_err(|error| error.to_string())?;
-    let (model, record) = behind_pulses(data, model, &options.controllers, found);
+    let model = found(&data.record, options.against).map_err(|error| error.to_string())?;
+    let (model, record) = behind_pulses(data, model, &options, found);
     let model = model.with_delay_error(data.about.sensor_delay_uncertainty_s);
     let (hysteresis, apart) = Hysteresis::with_rests_apart(&data.record, linear.model(), level);
     let simulated = model.simulate(&record, &options.controllers);
@@ -240,20 +246,28 @@ fn fit<'r>(
     })
 }
 
-/// Times that pulses are looked for anew with the servo behind them, while it leaves no more than this share of the errors of the one before.
+/// Times that pulses are looked for anew with the servo behind them, until one leaves more than this share of the errors of the one before.
 const ROUNDS: usize = 3;
 const LESS: f64 = 0.99;
 
 /// The servo behind the pulses that the commands of `data` waited for, with its record, where the errors of the servo of the rows show that they did; else that `of_rows`. `found` finds the servo of a
-/// record.
+/// record, and what speaks against it.
 fn behind_pulses<'r>(
     data: &Dataset<'r>,
     of_rows: ServoModel,
-    controllers: &[usize],
-    found: impl Fn(&Record) -> Result<ServoModel, Error>,
+    options: &ServoModelOptions,
+    found: impl Fn(&Record, Option<Reason>) -> Result<ServoModel, Error>,
 ) -> (ServoModel, Record<'r>) {
+    let controllers = &options.controllers;
     let servo_at = |pulses: waits::AtPulses<'r>| {
-        let model = found(&pulses.record).ok()?;
+        // A smooth command that waits looks as if it followed the output.
+        let against = match options.against {
+            Some(Reason::InputFollowsOutput) => {
+                reason_in_force(&pulses.record).filter(|reason| reason.is_of_the_record())
+            }
+            against => against,
+        };
+        let model = found(&pulses.record, against).ok()?;
         Some((model.behind_pulses(pulses.waits), pulses.record))
     };
     let better = || {
@@ -263,7 +277,13 @@ fn behind_pulses<'r>(
             let frame_s = best.0.fit.waits_for_pulses?.frame_s;
             let again = waits::closest(&data.record, &best.0, controllers, frame_s);
             match again.and_then(servo_at) {
-                Some(next) if next.0.fit.rmse < LESS * best.0.fit.rmse => best = next,
+                Some(next) if next.0.fit.rmse < best.0.fit.rmse => {
+                    let is_last = next.0.fit.rmse > LESS * best.0.fit.rmse;
+                    best = next;
+                    if is_last {
+                        break;
+                    }
+                }
                 _ => break,
             }
         }

@@ -51,7 +51,7 @@ pub(super) fn unseen_within_rows(
         return 0.0;
     }
     about.remarks.push(format!(
-        "{place}the command moves on with every row, and whether the servo was sent it in steps of {} is not in the file: intervals of times allow for {} to each side (--exact-command states that it was, --polled that the servo followed it between them)",
+        "{place}the command moves on with every row, and whether the servo was sent it in steps of {} is not in the file: intervals of times allow for {} to each side, and for no wait for a pulse, which is in the delay where none are found (--exact-command states that it was, --polled that the servo followed it between them)",
         shown(period_s),
         shown(OPEN_ROWS * period_s)
     ));

@@ -87,7 +87,7 @@ impl ServoExport<'_> {
             None => rms,
         };
         format!(
-            "this servo model leaves errors of {size} in its own recording; motion that the recording has not, such as strokes that turn round before the servo rests, may have larger ones and was not tested"
+            "this servo model leaves errors of {size} in its own recording; motion that the recording has not, such as strokes that turn round before the servo rests, may have larger ones and was not tested: 'servoid validate' tests another recording"
         )
     }
 

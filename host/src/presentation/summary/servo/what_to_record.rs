@@ -119,7 +119,7 @@ const WHERE_IT_ENDS: &str = "If this recording has what is asked for here, only 
     none, and neither does what the model lacks.";
 
 /// Said of a servo model without any term beyond a linear servo.
-const LINEAR_IS_SHARPER: &str = "This recording needs no more than a linear servo: where the linear model has intervals, those of bandwidth and times are \
+const LINEAR_IS_SHARPER: &str = "This recording needs no more than a linear servo: where the linear model has intervals, those of gain, bandwidth and times are \
     narrower as a rule. Those here also hold for limits, friction and loads that the recording leaves open.";
 
 /// Quantities that a recording may leave open, and what would show them: in a few words, and as advice.
