@@ -154,3 +154,28 @@ pub(super) fn with_its_speed(
         found,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A step of 3 that the shaft is held against, and one that it follows after its delay of two samples.
+    #[test]
+    fn a_command_that_has_not_arrived_is_no_rest_off_it() {
+        const PERIOD_S: f64 = 0.005;
+        let servo = ServoParameters {
+            delay_s: 2.0 * PERIOD_S,
+            ..ServoParameters::linear(2500.0, 100.0)
+        };
+        let input = [vec![0.0; 10], vec![3.0; 30]].concat();
+        let still = vec![0.0; 40];
+        let off = |output: &[f64], at_rest: &[bool]| {
+            largest_rest(&servo, (&input, output, at_rest), (4, PERIOD_S))
+        };
+        assert_eq!(off(&still, &[true; 40]), 3.0);
+        let follows = |k: usize| 3.0 * (k as f64 - 12.0).clamp(0.0, 8.0) / 8.0;
+        let output: Vec<f64> = (0..40).map(follows).collect();
+        let at_rest: Vec<bool> = (0..40).map(|k| !(13..=20).contains(&k)).collect();
+        assert_eq!(off(&output, &at_rest), 0.0);
+    }
+}

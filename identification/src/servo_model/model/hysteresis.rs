@@ -159,12 +159,17 @@ mod tests {
         for quantity in &mut model.quantities {
             quantity.determined = true;
         }
-        // What an interval holds needs no other evidence.
+        // What an interval holds needs no other evidence: here rests that are 0.2 apart beside one of at least 0.5 to each side, and of at least 0.05.
         model.covariance = Bounds::Valid(Covariance {
             level: 0.99,
             rows: Vec::new(),
         });
-        assert!(!leaves_open(&model, 0.2));
+        for (lower, is_open) in [(0.5, false), (0.05, true)] {
+            for quantity in &mut model.quantities {
+                quantity.interval = Bounds::Valid(Interval::new(0.6, lower, 0.7));
+            }
+            assert_eq!(leaves_open(&model, 0.2), is_open, "{lower}");
+        }
         model.covariance = Bounds::Withdrawn(Reason::ErrorsNotNoise);
         assert!(!leaves_open(&model, 1.0));
         assert!(leaves_open(&model, 0.2));
