@@ -370,6 +370,34 @@ mod tests {
         assert!(found.rmse_as_stated < found.largest_rmse, "{found:?}");
     }
 
+    /// Behind such errors of the output all lengths are within [`ALIKE`] as far as errors say that are looked up.
+    #[test]
+    fn a_length_beside_the_stated_one_is_found_behind_noise() {
+        let (frame_s, first_s) = (0.02017, 0.0031);
+        let run = commanded(700);
+        let at_pulses = |run: &Run<'_>, pulses: [f64; 2]| {
+            let held = with_pulses(run, pulses.map(|time_s| 100.0 * time_s))?;
+            Some(lagged(held.input()))
+        };
+        let noise = (0..).map(|k| 40.0 * f64::sin((k * k) as f64));
+        let clean = at_pulses(&run, [frame_s, first_s]).unwrap();
+        let output = clean.into_iter().zip(noise).map(|(y, noise)| y + noise);
+        let run = Run::new(run.input().to_vec(), output.collect::<Vec<f64>>()).unwrap();
+        let record = Record::new(0.01, vec![run]).unwrap();
+        let predict = |run: &Run<'_>, _, pulses: [f64; 2]| at_pulses(run, pulses);
+        let looked_up = LookedUp::of_all(&record, 0.02, &predict);
+        let errors: Vec<f64> = looked_up.iter().filter_map(LookedUp::least_error).collect();
+        let least = errors.iter().copied().fold(f64::INFINITY, f64::min);
+        assert!(
+            errors.iter().all(|error| *error < ALIKE * least),
+            "{errors:?}"
+        );
+        let found = closest_pulses(&record, 0.02, &predict).unwrap();
+        // Half of a step, which walks by half of the way from one moment to the next until the ends of the run.
+        let within_s = 0.5 * found.frame_step_s;
+        assert!((found.frame_s - frame_s).abs() < within_s, "{found:?}");
+    }
+
     #[test]
     fn the_stated_length_is_kept_where_no_other_is_closer() {
         let run = commanded(500);

@@ -300,6 +300,56 @@ mod tests {
     use super::*;
     use crate::presentation::summary::servo::limited_servo::limited_servo;
     use servoid_identification::results::{Bounds, Interval};
+    use servoid_identification::servo_model::{Covariance, Unit};
+
+    fn quantity(name: &str, value: f64, half_width: f64) -> Quantity {
+        let interval = Interval::new(value, value - half_width, value + half_width);
+        Quantity {
+            name: name.to_owned(),
+            unit: Unit::Command,
+            determined: true,
+            value,
+            interval: Bounds::Valid(interval),
+            other_fits: None,
+        }
+    }
+
+    /// Under a load the sum of resting error and dead band is no distance between rests: the load keeps the shaft at one edge of the band.
+    #[test]
+    fn how_far_off_it_rests_is_a_position_alone_under_a_load() {
+        let mut model = limited_servo();
+        model.terms.load = LoadKind::None;
+        let load = quantity("load at the middle", 4.0, 0.1);
+        model.quantities = vec![
+            quantity("resting error by friction", 3.0, 0.1),
+            quantity("dead band, to each side", 2.0, 0.1),
+            load,
+        ];
+        let us_and_degrees = Units {
+            input: Some("us"),
+            output: Some("deg"),
+        };
+        let said = |model: &ServoModel| resting_error(model, us_and_degrees).unwrap();
+        let without = said(&model);
+        assert!(
+            without.contains("up to 5.0 us (") && without.contains(" deg) off,"),
+            "{without}"
+        );
+        model.covariance = Bounds::Valid(Covariance {
+            level: 0.99,
+            rows: Vec::new(),
+        });
+        model.terms.load = LoadKind::Constant;
+        let under_load = said(&model);
+        assert!(
+            under_load.contains(" deg off where its load holds it"),
+            "{under_load}"
+        );
+        assert!(!under_load.contains("us"), "{under_load}");
+        // A wide interval of the command says nothing of the position.
+        model.quantities[0] = quantity("resting error by friction", 3.0, 2.0);
+        assert_eq!(resting_error(&model, us_and_degrees), None);
+    }
 
     #[test]
     fn a_delay_is_said_as_well_as_it_is_known() {
