@@ -197,31 +197,32 @@ fn by_time_alone(found: &Comparison) -> String {
     }
 }
 
+/// What a `shift` of the second side behind the first is, as the end of a sentence.
+fn timing(shift: &Interval) -> String {
+    // The best shift of these curves is no more than a guess where no interval says how far the servos are off it.
+    let (Some(seconds), Some(ends)) = (shift.value, shift.ends()) else {
+        return "is not known to be earlier or later than the first".to_owned();
+    };
+    if shift.contains(0.0) {
+        let [lower, upper] = ends;
+        return format!(
+            "is between {:.1} ms ahead of the first and {:.1} ms behind it",
+            -1e3 * lower,
+            1e3 * upper
+        );
+    }
+    if ends.iter().all(|end| end.abs() < NOTABLE_SHIFT_S) {
+        return format!(
+            "is neither ahead of the first nor behind it by more than {:.2} ms",
+            1e3 * NOTABLE_SHIFT_S
+        );
+    }
+    let place = if seconds > 0.0 { "behind" } else { "ahead of" };
+    format!("is about {:.1} ms {place} the first", 1e3 * seconds.abs())
+}
+
 /// Whether the second is behind the first in time, stroke by stroke where they differ.
 fn behind(found: &Comparison, linear: bool) -> String {
-    let timing = |curve: &DifferenceCurve| {
-        let shift = &curve.delay_shift_s;
-        let Some(seconds) = shift.value else {
-            return "cannot be called earlier or later than the first".to_owned();
-        };
-        if let (Some(lower), Some(upper)) = (shift.lower, shift.upper)
-            && shift.contains(0.0)
-        {
-            return format!(
-                "is between {:.1} ms ahead of the first and {:.1} ms behind it",
-                -1e3 * lower,
-                1e3 * upper
-            );
-        }
-        if seconds.abs() < NOTABLE_SHIFT_S {
-            return format!(
-                "is neither ahead of the first nor behind it by more than {:.2} ms",
-                1e3 * NOTABLE_SHIFT_S
-            );
-        }
-        let place = if seconds > 0.0 { "behind" } else { "ahead of" };
-        format!("is about {:.1} ms {place} the first", 1e3 * seconds.abs())
-    };
     let the_second = match linear {
         true => "The second",
         // Where a load changes with the angle, the one that is ahead in some strokes is behind in others.
@@ -230,11 +231,12 @@ fn behind(found: &Comparison, linear: bool) -> String {
     match &found.curves[..] {
         [up, down] => format!(
             "{the_second} {} on the way up, and {} on the way down",
-            timing(up),
-            timing(down)
+            timing(&up.delay_shift_s),
+            timing(&down.delay_shift_s)
         ),
         curves => {
-            let timing: String = curves.iter().map(timing).collect();
+            let shifts = curves.iter().map(|curve| timing(&curve.delay_shift_s));
+            let timing: String = shifts.collect();
             format!("{the_second} {timing}")
         }
     }
@@ -400,6 +402,24 @@ fn half_width_of_difference(a: Interval, b: Interval, options: &ComparisonOption
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_shift_without_an_interval_is_not_said() {
+        let of = |value: f64, ends: Option<[f64; 2]>| {
+            timing(&Interval {
+                value: Some(value),
+                lower: ends.map(|[lower, _]| lower),
+                upper: ends.map(|[_, upper]| upper),
+            })
+        };
+        for value in [0.16e-3, -0.34e-3, 5e-3] {
+            assert!(of(value, None).contains("not known"), "{value}");
+        }
+        let said = |value: f64, ends: [f64; 2]| of(value, Some(ends));
+        assert!(said(0.1e-3, [0.05e-3, 0.2e-3]).contains("by more than 0.25 ms"));
+        assert!(said(0.2e-3, [0.05e-3, 0.4e-3]).contains("about 0.2 ms behind"));
+        assert!(said(0.2e-3, [-0.3e-3, 0.7e-3]).contains("between 0.3 ms ahead"));
+    }
 
     #[test]
     fn rests_that_are_off_alike_at_both_ends_may_be_the_zeros_of_sensors() {

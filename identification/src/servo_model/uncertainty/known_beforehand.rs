@@ -19,11 +19,12 @@ type Unknowns = (Mat<f64>, Vec<Vec<f64>>);
 pub(super) fn within_known(point: &Point, unknowns: Unknowns) -> Unknowns {
     let place = |wanted| point.coordinates.iter().position(|at| *at == wanted);
     let mut unknowns = unknowns;
-    if let Some(both) = place(Coordinate::DeadBand).zip(place(Coordinate::Friction)) {
-        unknowns = with_rests_alike(point, unknowns, both);
-    }
+    // The share first: where it is open, so is the sum of dead band and friction.
     if let Some(share) = place(Coordinate::FrictionOfGears) {
         unknowns = with_share_of_one(point, unknowns, share);
+    }
+    if let Some(both) = place(Coordinate::DeadBand).zip(place(Coordinate::Friction)) {
+        unknowns = with_rests_alike(point, unknowns, both);
     }
     unknowns
 }
@@ -148,6 +149,44 @@ mod tests {
         change[c] = 1.0;
         let (found, unseen) = within_known(&point, (covariance.clone(), vec![change.clone()]));
         assert_eq!((found, unseen), (covariance, vec![change]));
+    }
+
+    /// A share that is open, with which friction grows, beside a difference that is open, too.
+    #[test]
+    fn a_difference_is_no_wider_than_the_sum_that_a_share_of_one_leaves() {
+        let terms = Terms {
+            dead_band: true,
+            friction: true,
+            friction_of_gears: true,
+            ..Terms::default()
+        };
+        let (mut point, ..) = point(0.1, 3.0);
+        point.coordinates = terms.coordinates(1);
+        let size = point.coordinates.len();
+        let place = |wanted| {
+            point
+                .coordinates
+                .iter()
+                .position(|at| *at == wanted)
+                .unwrap()
+        };
+        let (w, c) = (place(Coordinate::DeadBand), place(Coordinate::Friction));
+        let g = place(Coordinate::FrictionOfGears);
+        point.values = vec![0.0; size];
+        (point.values[w], point.values[c]) = (0.1, 3.0);
+        let (mut of_share, mut of_difference) = (vec![0.0; size], vec![0.0; size]);
+        (of_share[g], of_share[c]) = (30.0, 100.0);
+        (of_difference[w], of_difference[c]) = (-80.0, 80.0);
+        let product = |change: &[f64], i: usize, j: usize| change[i] * change[j];
+        let covariance = Mat::from_fn(size, size, |i, j| {
+            product(&of_share, i, j) + product(&of_difference, i, j)
+        });
+        let (found, _) = within_known(&point, (covariance, vec![]));
+        let [sum, difference] =
+            [2.0, -2.0].map(|both| found[(w, w)] + found[(c, c)] + both * found[(w, c)]);
+        // Shares to 1 leave friction to 100 / 30 of the root of 1/12 + 0.25, and the difference is no wider than 3.1²/3 + 2.9² and that.
+        assert!((sum - 3.7).abs() < 0.1, "{sum}");
+        assert!((difference - 15.3).abs() < 0.2, "{difference}");
     }
 
     /// A share that nothing shows, but what of the stiffness makes up for it.
