@@ -511,7 +511,7 @@ impl ServoExport<'_> {
                 self.at_stops(", and ")
             ),
             false => format!(
-                "A search found the strokes in which it is largest, {}, among reversals and random strokes over the recorded range, with half-periods from 1/sqrt(k) to the time in which its largest stroke settles; other commands may be farther, as random ones by up to a fifth.",
+                "A search found the strokes in which it is largest, {}, among reversals and random strokes over the recorded range, with half-periods from 1/sqrt(k) to the time in which its largest stroke settles; other commands may be farther, as random ones by up to a fifth, and reversals with two half-periods in turn by up to two thirds.",
                 reversals(trial)
             ),
         }
