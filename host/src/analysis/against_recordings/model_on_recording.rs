@@ -4,7 +4,7 @@ use super::beside_pulses::rms_beside_pulses;
 use super::misfit::{Line, Misfit};
 use super::pulses::{By, StatedPulses};
 use crate::analysis::command_times::pulse_errors::{simulate_with_pulses, with_pulses};
-use crate::analysis::command_times::pulse_search::{ClosestPulses, closest_pulses};
+use crate::analysis::command_times::pulse_search::{ClosestPulses, Lengths, closest_pulses};
 use crate::data::PredictedRun;
 use crate::data::dataset::Dataset;
 use crate::data::model_file::{ModelFile, ServoModelDocument};
@@ -106,7 +106,7 @@ impl<'d> ModelOnRecording<'d> {
     }
 
     fn closest(&self, frame_s: f64) -> Result<ClosestPulses> {
-        closest_pulses(&self.record, frame_s, &self.predict()).with_context(|| {
+        closest_pulses(&self.record, (frame_s, Lengths::StatedFirst), &self.predict()).with_context(|| {
             "the model can be held against none of the runs, so that no pulses are found: a validation without --frame-ms says why"
         })
     }

@@ -202,10 +202,19 @@ pub(crate) fn least_error<'r>(
     errors.reduce(f64::min)
 }
 
+/// Which lengths are searched in full, of those about which errors that are looked up are [`ALIKE`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Lengths {
+    /// The stated one before others: errors of a model that is off may be least anywhere.
+    StatedFirst,
+    /// All: nothing is stated.
+    Any,
+}
+
 /// The closest pulses to the runs of a record, in frames of `stated_s` to [`OF_STATED`] of that. `None` where no run can be predicted.
 pub(crate) fn closest_pulses<'r>(
     record: &Record<'r>,
-    stated_s: f64,
+    (stated_s, lengths): (f64, Lengths),
     predict: Predict<'_, 'r>,
 ) -> Option<ClosestPulses> {
     let all = LookedUp::of_all(record, stated_s, predict);
@@ -215,6 +224,10 @@ pub(crate) fn closest_pulses<'r>(
         let error = looked_up.least_error();
         error.is_some_and(|error| error < ALIKE * least)
     };
+    let most = match lengths {
+        Lengths::StatedFirst => 1,
+        Lengths::Any => all.len(),
+    };
     let error = |run: usize, pulses: [f64; 2]| {
         let known = of_stated.known();
         let table = known.get(run)?;
@@ -222,7 +235,7 @@ pub(crate) fn closest_pulses<'r>(
     };
     // The stated length first: no other is preferred that is no closer.
     let as_stated = of_stated.closest(stated_s).refined(0.0, &error)?;
-    let about = all.iter().filter(may_be_closest);
+    let about = all.iter().filter(may_be_closest).take(most);
     let others = about.filter_map(|looked_up| looked_up.refined(&error));
     let refined = std::iter::once(as_stated.clone()).chain(others);
     let found = refined.min_by(|a, b| a.sum().total_cmp(&b.sum()))?;
@@ -349,7 +362,7 @@ mod tests {
             let held = with_pulses(run, pulses.map(|time_s| 100.0 * time_s))?;
             Some(lagged(held.input()))
         };
-        let found = closest_pulses(&record, stated_s, &predict).unwrap();
+        let found = closest_pulses(&record, (stated_s, Lengths::StatedFirst), &predict).unwrap();
         // A sixteenth of a step, which walks by a twenty-fourth of a frame until the end of the longest run; and as much of the moment.
         let step_s = stated_s / 24.0 / 16.0;
         assert!(
@@ -392,7 +405,7 @@ mod tests {
             errors.iter().all(|error| *error < ALIKE * least),
             "{errors:?}"
         );
-        let found = closest_pulses(&record, 0.02, &predict).unwrap();
+        let found = closest_pulses(&record, (0.02, Lengths::Any), &predict).unwrap();
         // Half of a step, which walks by half of the way from one moment to the next until the ends of the run.
         let within_s = 0.5 * found.frame_step_s;
         assert!((found.frame_s - frame_s).abs() < within_s, "{found:?}");
@@ -403,8 +416,10 @@ mod tests {
         let run = commanded(500);
         let run = Run::new(run.input().to_vec(), lagged(run.input())).unwrap();
         let record = Record::new(0.01, vec![run]).unwrap();
-        let found = closest_pulses(&record, 0.02, &|run, _, _| Some(vec![1.0; run.len()])).unwrap();
+        let stated = (0.02, Lengths::StatedFirst);
+        let found =
+            closest_pulses(&record, stated, &|run, _, _| Some(vec![1.0; run.len()])).unwrap();
         assert_eq!(found.frame_s, 0.02);
-        assert!(closest_pulses(&record, 0.02, &|_, _, _| None).is_none());
+        assert!(closest_pulses(&record, stated, &|_, _, _| None).is_none());
     }
 }

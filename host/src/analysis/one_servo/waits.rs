@@ -7,7 +7,7 @@ use super::pulse_clock::{FittedPulses, PulseClock};
 use crate::analysis::command_times::pulse_errors::{Predict, simulate_with_pulses};
 use crate::analysis::command_times::pulse_frames::equal_hold;
 use crate::analysis::command_times::pulse_search::{
-    ClosestPulses, OF_STATED, RESOLUTION, closest_pulses, least_error,
+    ClosestPulses, Lengths, OF_STATED, RESOLUTION, closest_pulses, least_error,
 };
 use crate::data::dataset::{Dataset, FRAME_S, command_changes};
 use servoid_identification::results::{Bounds, Validation};
@@ -90,7 +90,7 @@ pub(super) fn closest<'r>(
     frame_s: f64,
 ) -> Option<AtPulses<'r>> {
     let found = each_run(record, servo, controllers, |_, run, predict| {
-        closest_pulses(run, frame_s, predict)
+        closest_pulses(run, (frame_s, Lengths::Any), predict)
     })?;
     let (shift_s, rmse) = closest_shift(record, servo, controllers, &found);
     let found: Vec<ClosestPulses> = found.iter().map(|found| found.later(shift_s)).collect();
