@@ -219,24 +219,23 @@ pub(crate) fn closest_pulses<'r>(
 ) -> Option<ClosestPulses> {
     let all = LookedUp::of_all(record, stated_s, predict);
     let of_stated = all.first()?;
-    let least = (all.iter().filter_map(LookedUp::least_error)).reduce(f64::min)?;
-    let may_be_closest = |looked_up: &&LookedUp| {
-        let error = looked_up.least_error();
-        error.is_some_and(|error| error < ALIKE * least)
-    };
+    let errors: Vec<Option<f64>> = all.iter().map(LookedUp::least_error).collect();
+    let least = errors.iter().flatten().copied().reduce(f64::min)?;
+    let may_be_closest = |error: &Option<f64>| error.is_some_and(|error| error < ALIKE * least);
     let most = match lengths {
         Lengths::StatedFirst => 1,
         Lengths::Any => all.len(),
     };
+    let known = of_stated.known();
     let error = |run: usize, pulses: [f64; 2]| {
-        let known = of_stated.known();
         let table = known.get(run)?;
         Some(table.squares(&predict(table.run, table.number, pulses)?))
     };
     // The stated length first: no other is preferred that is no closer.
     let as_stated = of_stated.closest(stated_s).refined(0.0, &error)?;
-    let about = all.iter().filter(may_be_closest).take(most);
-    let others = about.filter_map(|looked_up| looked_up.refined(&error));
+    let about = all.iter().zip(&errors);
+    let about = about.filter(|(_, error)| may_be_closest(error)).take(most);
+    let others = about.filter_map(|(looked_up, _)| looked_up.refined(&error));
     let refined = std::iter::once(as_stated.clone()).chain(others);
     let found = refined.min_by(|a, b| a.sum().total_cmp(&b.sum()))?;
     // A fast servo goes a tenth of a degree in a step of the others.
@@ -247,7 +246,7 @@ pub(crate) fn closest_pulses<'r>(
         let middle_s = table.as_ref().and_then(|_| middle_s.next())?;
         Some(middle_s.rem_euclid(found.frame_s))
     });
-    let largest = of_stated.known().into_iter().map(ErrorTable::largest);
+    let largest = known.iter().map(|table| table.largest());
     Some(ClosestPulses {
         frame_s: found.frame_s,
         frame_step_s: of_stated.step_s,

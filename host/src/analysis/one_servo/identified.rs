@@ -360,27 +360,20 @@ fn unlikely_wait(model: &Model) -> Option<Advice> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use servoid_identification::servo_model::{ServoModelOptions, fit};
-    use servoid_identification::{Record, identify};
+    use crate::presentation::summary::{limited_record, limited_servo};
+    use servoid_identification::identify;
 
     /// A planned command that waited for pulses passed for one that follows the output.
     #[test]
     fn pulses_that_were_found_stand_for_feedback() {
-        let levels = [0.0, 5.0, -3.0, 1.0];
-        let input: Vec<f64> = (0..900).map(|k| levels[k / 60 % 4]).collect();
-        let follow = |y: &mut f64, u: &f64| {
-            *y += (0.2 * (u - *y)).clamp(-0.3, 0.3);
-            Some(*y)
-        };
-        let output: Vec<f64> = input.iter().scan(0.0, follow).collect();
-        let record = Record::of_run(0.01, input, output).unwrap();
+        let record = limited_record();
         let feedback = Advice::new(Check::Feedback, "It follows.".to_owned(), 1.0, 0.0, "");
         let looped = || {
             let mut model = identify(&record, &Options::default()).unwrap();
             model.advice.insert(0, feedback.clone());
             model.withdrawn_for(Reason::InputFollowsOutput)
         };
-        let servo = fit(&record, &ServoModelOptions::default()).unwrap();
+        let servo = limited_servo();
         let mut without = looped();
         explained_by_pulses(&mut without, &servo, true);
         assert_eq!(without.bounds.withdrawn(), Some(Reason::InputFollowsOutput));

@@ -28,6 +28,8 @@ pub(crate) use response::metrics::TableRow;
 pub use response::model_sentence::model_sentence;
 pub(crate) use servo::clauses::{LOOKS_LIKE_A_LOAD, shows_load};
 pub(crate) use servo::doubts::unlikely_speed;
+#[cfg(test)]
+pub(crate) use servo::limited_servo::{limited_record, limited_servo};
 pub use servo::linear_beside::is_called_linear;
 pub use servo::servo_model::of_servo_model;
 pub use servo::servo_sentence::servo_sentence;
