@@ -114,3 +114,9 @@ pub const SERVO_TOP_SPEED_REACHED: f64 = 0.5;
 ///
 /// Protects: bounds of stairs whose last level alone lies beyond a stop. Evidence: the table of stops in docs/assumptions.md.
 pub const SHORT_LEVEL_SIGNIFICANCE: f64 = 1e-4;
+
+/// Friction that holds the shaft so many times as far off the command as it is at any rest is shown by nothing.
+///
+/// Protects: small strokes in files and predictions, which such friction holds, as of a servo that rests within 12 us and had a model that stood still under 50: lost as soon as the shaft turns, it moves where strokes end by less than a step of the
+/// sensor, as noise may ask for. Evidence: the test `friction_that_no_rest_shows_is_left_open`, and the rows of friction in the table "Measured coverage" of docs/servo-model.md.
+pub const SERVO_FRICTION_UNSHOWN: f64 = 2.0;

@@ -13,7 +13,7 @@ use crate::servo_model::descent::fit::Problem;
 use crate::servo_model::stretches::Stretch;
 use crate::servo_model::uncertainty::covariance::{Uncertainty, uncertainty};
 use crate::servo_model::uncertainty::validity::against;
-use crate::thresholds::SERVO_LACK_OF_FIT;
+use crate::thresholds::{SERVO_FRICTION_UNSHOWN, SERVO_LACK_OF_FIT};
 use rayon::prelude::*;
 use servoid_dynamics::ServoParameters;
 
@@ -30,10 +30,6 @@ pub(super) struct WithItsSpeed {
     /// The same with each of the other speeds; none where something else than its errors speaks against intervals.
     pub(super) others: Vec<Point>,
 }
-
-/// Friction at rest that holds the shaft so many times as far off the command as it is in any rest of the motion is shown by nothing: lost as soon as the shaft turns, it moves where strokes end by less than a
-/// step of the sensor, as noise may ask for. A servo whose strokes rested within 12 us was found with 97 us so, and stood still under strokes of 50.
-const UNSHOWN: f64 = 2.0;
 
 /// A rest lasts so long \[s\]: a shaft that breaks away is sooner gone.
 const REST_S: f64 = 0.02;
@@ -53,7 +49,7 @@ pub(super) fn shows_friction_at_rest(
         let servo = point.servo_of(part, |_, value| value);
         largest_rest(&servo, (&part.input, output, at_rest), (samples, period_s))
     });
-    held <= UNSHOWN * (rests.fold(0.0, f64::max) + servo.half_play())
+    held <= SERVO_FRICTION_UNSHOWN * (rests.fold(0.0, f64::max) + servo.half_play())
 }
 
 /// The farthest that the angle of `servo` is off the command in a rest of so many `samples` or more \[command\].

@@ -4,9 +4,7 @@ use super::ServoModel;
 use crate::numerics::halved;
 use crate::results::{Interval, Reason};
 use crate::servo_model::quantities::quantity_kind::QuantityKind;
-
-/// Friction that holds rests so many times as far apart as those of the record are is shown by nothing.
-const UNSHOWN: f64 = 2.0;
+use crate::thresholds::SERVO_FRICTION_UNSHOWN;
 
 /// Rests that are farther apart in the record than friction, dead band and play of the model make them, or than these are sure to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,7 +85,7 @@ impl ServoModel {
     pub fn held_without_evidence(&self) -> Option<f64> {
         let shown = self.rests_apart?.upper?;
         let held = self.held_apart();
-        (held > UNSHOWN * shown && !self.surely_holds(shown)).then_some(held)
+        (held > SERVO_FRICTION_UNSHOWN * shown && !self.surely_holds(shown)).then_some(held)
     }
 
     /// Whether friction of the model surely holds rests this far apart \[output\]: smaller strokes than those that are made again may show it.
